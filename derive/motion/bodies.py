@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from derive.motion.hermite import Array
-from derive.motion.plan import Payload
+from derive.motion.points import Payload
 from derive.robot.description import Inertia
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Name

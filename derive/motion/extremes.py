@@ -8,13 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from sympy import QQ, Expr, Float, Poly, Rational, Symbol, pi, radsimp, roots, simplify
 
-from derive.motion.hermite import Piece, sampled
+from derive.motion.hermite import Piece, power_coefficients
 from derive.motion.profile import AnyPiece, Cosine, Curve
 
 _U = Symbol("u", real=True)
 
 _SAMPLES = 2001
 """Times at which formulas are looked at."""
+
+_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Places of a polynomial of floats at which it is looked at before its extremes are computed."""
+
+_NEAR = 0.8
+"""Of the largest value: what a polynomial has to reach at these places for its extremes to be computed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +50,7 @@ def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
     """
     found: Peak | None = None
     if any(isinstance(piece, Piece) and any(value.is_Float for value in piece.values[0]) for piece in pieces):
-        return _sampled(pieces, order)
+        return numeric_peak(pieces, order)
     for piece in pieces:
         for candidate in _candidates(piece, order):
             if found is None or abs(float(candidate.value)) > abs(float(found.value)) * (1 + 1e-12):
@@ -53,17 +59,32 @@ def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
     return Peak(_neat(found.value), _neat(found.time), found.is_exact) if found.is_exact else found
 
 
-def _sampled(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
-    """The largest value at the ends and in the middle of pieces that were computed in floats."""
-    best = (0.0, float(pieces[0].start))
-    for piece in pieces:
-        if isinstance(piece, Piece):
-            numbers = np.array([[float(value) for end in piece.values for value in end]])
-            for u in (0.0, 0.25, 0.5, 0.75, 1.0):
-                length = np.array([float(piece.duration)])
-                value = float(sampled(numbers, piece.k, np.array([u]), length, order)[0])
-                best = max(best, (value, float(piece.start) + u * length[0]), key=lambda pair: abs(pair[0]))
-    return Peak(Float(best[0]), Float(best[1]), False)
+def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
+    """Where a derivative of a joint that moves by polynomials is largest in magnitude, in floats.
+
+    Args:
+        pieces: Of one joint.
+        order: 1 for the velocity, 2 for the acceleration.
+
+    Returns:
+        The peak; zero at the start where nothing moves.
+    """
+    polynomials = [piece for piece in pieces if isinstance(piece, Piece)]
+    numbers = [np.array([float(value) for end in piece.values for value in end]) for piece in polynomials]
+    lengths = np.array([float(piece.duration) for piece in polynomials])
+    rows = [
+        np.polyder(power_coefficients(row, piece.k, length), order) / length**order
+        for row, piece, length in zip(numbers, polynomials, lengths, strict=True)
+    ]
+    found = np.array([[np.polyval(row, u) for u in _PLACES] for row in rows])
+    at = np.abs(found).argmax(axis=1)
+    value, place = found[np.arange(len(rows)), at], np.array(_PLACES)[at]
+    for i in np.flatnonzero(np.abs(value) > _NEAR * np.abs(value).max()):
+        for u in _real_zeros(list(np.polyder(rows[i]))):
+            if abs(np.polyval(rows[i], u)) > abs(value[i]):
+                value[i], place[i] = np.polyval(rows[i], u), u
+    most = int(np.abs(value).argmax())
+    return Peak(Float(value[most]), Float(float(polynomials[most].start) + place[most] * lengths[most]), False)
 
 
 def _neat(value: Expr) -> Expr:

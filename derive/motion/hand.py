@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from sympy import Expr, Float
 
-from derive.errors import RobotFileError
+from derive.errors import QuantityError, RobotFileError
+from derive.motion.fastest import FastestMotion, Torques
 from derive.motion.functions import Functions
-from derive.motion.hermite import Array
-from derive.motion.plan import Plan, Point, Step, Vector
+from derive.motion.hermite import Array, Piece
+from derive.motion.limits import Limits
+from derive.motion.paths import UNIFORM, grid_of, one_second, smooth_path
+from derive.motion.plan import Plan, Step
+from derive.motion.points import Point, Vector
 from derive.motion.poses import NODES, ROWS, Follower, Way, rotation_of
-from derive.motion.trajectory import Corner, Joints, Trajectory
+from derive.motion.profile import ZERO
+from derive.motion.trajectory import ONE, Corner, Joints, Trajectory
 from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression
 
 ARRIVED = 1e-6
 """Largest difference between a configuration and where a line ends [rad or m]."""
@@ -28,12 +35,35 @@ class Hand:
         plan: The plan.
         values: Numbers of all symbols.
         exact: Cells with the numbers of their symbols.
+        torques: What the joints need in steps by their index.
     """
 
-    def __init__(self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner]) -> None:
+    def __init__(
+        self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner], torques: Torques
+    ) -> None:
         self._plan = plan
         self._values = values
         self._exact = exact
+        self._torques = torques
+
+    @cached_property
+    def limits(self) -> Limits:
+        """The largest speeds, accelerations and torques of the plan."""
+        plan = self._plan
+        torque = plan.torque if plan.robot.has_dynamics and plan.base is None else (None,) * plan.robot.n
+        bounds = [
+            tuple(None if cell is None else self.exact(cell) for cell in most)
+            for most in (plan.speed, plan.acceleration, torque)
+        ]
+        return Limits(*bounds)
+
+    def exact(self, value: Expression) -> Expr:
+        """A cell with the numbers of its symbols.
+
+        Args:
+            value: The cell.
+        """
+        return self._exact((value,))[0]
 
     @cached_property
     def _functions(self) -> Functions:
@@ -114,3 +144,47 @@ class Hand:
             remedy = f"give {step.to} as a pose, or go there by joints"
             raise RobotFileError(found, remedy=remedy, location=step.location)
         return joints
+
+    def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
+        """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0.
+
+        Args:
+            run: Segments without a stop between them.
+            first: Index of the first one in the plan.
+            corners: Joint variables at all their ends; where the end effector moves on a line or an arc, at the start.
+
+        Returns:
+            Polynomials of degree five; of joints that stand one in each segment.
+
+        Raises:
+            RobotFileError: Nothing limits the motion, none keeps to the limits, or toppra is not installed.
+        """
+        step = run[0]
+        if step.in_space:
+            path, knots = one_second(self.follow(step, corners[0], ZERO, UNIFORM)), np.array([0.0, 1.0])
+        elif len(run) == 1 and corners[0] == corners[1]:
+            return [tuple((Piece(ZERO, ONE, ((q, ZERO, ZERO), (q, ZERO, ZERO))),) for q in corners[0])]
+        else:
+            numbers = np.array(corners, dtype=float)
+            knots = self._knots(run, numbers)
+            path = smooth_path(knots, numbers)
+        grid = grid_of(path, knots)
+        steps = np.asarray(first + np.searchsorted(knots[1:], grid[:-1], side="right"))
+        try:
+            nodes = FastestMotion(path, grid, steps, self.limits.numbers(), self._torques).solve()
+        except QuantityError as error:
+            raise error.at(step.location) from None
+        edges = np.searchsorted(grid, knots).tolist()
+        exact = {} if step.in_space else dict(zip(edges, corners, strict=True))
+        return [nodes.pieces(a, b, exact) for a, b in pairwise(edges)]
+
+    def _knots(self, run: Sequence[Step], corners: Array) -> Array:
+        """s at each point of a path, by the length of the chords, from 0 to 1."""
+        speed = self.limits.numbers()[0]
+        chords = np.linalg.norm(np.diff(corners, axis=0) / np.where(np.isfinite(speed), speed, 1.0), axis=1)
+        for step, chord in zip(run, chords, strict=True):
+            if chord == 0:
+                remedy = "leave it out, or write via: stop"
+                raise RobotFileError(f"the arm does not move to {step.to}", remedy=remedy, location=step.location)
+        lengths = np.append(0.0, np.cumsum(chords))
+        return np.asarray(lengths / lengths[-1])

@@ -22,6 +22,8 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, expand
 
 Array = NDArray[np.float64]
 
+Indices = NDArray[np.intp]
+
 ORDERS = 4
 """Position and its derivatives up to the jerk."""
 

@@ -16,14 +16,15 @@ from derive.motion.bodies import Body
 from derive.motion.extremes import Peak
 from derive.motion.functions import Functions
 from derive.motion.hand import Hand
-from derive.motion.hermite import TIME, Array
+from derive.motion.hermite import TIME, Array, Indices
 from derive.motion.moving_base import BaseCurve
 from derive.motion.plan import TIME as TIME_NAME
 from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes
 from derive.motion.recording import read_recording
+from derive.motion.segments import trajectory_of
 from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
-from derive.motion.trajectory import Segment, Trajectory, curves_of, trajectory_of
+from derive.motion.trajectory import Segment, Trajectory, curves_of
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
@@ -154,7 +155,7 @@ class Motion:
             plain = Symbol(TIME_NAME)
             formulas = [formula.subs(plain, TIME) for formula in self._exact(tuple(self.plan.curves.values()))]
             return curves_of(formulas, *self._exact((self.plan.duration,)))
-        return trajectory_of(self.plan, Hand(self.plan, self.values, self._exact))
+        return trajectory_of(self.plan, Hand(self.plan, self.values, self._exact, self._loaded))
 
     @cached_property
     def base(self) -> BaseCurve | None:
@@ -234,10 +235,13 @@ class Motion:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
         times = np.asarray(t, dtype=float)
-        q, qd, qdd = self.trajectory(times)
-        tau = self._functions("inverse_dynamics", q, qd, qdd)
         starts = np.array([float(segment.start) for segment in self.trajectory.segments])
         index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
+        return self._loaded(index, *self.trajectory(times))
+
+    def _loaded(self, index: Indices, q: Array, qd: Array, qdd: Array) -> Array:
+        """Torques in steps by their index, (...), with what these carry."""
+        tau = self._functions("inverse_dynamics", q, qd, qdd)
         for i, step in enumerate(self.plan.steps):
             here = index == i
             if step.payload is not None and here.any():

@@ -13,6 +13,7 @@ from derive.motion.catalogue import plan_bytes
 from derive.motion.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
 from derive.motion.moving_base import MovingBase, read_base
 from derive.motion.plan_schema import PlanFile
+from derive.motion.points import Payload, Point, Pose, Vector
 from derive.motion.profile import Profile
 from derive.robot.cells import Cells
 from derive.robot.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
@@ -25,56 +26,8 @@ from derive.robot.schema import check_structure
 TIME = "t"
 """The letter of time in curves."""
 
-Vector = tuple[Expression, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """Where the end effector shall be.
-
-    Attributes:
-        position: In the world frame [m].
-        angles: Roll, pitch, yaw, or Euler angles ZYZ [rad]; None for a position alone.
-        is_zyz: Which of the two.
-    """
-
-    position: Vector
-    angles: Vector | None
-    is_zyz: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Point:
-    """A named configuration.
-
-    Attributes:
-        name: Its name.
-        q: Joint variables [rad or m]; None where it is a pose.
-        pose: The pose, None where it is given by joint variables.
-        branch: Name of the solution, empty for the nearest.
-        location: Where it stands in the plan.
-    """
-
-    name: str
-    q: Vector | None
-    pose: Pose | None
-    branch: str
-    location: Location
-
-
-@dataclass(frozen=True, slots=True)
-class Payload:
-    """A body that the tool carries, in the frame of the end effector.
-
-    Attributes:
-        mass: [kg].
-        com: Centre of mass [m].
-        inertia: Principal moments about it [kg m^2].
-    """
-
-    mass: Expression = ZERO
-    com: Vector = (ZERO, ZERO, ZERO)
-    inertia: Vector = (ZERO, ZERO, ZERO)
+Most = tuple[Expression | None, ...]
+"""The largest value of each joint; None where nothing limits it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +95,9 @@ class Plan:
         duration: How long curves last [s].
         recording: A CSV file with the motion, or None.
         base: How the base moves, or None.
-        speed: Largest speed of each joint, or None.
-        acceleration: Largest acceleration of each joint, or None.
+        speed: Largest speed of each joint, by default that of the robot; None where nothing limits it.
+        acceleration: Largest acceleration of each joint.
+        torque: Largest torque of each joint, by default that of the robot.
         values: Numbers of symbols of the robot.
         control: Who moves the arm in a simulation.
         friction: ``none``, ``smooth`` or ``exact``.
@@ -165,8 +119,9 @@ class Plan:
     duration: Expression
     recording: Path | None
     base: MovingBase | None
-    speed: Vector | None
-    acceleration: Vector | None
+    speed: Most
+    acceleration: Most
+    torque: Most
     values: Mapping[str, Expression]
     control: Control
     friction: str
@@ -238,6 +193,12 @@ class _Reader:
         self._cells = Cells(document, robot.units)
         self._values = {name: self._cells.plain(("values", name)) for name in self._keys(("values",))}
 
+    @property
+    def _floats(self) -> dict[str, Fraction | float]:
+        """Numbers of all symbols."""
+        numbers: dict[str, Fraction | float] = dict(parameter_values(self._robot))
+        return numbers | {name: evaluate(expression, numbers) for name, expression in self._values.items()}
+
     def read(self) -> Plan:
         """The whole plan."""
         document = self._document
@@ -263,8 +224,9 @@ class _Reader:
             duration=self._positive(("time",), ZERO) if curves else ZERO,
             recording=self._recording(recorded) if recorded else None,
             base=read_base(document, self._cells, {*parameter_values(self._robot), *self._values, TIME}),
-            speed=self._joint_list("speed"),
-            acceleration=self._joint_list("acceleration"),
+            speed=self._most("speed", tuple(joint.speed for joint in self._robot.joints)),
+            acceleration=self._most("acceleration", (None,) * self._robot.n),
+            torque=self._most("torque", tuple(joint.torque for joint in self._robot.joints)),
             values=self._values,
             control=self._control(),
             friction=document.text("friction") or "smooth",
@@ -281,8 +243,7 @@ class _Reader:
 
     def _number(self, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:
         """A cell whose symbols all have numbers, and whose value exists."""
-        value, numbers = read(path), parameter_values(self._robot)
-        numbers |= {name: evaluate(expression, numbers) for name, expression in self._values.items()}
+        value, numbers = read(path), self._floats
         for name in names(value):
             if name not in numbers:
                 remedy = near_miss(name, numbers) or f"write values: {{{name}: ...}}"
@@ -301,12 +262,12 @@ class _Reader:
         if self._document.scalar(path) is None:
             return default
         value = self._number(path, self._cells.plain)
-        if evaluate(value, parameter_values(self._robot)) <= 0:
+        if evaluate(value, self._floats) <= 0:
             found = f"found {quoted(self._document.text(*path))}"
             raise self._document.error(path, found, "allowed: a time above zero [s]")
         return value
 
-    def _joint_cells(self, path: KeyPath) -> Vector:
+    def _joint_cells(self, path: KeyPath, read: Callable[[KeyPath], Expression] | None = None) -> Vector:
         """One cell a joint, in the units of the robot."""
         robot, count = self._robot, self._document.length(path)
         if count != robot.n:
@@ -314,20 +275,24 @@ class _Reader:
             found = f"{count} value{'' if count == 1 else 's'} for {robot.n} joints"
             raise self._document.error(path, found, f"allowed: one for each of {variables}")
         for k, joint in enumerate(robot.joints):
-            if not joint.is_revolute and contains_pi(self._cells.raw((*path, k))):
+            if read is None and not joint.is_revolute and contains_pi(self._cells.raw((*path, k))):
                 found = f"an angle, {quoted(self._document.text(*path, k))}, for the slide {joint.variable}"
                 raise self._document.error((*path, k), found, "allowed: a length, without pi")
-        reads = (self._cells.angle if joint.is_revolute else self._cells.length for joint in robot.joints)
-        return tuple(self._number((*path, k), read) for k, read in enumerate(reads))
+        reads = (read or (self._cells.angle if joint.is_revolute else self._cells.length) for joint in robot.joints)
+        return tuple(self._number((*path, k), cell) for k, cell in enumerate(reads))
 
-    def _joint_list(self, key: str) -> Vector | None:
+    def _most(self, key: str, default: Most) -> Most:
+        """The largest value of each joint."""
         if self._document.find((key,)) is None:
-            return None
-        found = self._joint_cells((key,))
-        for k, value in enumerate(found):
-            if evaluate(value, parameter_values(self._robot)) <= 0:
+            return default
+        if key == "torque" and not self._robot.has_dynamics:
+            found = f"{self._robot.name} has no dynamics"
+            raise self._document.error((key,), found, remedy="leave it out, or write links into the robot file")
+        most = self._joint_cells((key,), self._cells.plain if key == "torque" else None)
+        for k, value in enumerate(most):
+            if evaluate(value, self._floats) <= 0:
                 raise self._document.error((key, k), "not above zero", "allowed: a positive number")
-        return found
+        return most
 
     def _point(self, name: str) -> Point:
         path: KeyPath = ("points", name)
@@ -339,7 +304,7 @@ class _Reader:
         return Point(name, q, None, "", location)
 
     def _check_limits(self, path: KeyPath, q: Vector) -> None:
-        numbers = parameter_values(self._robot)
+        numbers = self._floats
         for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
             if joint.limits is None or any(name not in numbers for limit in joint.limits for name in names(limit)):
                 continue
@@ -381,6 +346,9 @@ class _Reader:
         cruise = (*path, "cruise")
         profile = Profile(document.text(*path, "profile") or document.text("profile") or Profile.QUINTIC)
         passes = "pass" if profile is Profile.SPLINE else document.text("via")
+        if profile is Profile.FASTEST and document.scalar(time):
+            remedy = "leave out time, or name another profile"
+            raise document.error(time, "a fastest motion takes the time that the limits allow", remedy=remedy)
         return Step(
             to=self._target(path, points),
             time=self._positive(time, ONE) if document.scalar(time) else None,
@@ -399,7 +367,7 @@ class _Reader:
             return None
         cells = self._cells
         mass = self._number(path if isinstance(node, YamlScalar) else (*path, "mass"), cells.plain)
-        if evaluate(mass, parameter_values(self._robot)) < 0:
+        if evaluate(mass, self._floats) < 0:
             raise self._document.error(path, "negative mass", "allowed: zero or more [kg]")
         com = tuple(cells.length((*path, "com", k)) for k in range(3))
         return Payload(mass, com, tuple(cells.plain((*path, "inertia", k)) for k in range(3)))
@@ -429,7 +397,7 @@ class _Reader:
         paths = [(*path, k) for k in range(n)] if count else [path] * n
         gains = tuple(self._number(place, self._cells.plain) for place in paths)
         for place, gain in zip(paths, gains, strict=True):
-            if evaluate(gain, parameter_values(self._robot)) < 0:
+            if evaluate(gain, self._floats) < 0:
                 found = f"found {quoted(self._document.text(*place))}"
                 raise self._document.error(place, found, "allowed: zero or more", "a gain below zero drives away")
         return gains

@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag
 
 from derive.robot.schema import FORMS, Cell, RobotFile, Strict, Vector3, without_null
 
-ProfileName = Literal["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline"]
+ProfileName = Literal["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline", "fastest"]
 Via = Literal["stop", "pass"]
 Law = Literal["none", "pd", "pd-gravity", "computed-torque"]
 FrictionKind = Literal["none", "smooth", "exact"]
@@ -99,8 +99,15 @@ class PlanFile(Strict):
     profile: ProfileName = Field(default="quintic", description="How the arm goes from point to point.")
     via: Via = Field(default="stop", description="Whether the arm stops at the points between.")
     sample: Cell = Field(default="0.01", description="Time between two rows of a table of the motion [s].")
-    speed: list[Cell] | None = Field(default=None, description="Largest speed of each joint, where no time is given.")
+    speed: list[Cell] | None = Field(
+        default=None,
+        description="Largest speed of each joint, where no time is given; default: that of the robot file.",
+    )
     acceleration: list[Cell] | None = Field(default=None, description="Largest acceleration of each joint.")
+    torque: list[Cell] | None = Field(
+        default=None,
+        description="Largest torque or force of each joint in the fastest motion; default: that of the robot file.",
+    )
     values: dict[str, Cell] = Field(default={}, description="Numbers of symbols of the robot that have none.")
     points: dict[
         str, Annotated[Annotated[list[Cell], Tag(_LIST)] | Annotated[PosePoint, Tag(_BLOCK)], Discriminator(_form)]

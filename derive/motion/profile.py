@@ -47,6 +47,7 @@ class Profile(StrEnum):
     TRAPEZOIDAL = "trapezoidal"
     HARMONIC = "harmonic"
     SPLINE = "spline"
+    FASTEST = "fastest"
 
 
 VALUES = {Profile.CUBIC: 2, Profile.QUINTIC: 3, Profile.SEPTIC: 4}
@@ -149,7 +150,7 @@ def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Ex
     """From standing to standing.
 
     Args:
-        profile: Any but the spline and the trapezoid.
+        profile: A polynomial of `VALUES`, or harmonic.
         start: When it begins [s].
         duration: How long it takes [s].
         q0: Where from.

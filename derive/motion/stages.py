@@ -10,7 +10,8 @@ import numpy as np
 from derive.motion.bodies import Body, OpenLink
 from derive.motion.control import NEEDS, Controller
 from derive.motion.functions import Functions
-from derive.motion.plan import Payload, Plan
+from derive.motion.plan import Plan
+from derive.motion.points import Payload
 from derive.motion.simulation import Stage
 from derive.motion.stepping import PLANT, STEP, Plant
 from derive.motion.trajectory import Trajectory

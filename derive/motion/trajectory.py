@@ -6,31 +6,13 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
-from sympy import Expr, Integer, sqrt
+from sympy import Expr, Integer
 
-from derive.errors import RobotFileError
-from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.extremes import Peak, peak
-from derive.motion.hermite import TIME, Array, Piece, joined, power_coefficients, sampled
-from derive.motion.plan import Plan, Step
-from derive.motion.profile import (
-    CRUISE,
-    UNIT_PEAKS,
-    VALUES,
-    ZERO,
-    AnyPiece,
-    Cosine,
-    Curve,
-    Profile,
-    rest_to_rest,
-    spline,
-    trapezoid,
-    via_velocities,
-)
+from derive.motion.hermite import TIME, Array, Piece, power_coefficients, sampled
+from derive.motion.profile import ZERO, AnyPiece, Cosine, Curve
 
 Joints = tuple[tuple[AnyPiece, ...], ...]
 """The pieces of each joint."""
@@ -136,6 +118,14 @@ class _Track:
             for numbers, kind, length in zip(self.numbers, self.kinds, self.durations, strict=True)
         ]
 
+    def _rows(self, kind: int) -> Array:
+        """The numbers of all pieces of a kind, and zeros of others."""
+        width = max(row.size for row, other in zip(self.numbers, self.kinds, strict=True) if other == kind)
+        rows = np.zeros((len(self.numbers), width))
+        for i in np.flatnonzero(self.kinds == kind):
+            rows[i] = self.numbers[i]
+        return rows
+
     def at(self, t: float) -> tuple[float, float, float]:
         """Position, velocity, acceleration at one time, without the cost of arrays.
 
@@ -165,7 +155,7 @@ class _Track:
         found = np.zeros((3, t.size))
         for kind in np.unique(self.kinds[index]):
             here = self.kinds[index] == kind
-            numbers = np.array([self.numbers[i] for i in index[here]])
+            numbers = self._rows(int(kind))[index[here]]
             for order in range(3):
                 if kind > 0:
                     found[order, here] = sampled(numbers, int(kind), u[here], length[here], order)
@@ -188,63 +178,6 @@ def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
     return np.asarray(np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2))
 
 
-class Arm(Protocol):
-    """Who knows where the points of a plan are."""
-
-    def configuration(self, name: str, before: Corner | None) -> Corner:
-        """Joint variables at a point.
-
-        Args:
-            name: Of the point.
-            before: Where the arm comes from; None at the start.
-        """
-
-    def follow(self, step: Step, before: Corner, start: Expr, unit: Trajectory) -> Joints:
-        """The pieces of each joint while the end effector moves on a line or an arc.
-
-        Args:
-            step: The segment.
-            before: Joint variables at its start.
-            start: When it begins [s].
-            unit: The fraction of the way, from 0 to 1, as a function of the time since then.
-        """
-
-
-def trajectory_of(plan: Plan, arm: Arm) -> Trajectory:
-    """The segments of a plan with a path.
-
-    Args:
-        plan: The plan.
-        arm: Who knows where its points are.
-
-    Returns:
-        The trajectory, exact where the points and times are.
-
-    Raises:
-        RobotFileError: A segment without a time where nothing else gives one, a trapezoid that no speed allows, or a
-            pose that is not reached.
-    """
-    segments: list[Segment] = []
-    name, start = plan.start, ZERO
-    here = arm.configuration(name, None)
-    for run in _runs(plan.steps):
-        names, corners = [name, *(step.to for step in run)], [here]
-        if run[0].in_space:
-            length = _duration(plan, run[0], here, here)
-            unit = Trajectory((Segment("", ZERO, length, (_single(run[0], ZERO, length, ZERO, ONE),)),))
-            joints = arm.follow(run[0], here, start, unit)
-            segments.append(Segment(f"{name} -> {names[-1]}", start, length, joints))
-            here = tuple(pieces[-1].values[1][0] for pieces in joints if isinstance(pieces[-1], Piece))
-        else:
-            for step in run:
-                corners.append(arm.configuration(step.to, corners[-1]))
-            lengths = [_duration(plan, step, *ends) for step, ends in zip(run, pairwise(corners), strict=True)]
-            segments += _run(run, names, corners, start, lengths)
-            here = corners[-1]
-        name, start = names[-1], segments[-1].start + segments[-1].duration
-    return Trajectory(tuple(segments))
-
-
 def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
     """Joint variables by formulas of time.
 
@@ -260,65 +193,3 @@ def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
         velocity = formula.diff(TIME)
         pieces.append((Curve(ZERO, duration, (formula, velocity, velocity.diff(TIME))),))
     return Trajectory((Segment("curves", ZERO, duration, tuple(pieces)),))
-
-
-def _runs(steps: Sequence[Step]) -> list[list[Step]]:
-    """Steps up to the next stop, or to the next profile."""
-    runs: list[list[Step]] = []
-    for step in steps:
-        before = runs[-1][-1] if runs else step
-        if runs and not before.stops and before.profile is step.profile and not (before.in_space or step.in_space):
-            runs[-1].append(step)
-        else:
-            runs.append([step])
-    return runs
-
-
-def _run(
-    run: Sequence[Step], names: Sequence[str], corners: Sequence[tuple[Expr, ...]], start: Expr, lengths: Sequence[Expr]
-) -> list[Segment]:
-    """The segments of steps between two stops."""
-    times = [start]
-    for length in lengths:
-        times.append(times[-1] + length)
-    joints: list[list[tuple[AnyPiece, ...]]] = []
-    for positions in zip(*corners, strict=True):
-        profile = run[0].profile
-        if profile is Profile.SPLINE:
-            joints.append([(piece,) for piece in spline(times, positions)])
-        elif len(run) > 1:
-            rest = (ZERO,) * (VALUES[profile] - 2)
-            ends = [(q, v, *rest) for q, v in zip(positions, via_velocities(times, positions), strict=True)]
-            joints.append([(piece,) for piece in joined(ends, times)])
-        else:
-            joints.append([_single(run[0], start, lengths[0], *positions)])
-    return [
-        Segment(f"{names[i]} -> {names[i + 1]}", times[i], lengths[i], tuple(pieces[i] for pieces in joints))
-        for i in range(len(run))
-    ]
-
-
-def _single(step: Step, start: Expr, duration: Expr, q0: Expr, q1: Expr) -> tuple[AnyPiece, ...]:
-    if step.profile is not Profile.TRAPEZOIDAL:
-        return rest_to_rest(step.profile, start, duration, q0, q1)
-    cruise = CRUISE if step.cruise is None else expression_to_sympy(step.cruise)
-    return trapezoid(start, duration, q0, q1, cruise * abs(q1 - q0) / duration)
-
-
-def _duration(plan: Plan, step: Step, q0: Sequence[Expr], q1: Sequence[Expr]) -> Expr:
-    """The time of a segment: as the plan says, or what the slowest joint needs within the limits."""
-    if step.time is not None:
-        return expression_to_sympy(step.time)
-    if (plan.speed is None and plan.acceleration is None) or step.profile is Profile.SPLINE or not step.stops:
-        remedy = "write {to: ..., time: 3}, or speed: and acceleration: of each joint"
-        raise RobotFileError(f"no time from here to {step.to}", remedy=remedy, location=step.location)
-    speed, acceleration = UNIT_PEAKS.get(step.profile, (CRUISE, CRUISE**2 / (CRUISE - 1)))
-    needed: list[Expr] = [ZERO]
-    for j, (a, b) in enumerate(zip(q0, q1, strict=True)):
-        way = abs(b - a)
-        if plan.speed is not None:
-            needed.append(speed * way / expression_to_sympy(plan.speed[j]))
-        if plan.acceleration is not None:
-            needed.append(sqrt(acceleration * way / expression_to_sympy(plan.acceleration[j])))
-    longest = max(needed, key=float)
-    return longest if longest != 0 else Integer(1)

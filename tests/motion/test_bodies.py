@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.motion.bodies import Body, OpenLink
-from derive.motion.plan import Payload
+from derive.motion.points import Payload
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Name, number
 from derive.robot.names import free_symbols
