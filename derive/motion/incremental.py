@@ -1,0 +1,174 @@
+"""Incremental inverse kinematics: many small displacements of the hand, J^+ for each (document 001, slide 32).
+
+Near a singular configuration J^+ is damped: a singular value s counts as s/(s^2 + d^2), with d growing from zero as the
+smallest one falls (Nakamura and Hanafusa, 1986; Siciliano et al., Robotics, 2009, 3.5.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from sympy import Expr, Symbol, sstr
+
+from derive.errors import QuantityError
+from derive.model.kinematic_model import KinematicModel
+from derive.motion.functions import Functions
+from derive.motion.hand_curve import kinematics_alone
+from derive.motion.hermite import Array
+from derive.motion.motion import Motion
+from derive.robot.robot import Robot
+
+NEAR = 0.05
+"""Smallest singular value of J, relative to the largest, below which J^+ is damped."""
+
+DAMPING = 0.05
+"""Damping at a singular configuration, relative to the largest singular value."""
+
+CLOSED = 1e-12
+"""Distance at which the hand has arrived, relative to how far it goes."""
+
+CORRECTIONS = 50
+"""Most corrections at the end."""
+
+PROBES = 8
+"""Configurations at which is looked in how many directions the hand moves."""
+
+
+@dataclass(frozen=True, slots=True)
+class Increments:
+    """A displacement of the hand in small steps.
+
+    Attributes:
+        q: Joint variables after each step, the start first, (steps + 1, n).
+        error: Distance from the target after the last step, before any correction [m].
+        corrections: Steps of J^+ towards the target after that.
+        closed: Distance from the target then [m].
+        damped: How many steps were damped.
+        factor: The factor of det J that was smallest where J^+ was damped most; empty where nothing was.
+    """
+
+    q: Array
+    error: float
+    corrections: int
+    closed: float
+    damped: int
+    factor: str
+
+
+class Walker:
+    """Moves the hand of a robot in small steps.
+
+    Args:
+        robot: The robot.
+        values: Numbers of all symbols.
+    """
+
+    def __init__(self, robot: Robot, values: Mapping[str, float]) -> None:
+        self._robot = kinematics_alone(robot)
+        self._values = values
+        self._functions = Functions(self._robot, frozenset({"forward_kinematics", "jacobian"}), values)
+
+    def place(self, q: Array) -> Array:
+        """Where the hand is, (3,) [m].
+
+        Args:
+            q: Joint variables, (n,).
+        """
+        return self._functions("forward_kinematics", q)[:3, 3]
+
+    def walk(self, q: Array, target: Array, steps: int) -> Increments:
+        """Along the straight line to a target, each step from where the line should be.
+
+        Args:
+            q: Joint variables at the start, (n,).
+            target: Where the hand goes, (3,) [m].
+            steps: How many displacements.
+
+        Returns:
+            The way, and how well it ends: the error before correction falls with the length of a step.
+        """
+        way = target - self.place(q)
+        rows, damped, worst = [q], 0, (np.inf, q)
+        for _ in range(steps):
+            inverse, ratio = self._pseudoinverse(q)
+            damped += ratio < NEAR
+            worst = min(worst, (ratio, q), key=lambda pair: pair[0])
+            q = q + inverse @ (way / steps)
+            rows.append(q)
+        error, corrections = float(np.linalg.norm(target - self.place(q))), 0
+        left = error
+        while left > CLOSED * (1 + float(np.linalg.norm(way))) and corrections < CORRECTIONS:
+            q = q + self._pseudoinverse(q)[0] @ (target - self.place(q))
+            left, corrections = float(np.linalg.norm(target - self.place(q))), corrections + 1
+        factor = self._smallest_factor(worst[1]) if damped else ""
+        return Increments(np.array([*rows[:-1], q]), error, corrections, left, int(damped), factor)
+
+    def _pseudoinverse(self, q: Array) -> tuple[Array, float]:
+        """J^+ of the hand's position, damped near singular configurations, and how near one is."""
+        left, values, right = np.linalg.svd(self._functions("jacobian", q)[:3], full_matrices=False)
+        largest, ratio = values[0], values[self._rank - 1] / values[0]
+        squared = DAMPING**2 * max(1 - (ratio / NEAR) ** 2, 0) * largest**2
+        kept = slice(0, self._rank)
+        gains = values[kept] / (values[kept] ** 2 + squared)
+        return np.asarray(right[kept].T @ (gains[:, None] * left[:, kept].T)), float(ratio)
+
+    @cached_property
+    def _rank(self) -> int:
+        """In how many directions the hand moves."""
+        random = np.random.default_rng(0)
+        places = random.uniform(-1, 1, (PROBES, self._robot.n))
+        return max(int(np.linalg.matrix_rank(self._functions("jacobian", q)[:3], tol=1e-9)) for q in places)
+
+    def _smallest_factor(self, q: Array) -> str:
+        """The factor of det J that is nearest to zero."""
+        numbers = {Symbol(name): value for name, value in self._values.items()}
+        numbers |= {Symbol(joint.variable): float(v) for joint, v in zip(self._robot.joints, q, strict=True)}
+        moving = [f.expression for f in KinematicModel(self._robot).singularities.factors if f.condition is not None]
+
+        def _size(factor: Expr) -> float:
+            return abs(float(factor.subs(numbers)))
+
+        return sstr(min(moving, key=_size)) if moving else ""
+
+
+def increments_of(motion: Motion, steps: int) -> list[Increments]:
+    """The displacements between the points of a path, each along a straight line from where the plan is.
+
+    Args:
+        motion: Of a path, with a base that stands.
+        steps: Displacements of each segment.
+
+    Returns:
+        One for each segment.
+
+    Raises:
+        QuantityError: The base moves, or there is no path.
+    """
+    if motion.base is not None or not motion.plan.steps:
+        raise QuantityError("increments go from point to point of a path", remedy="write points: and path:")
+    walker, found = Walker(motion.plan.robot, motion.values), []
+    for segment in motion.trajectory.segments:
+        start, end = (motion(float(t))[0] for t in (segment.start, segment.start + segment.duration))
+        found.append(walker.walk(start, walker.place(end), steps))
+    return found
+
+
+def printed_increments(motion: Motion, steps: int) -> Iterator[str]:
+    """How well incremental inverse kinematics does.
+
+    Args:
+        motion: Of a path.
+        steps: Displacements of each segment.
+
+    Yields:
+        A line for each segment: the errors before correction with these steps and with twice as many, and after.
+    """
+    pairs = zip(motion.trajectory.segments, increments_of(motion, steps), increments_of(motion, 2 * steps), strict=True)
+    for segment, ours, finer in pairs:
+        errors = f"{ours.error:.3g} m after {steps} steps, {finer.error:.3g} m after {2 * steps}"
+        closed = "closed to 1e-9 m" if ours.closed <= 1e-9 else f"not closed: {ours.closed:.3g} m left"
+        near = f"; damped in {ours.damped} steps, near {ours.factor} = 0" if ours.damped else ""
+        yield f"{segment.name}: {errors}; {closed} by {ours.corrections} corrections{near}"

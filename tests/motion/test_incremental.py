@@ -1,0 +1,67 @@
+"""Incremental inverse kinematics: document 001, slide 32."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from derive.errors import QuantityError
+from derive.motion.incremental import Walker, increments_of, printed_increments
+from derive.motion.motion import Motion
+from derive.robot.robot import Robot
+from tests.motion.plans import PICK_AND_PLACE
+from tests.motion.skeleton import REACH
+
+VALUES = {"l0": 0.4, "l1": 0.3, "Tx": 0.1, "Ty": 0.2}
+START = np.array([0.3, 0.9])
+
+
+@pytest.fixture(scope="module")
+def walker() -> Walker:
+    return Walker(Robot.load("skeleton"), VALUES)
+
+
+def test_the_error_before_correction_falls_with_the_step_and_the_hand_closes_on_its_target(walker: Walker) -> None:
+    target = walker.place(np.array([0.8, 1.4]))
+    coarse, fine = walker.walk(START, target, 200), walker.walk(START, target, 400)
+    assert coarse.error / fine.error == pytest.approx(2, abs=0.05)
+    assert coarse.error > 1e-5
+    for found in (coarse, fine):
+        assert found.closed <= 1e-9
+        assert np.linalg.norm(walker.place(found.q[-1]) - target) <= 1e-9
+        assert (found.damped, found.factor) == (0, "")
+        assert 0 < found.corrections < 6
+
+
+def test_the_hand_follows_the_line(walker: Walker) -> None:
+    target = walker.place(np.array([0.8, 1.4]))
+    found = walker.walk(START, target, 1000)
+    places = np.array([walker.place(q) for q in found.q])
+    line = walker.place(START) + np.linspace(0, 1, 1001)[:, None] * (target - walker.place(START))
+    assert np.abs(places - line).max() < 1e-3
+    assert found.q.shape == (1001, 2)
+
+
+def test_near_the_straight_arm_steps_are_damped_and_the_vanishing_factor_is_named(walker: Walker) -> None:
+    beyond = np.array([0.1 + 0.75, 0.2, 0])
+    found = walker.walk(np.array([0.3, -0.6]), beyond, 100)
+    assert found.damped > 0
+    assert found.factor == "sin(q2)"
+    assert 0.05 <= found.closed < 0.1
+    assert np.abs(np.diff(found.q, axis=0)).max() < 1
+
+
+def test_a_path_is_walked_segment_by_segment() -> None:
+    motion = Motion.from_text(PICK_AND_PLACE)
+    found = increments_of(motion, 50)
+    assert len(found) == 5
+    assert found[1].error < 1e-12
+    assert found[0].factor == "sin(q2)"
+    lines = list(printed_increments(motion, 50))
+    assert lines[1].startswith("A -> B: ")
+    assert "near sin(q2) = 0" in lines[0]
+
+
+def test_what_has_no_path_is_refused() -> None:
+    with pytest.raises(QuantityError, match="from point to point"):
+        increments_of(Motion.from_text(REACH), 10)
