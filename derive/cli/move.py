@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.terminal import DONE, FAILED, print_columns, print_error, print_json
+from derive.cli.terminal import DONE, FAILED, positive, print_columns, print_error, print_json
 
 if TYPE_CHECKING:
     from derive.motion.motion import Motion
@@ -36,7 +36,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("plan", metavar="PLAN", help="motion plan, or the name of a built-in one")
     add("--simulate", action="store_true", help="run the arm under the plan's control law; files then show that")
     add("--show", action="store_true", help="print q(t) of every joint and segment instead of the table")
-    add("--format", choices=("text", "latex"), default="text", help="form of --show (default text)")
+    add("--hand", action="store_true", help="print the curve of the hand, and how far each joint moves it, instead")
+    add("--increments", metavar="N", type=positive, help="go to each point by N displacements of the hand with J^+")
+    add("--format", choices=("text", "latex"), default="text", help="form of --show and --hand (default text)")
     add("--json", action="store_true", help="machine-readable output")
     add("--html", metavar="FILE", type=Path, help="write a web page on which the arm plays the motion")
     add("--lang", metavar="CODE", help="language of the page: en, it, pt (default: that of the robot file)")
@@ -64,12 +66,13 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.api.move import FORMS, move
     from derive.errors import DeriveError
 
-    if arguments.format != "text" and not arguments.show:
+    if arguments.format != "text" and not (arguments.show or arguments.hand):
         raise DeriveError(f"--format {arguments.format} without --show", remedy="add --show")
     if arguments.lang and not arguments.html:
         raise DeriveError("--lang without --html", remedy="add --html page.html")
-    if arguments.show and arguments.json:
-        raise DeriveError("--show with --json", remedy="leave one out")
+    for name in ("show", "hand", "increments"):
+        if getattr(arguments, name) and arguments.json:
+            raise DeriveError(f"--{name} with --json", remedy="leave one out")
     files = {name: getattr(arguments, name) for name in FORMS}
     found = move(arguments.plan, simulate=arguments.simulate, language=arguments.lang, **files)
     if arguments.json:
@@ -98,12 +101,19 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> None:
     """The formulas, or the tables."""
+    from derive.motion.hand_curve import printed_hand, printed_weights
+    from derive.motion.incremental import printed_increments
     from derive.motion.polynomials import printed
     from derive.motion.table import HEADER, SIMULATED_HEADER, simulated_table, table, violations
 
-    if arguments.show:
-        for line in printed(motion, as_latex=arguments.format == "latex"):
-            print(line)
+    as_latex = arguments.format == "latex"
+    if arguments.show or arguments.hand or arguments.increments:
+        if arguments.show:
+            print(*printed(motion, as_latex=as_latex), sep="\n")
+        if arguments.hand:
+            print(*printed_hand(motion, as_latex=as_latex), *printed_weights(motion, as_latex=as_latex), sep="\n")
+        if arguments.increments:
+            print(*printed_increments(motion, arguments.increments), sep="\n")
         return
     rows = table(motion)
     print_columns(rows, HEADER[: len(rows[0])])

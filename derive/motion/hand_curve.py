@@ -7,10 +7,11 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from sympy import Expr, Matrix, Symbol, latex, sqrt, sstr, trigsimp
+from sympy import Expr, Matrix, Symbol, latex, powdenest, sqrt, sstr
 
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.mechanics.vectors import dot
 from derive.model.kinematic_model import KinematicModel
 from derive.motion.functions import Functions
 from derive.motion.hermite import TIME, Array
@@ -98,16 +99,24 @@ class HandCurve:
 
     @cached_property
     def weights(self) -> tuple[Expr, ...]:
-        """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27)."""
-        jacobian = KinematicModel(self._robot).J[:3, :]
-        return tuple(sqrt(trigsimp(sum(entry**2 for entry in jacobian[:, j]).expand())) for j in range(self._robot.n))
+        """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27).
+
+        Symbols of lengths are taken as positive.
+
+        Raises:
+            QuantityError: The arm is too long for closed forms.
+        """
+        model = KinematicModel(self._robot)
+        columns, _ = model.jacobian_columns
+        squares = (model.form.kinematic(dot(column, column)) for column in columns)
+        return tuple(powdenest(sqrt(square), force=True) for square in squares)
 
 
 def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     """The curve of the hand as people write it.
 
     Args:
-        motion: Of curves.
+        motion: Of any kind; by curves with its formulas of time, else in the joint variables, without velocities.
         as_latex: Whether it is LaTeX.
 
     Yields:
@@ -115,27 +124,31 @@ def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
         out.
     """
     yield ("% " if as_latex else "") + "hand"
-    formula = HandCurve(motion).formula
-    plain = Symbol(TIME.name)
-    for letter, entries in (("p", formula), ("v", [entry.diff(TIME) for entry in formula])):
+    hand, plain = HandCurve(motion), Symbol(TIME.name)
+    by_time = [hand.formula, [entry.diff(TIME) for entry in hand.formula]] if motion.plan.curves else [hand.position]
+    for letter, entries in zip("pv", by_time, strict=False):
         for axis, entry in zip(AXES, entries, strict=True):
             value = entry.subs(TIME, plain)
             if value == 0:
                 continue
             if as_latex:
-                yield f"{letter}_{axis}(t) = {latex(value, order='rev-lex')}"
+                yield f"{letter}_{axis}(t) = {latex(value)}"
             else:
-                yield f"  {letter}{axis} = {sstr(value, order='rev-lex')}"
+                yield f"  {letter}{axis} = {sstr(value)}"
 
 
-def printed_weights(motion: Motion) -> Iterator[str]:
+def printed_weights(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     """Which joint moves the hand most.
 
     Args:
         motion: Any.
+        as_latex: Whether it is LaTeX.
 
     Yields:
         A line for each joint: by how much the hand moves when the joint moves by one.
     """
     for joint, weight in zip(motion.plan.robot.joints, HandCurve(motion).weights, strict=True):
-        yield f"{joint.variable} moves the hand by {sstr(weight)}"
+        if as_latex:
+            yield f"\\lVert J_{{{latex(Symbol(joint.variable))}}} \\rVert = {latex(weight)}"
+        else:
+            yield f"{joint.variable} moves the hand by {sstr(weight)}"

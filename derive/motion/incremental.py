@@ -101,16 +101,19 @@ class Walker:
         error, corrections = float(np.linalg.norm(target - self.place(q))), 0
         left = error
         while left > CLOSED * (1 + float(np.linalg.norm(way))) and corrections < CORRECTIONS:
-            q = q + self._pseudoinverse(q)[0] @ (target - self.place(q))
+            q = q + self._pseudoinverse(q, left)[0] @ (target - self.place(q))
             left, corrections = float(np.linalg.norm(target - self.place(q))), corrections + 1
         factor = self._smallest_factor(worst[1]) if damped else ""
         return Increments(np.array([*rows[:-1], q]), error, corrections, left, int(damped), factor)
 
-    def _pseudoinverse(self, q: Array) -> tuple[Array, float]:
-        """J^+ of the hand's position, damped near singular configurations, and how near one is."""
+    def _pseudoinverse(self, q: Array, most: float = np.inf) -> tuple[Array, float]:
+        """J^+ of the hand's position, damped near singular configurations, and how near one is.
+
+        Corrections damp by no more than the distance that is left: they converge faster and faster where J is regular.
+        """
         left, values, right = np.linalg.svd(self._functions("jacobian", q)[:3], full_matrices=False)
         largest, ratio = values[0], values[self._rank - 1] / values[0]
-        squared = DAMPING**2 * max(1 - (ratio / NEAR) ** 2, 0) * largest**2
+        squared = min(DAMPING**2 * max(1 - (ratio / NEAR) ** 2, 0) * largest**2, most**2)
         kept = slice(0, self._rank)
         gains = values[kept] / (values[kept] ** 2 + squared)
         return np.asarray(right[kept].T @ (gains[:, None] * left[:, kept].T)), float(ratio)

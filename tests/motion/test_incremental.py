@@ -51,6 +51,13 @@ def test_near_the_straight_arm_steps_are_damped_and_the_vanishing_factor_is_name
     assert np.abs(np.diff(found.q, axis=0)).max() < 1
 
 
+@pytest.mark.parametrize("bend", [0.02, 0.0])
+def test_a_target_near_or_on_a_singular_configuration_is_closed_on(walker: Walker, bend: float) -> None:
+    found = walker.walk(np.array([0.3, 0.9]), walker.place(np.array([0.5, bend])), 100)
+    assert found.damped > 0
+    assert found.closed <= 1e-9
+
+
 def test_a_path_is_walked_segment_by_segment() -> None:
     motion = Motion.from_text(PICK_AND_PLACE)
     found = increments_of(motion, 50)
