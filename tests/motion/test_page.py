@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from derive.motion.hand_curve import HandCurve
 from derive.motion.motion import Motion
 from derive.motion.page import motion_page
 from tests.handouts.page.test_browser_viewer import browser
@@ -27,6 +28,7 @@ points: {{a: [0.2, 0.1], b: [1.5, 0.9]}}
 path: [a, {{to: b, time: 1, profile: trapezoidal}}, {{to: a, time: 3/2, profile: harmonic}},
   {{to: b, time: 1, profile: cubic, payload: 2}}, {{to: a, time: 2, profile: septic}}]""",
     "curves": f"robot: {ARM}\ncurves: {{q1: pi/4*sin(2*t) + 4, q2: t**2/10 + sqrt(t + 1)/8}}\ntime: 3\n",
+    "base": f"robot: {ARM}\ncurves: {{q1: sin(t), q2: t/9}}\nbase: {{x: t/2, z: cos(t), rpy: [0, t/3, 1]}}\ntime: 3\n",
     "spline": f"""robot: {ARM}
 profile: spline
 points: {{a: [0, 0.1], b: [1, 0.9], c: [-1, 0.4]}}
@@ -73,7 +75,7 @@ class Shown:
     scope="module",
     params=[
         "document-004",
-        *(pytest.param(name, marks=pytest.mark.sweep) for name in ("profiles", "curves", "spline")),
+        *(pytest.param(name, marks=pytest.mark.sweep) for name in ("profiles", "curves", "base", "spline")),
     ],
 )
 def shown(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
@@ -89,7 +91,7 @@ def test_the_page_moves_as_the_motion_does(shown: Shown) -> None:
     )
     script = "times => times.map((t) => deriveViewer.motion.at(t))"
     found = np.array(shown.page.evaluate(script, times.tolist())).transpose(1, 0, 2)
-    expected = [*shown.motion(times), shown.motion.torques(times)]
+    expected = [*shown.motion(times), *([shown.motion.torques(times)] if shown.motion.has_torques else [])]
     for ours, theirs in zip(expected, found, strict=True):
         assert np.abs(ours - theirs).max() <= 1e-12 * max(1.0, np.abs(ours).max())
 
@@ -98,6 +100,8 @@ def test_the_arm_of_the_page_is_where_the_motion_is(shown: Shown) -> None:
     t = 0.37 * shown.motion.duration
     shown.page.evaluate("t => deriveViewer.player.set(t)", t)
     assert shown.page.evaluate("deriveViewer.configuration()") == pytest.approx(shown.motion(t)[0], abs=1e-12)
+    place = HandCurve(shown.motion)(np.array([t]))[0][0]
+    assert np.array(shown.page.evaluate("deriveViewer.pose()"))[:3, 3] == pytest.approx(place, abs=1e-12)
     said = shown.page.get_attribute(".player-time", "aria-valuetext") or ""
     assert float(said.split(" s, ")[0]) == pytest.approx(t, abs=0.005)
     assert said.split(" s, ")[1] == shown.page.locator(".player-segment option:checked").inner_text()
@@ -123,7 +127,7 @@ def test_curves_are_as_high_as_the_motion(shown: Shown) -> None:
           });
         })"""
     )
-    assert len(off) == shown.motion.plan.robot.n * 4
+    assert len(off) == shown.motion.plan.robot.n * (4 if shown.motion.has_torques else 3)
     assert max(off) <= 1.5
 
 
