@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
-from derive.motion.motion import Motion
+from derive import Motion
 
 PLAN = Path(__file__).with_name("computed-torque.yaml")
 W = 10.0

@@ -23,8 +23,8 @@ import numpy as np
 import numpy.typing as npt
 from mpc_casadi import LIMITS, ROBOT, STEP, generated_model, step_function
 
+from derive import Motion
 from derive.motion.code import module_of, write_code
-from derive.motion.motion import Motion
 
 PLAN = Path(__file__).with_name("swing-path.yaml")
 HORIZON, STEPS = 8, 80

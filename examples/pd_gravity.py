@@ -20,7 +20,7 @@ import sympy
 from scipy.optimize import fsolve
 
 import derive
-from derive.motion.motion import Motion
+from derive import Motion
 from derive.robot.evaluate import evaluate
 
 PLAN = Path(__file__).with_name("pd-gravity.yaml")

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from derive.motion.motion import Motion
+from derive import Motion
 
 PLAN = Path(__file__).with_name("pick-and-place.yaml")
 SAMPLE = 0.01

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from derive.motion.motion import Motion
+from derive import Motion
 
 PLAN = Path(__file__).with_name("skeleton-reach.yaml")
 LENGTHS = {"l0": 0.30, "l1": 0.25}
