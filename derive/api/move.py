@@ -6,14 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from derive.api.handout import with_options
 from derive.errors import DeriveError
-from derive.handouts.figure.writers import SUFFIXES as FIGURES
-from derive.handouts.figure.writers import require_matplotlib
-from derive.motion.film import Film, ffmpeg, require_pillow
 from derive.motion.motion import Motion
-from derive.motion.page import motion_page
-from derive.motion.plot import plot_bytes
 from derive.motion.simulation import Run
 from derive.motion.table import csv_bytes
 from derive.publish.atomic_folder import write_files
@@ -40,25 +34,50 @@ class Form:
     contents: Writer
 
 
-def _gif(motion: Motion, run: Run | None, _: str) -> bytes:
-    return Film(motion, run).gif()
+def _film(motion: Motion, run: Run | None, ending: str) -> bytes:
+    from derive.motion.film import Film
+
+    film = Film(motion, run)
+    return film.gif() if ending == ".gif" else film.mp4()
 
 
-def _mp4(motion: Motion, run: Run | None, _: str) -> bytes:
-    return Film(motion, run).mp4()
+def _page(motion: Motion, _run: Run | None, _ending: str) -> bytes:
+    from derive.motion.page import motion_page
+
+    return motion_page(motion).encode()
 
 
-def _film_tools() -> None:
+def _plot(motion: Motion, run: Run | None, ending: str) -> bytes:
+    from derive.motion.plot import plot_bytes
+
+    return plot_bytes(motion, ending, run)
+
+
+def _needs_figures() -> None:
+    from derive.handouts.figure.writers import require_matplotlib
+
+    require_matplotlib()
+
+
+def _needs_pictures() -> None:
+    from derive.motion.film import require_pillow
+
     require_pillow()
+
+
+def _needs_films() -> None:
+    from derive.motion.film import ffmpeg
+
+    _needs_pictures()
     ffmpeg()
 
 
 FORMS = {
     "csv": Form((), lambda: None, lambda motion, run, _: csv_bytes(motion, run)),
-    "plot": Form(FIGURES, require_matplotlib, lambda motion, run, ending: plot_bytes(motion, ending, run)),
-    "html": Form((".html", ".htm"), lambda: None, lambda motion, run, _: motion_page(motion).encode()),
-    "gif": Form((".gif",), require_pillow, _gif),
-    "mp4": Form((".mp4",), _film_tools, _mp4),
+    "plot": Form((".pdf", ".svg", ".png"), _needs_figures, _plot),
+    "html": Form((".html", ".htm"), lambda: None, _page),
+    "gif": Form((".gif",), _needs_pictures, _film),
+    "mp4": Form((".mp4",), _needs_films, _film),
 }
 """What is written, by the name of its option."""
 
@@ -119,6 +138,8 @@ def move(
         form.needs()
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
     if language is not None:
+        from derive.api.handout import with_options
+
         motion = Motion(replace(motion.plan, robot=with_options(motion.plan.robot, language=language)))
     run = motion.simulate() if simulate else None
     contents = [(path, form.contents(motion, run, path.suffix.lower())) for form, path in wanted]

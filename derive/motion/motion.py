@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from sympy import Expr, Symbol
 
-from derive.errors import QuantityError, RobotFileError
+from derive.errors import Location, QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.bodies import Body
 from derive.motion.extremes import Peak
@@ -312,8 +312,11 @@ class Motion:
         """
         self._check_dynamics()
         plan, trajectory = self.plan, self.trajectory
-        stages = stages_of(plan, trajectory, self.values, calls)
         period = None if plan.control.period is None else evaluate(plan.control.period, self.values)
+        if period is not None and self.duration / period > MOST_SAMPLES:
+            found = f"control, period: {self.duration / period:.4g} samples of the controller in {self.duration:.6g} s"
+            raise RobotFileError(found, allowed=f"allowed: at most {MOST_SAMPLES}", location=Location(plan.source))
+        stages = stages_of(plan, trajectory, self.values, calls)
         return simulate(stages, trajectory(0.0)[:2], self.times, period, sticks=plan.friction == "exact")
 
     def _loads(self, segment: Segment) -> tuple[Load, ...]:

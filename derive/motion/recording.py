@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from sympy import Float
 
-from derive.errors import Location, RobotFileError, listed, quoted
+from derive.errors import Location, RobotFileError, TargetError, listed, quoted
 from derive.motion.hermite import Array, joined
 from derive.motion.trajectory import Segment, Trajectory
 from derive.robot.load import file_bytes
@@ -68,8 +68,11 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
 
 def _spline_rates(times: Array, q: Array) -> Array:
     """Velocities of the cubic spline without a knot at the second point and the last but one."""
-    from scipy.interpolate import CubicSpline
-
+    try:
+        from scipy.interpolate import CubicSpline
+    except ImportError:
+        found = "rates of a recorded motion need scipy, which is not installed"
+        raise TargetError(found, remedy="pip install 'derive-robot[motion]'") from None
     return np.asarray(CubicSpline(times, q)(times, 1))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.errors import TargetError
 from derive.motion.functions import Functions
 from derive.motion.hermite import Array
 
@@ -98,7 +99,11 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
     Returns:
         A row for each time.
     """
-    from scipy.integrate import solve_ivp
+    try:
+        from scipy.integrate import solve_ivp
+    except ImportError:
+        found = "simulations need scipy, which is not installed"
+        raise TargetError(found, remedy="pip install 'derive-robot[motion]'") from None
 
     n = plant.coulomb.size
     dry, viscous, push = plant.coulomb, plant.viscous, plant.push

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sympy import pi
 
 from derive.errors import QuantityError, RobotFileError
+from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.motion.hand import Hand
 from derive.motion.motion import Motion
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
@@ -101,3 +104,8 @@ def test_a_symbol_without_a_number_is_named_before_a_pose_is_looked_for() -> Non
     text = "robot: planar-2r-perugia\npoints: {a: [0, 1], b: {pose: {p: [1, 0.3, 0]}}}\npath: [a, {to: b, time: 1}]\n"
     with pytest.raises(QuantityError, match=r"the symbol 'a1' .*has no number; write values: \{a1: ...\} in the plan"):
         assert Motion.from_text(text).trajectory
+
+
+def test_points_in_joint_variables_stay_exact(lines: Motion) -> None:
+    hand = Hand(lines.plan, lines.values, lambda cells: tuple(map(expression_to_sympy, cells)))
+    assert hand.configuration("a", None)[0] == 17 * pi / 180

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import sys
+from typing import get_args
+
 import numpy as np
 import pytest
 
+from derive.errors import RobotFileError, TargetError
+from derive.motion.control import NEEDS
 from derive.motion.motion import Motion
+from derive.motion.plan_schema import Law
+from derive.motion.simulation import Run
 from tests.motion.plans import PICK_AND_PLACE
 
 PENDULUM = """\
@@ -100,3 +107,27 @@ def test_a_simulation_that_diverges_keeps_what_it_has() -> None:
     assert not run.reached
     assert 1 <= run.t.size < 501
     assert np.isfinite(run.q).all()
+
+
+def test_every_law_of_a_plan_is_known_to_the_controller() -> None:
+    assert set(NEEDS) == set(get_args(Law))
+
+
+def test_the_ledger_is_what_the_start_had_and_the_motors_brought() -> None:
+    t = np.arange(3.0)
+    rows = np.zeros((3, 1))
+    run = Run(t, rows, rows, rows, np.array([5.0, 6.5, 4.0]), np.array([0, 2.0, 2.0]), np.array([0, 0.5, 2.5]), None)
+    assert run.energy_error == 0.5
+    assert run.reached
+
+
+def test_without_scipy_one_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "scipy.integrate", None)
+    with pytest.raises(TargetError, match=r"simulations need scipy, .*pip install 'derive-robot\[motion\]'"):
+        pendulum("0").simulate()
+
+
+def test_a_controller_that_looks_a_thousand_million_times_is_refused() -> None:
+    motion = pendulum("0", extra="control: {law: pd, kp: 1, kd: 1, period: 2e-9}\n")
+    with pytest.raises(RobotFileError, match=r"control, period: 1e\+09 samples of the controller in 2 s; allowed"):
+        motion.simulate()
