@@ -107,5 +107,5 @@ def test_a_symbol_without_a_number_is_named_before_a_pose_is_looked_for() -> Non
 
 
 def test_points_in_joint_variables_stay_exact(lines: Motion) -> None:
-    hand = Hand(lines.plan, lines.values, lambda cells: tuple(map(expression_to_sympy, cells)))
+    hand = Hand(lines.plan, lines.values, lambda cells: tuple(map(expression_to_sympy, cells)), lambda *_: np.zeros(6))
     assert hand.configuration("a", None)[0] == 17 * pi / 180
