@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from sympy import QQ, Expr, Float, Poly, Rational, Symbol, pi, radsimp, roots, simplify
+from sympy import QQ, Expr, Float, Poly, Rational, Symbol, cancel, pi, radsimp, roots
 
 from derive.motion.hermite import Piece, power_coefficients
 from derive.motion.profile import AnyPiece, Cosine, Curve
@@ -88,7 +88,7 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
 
 
 def _neat(value: Expr) -> Expr:
-    return radsimp(simplify(value))
+    return radsimp(cancel(value))
 
 
 def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
@@ -110,7 +110,7 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
         derivative = derivative.diff(_U)
     scale = piece.duration**order
     for place, exact in [(Rational(0), True), (Rational(1), True), *_stationary(derivative.diff(_U))]:
-        value = derivative.eval(place) / scale
+        value = derivative(place) / scale
         time = piece.start + place * piece.duration
         yield Peak(value, time, True) if exact else Peak(Float(value.evalf()), Float(time.evalf()), False)
 
@@ -121,7 +121,7 @@ def _stationary(polynomial: Poly) -> Iterator[tuple[Expr, bool]]:
     leading = next((c for c in coefficients if c != 0), None)
     if leading is None or polynomial.degree() < 1:
         return
-    ratios = [simplify(c / leading) for c in coefficients]
+    ratios = [cancel(c / leading) for c in coefficients]
     if polynomial.degree() > 2 and not all(ratio.is_Rational for ratio in ratios):
         yield from ((Float(place), False) for place in _real_zeros([float(ratio) for ratio in ratios]))
         return
