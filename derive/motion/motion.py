@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +26,7 @@ from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import Expression
+from derive.robot.expression import Expression, names
 from derive.robot.names import free_symbols
 
 SIMPSON = 2
@@ -82,11 +82,11 @@ class SegmentPeaks:
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A limit of the robot that a motion exceeds.
+    """A limit of the robot or the plan that a motion exceeds.
 
     Attributes:
         joint: Index of the joint.
-        what: ``position``, ``speed`` or ``torque``.
+        what: ``position``, ``speed``, ``acceleration`` or ``torque``.
         time: When it is exceeded most, at the samples [s].
         value: What it is then [rad or m, per s, N m or N].
         limit: What is allowed.
@@ -262,8 +262,8 @@ class Motion:
         if step.payload is None:
             return ()
         body = Body.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
-        names = self._functions.standard_parameters
-        return tuple((k, body[name]) for k, name in enumerate(names) if name in body)
+        standard = self._functions.standard_parameters
+        return tuple((k, body[name]) for k, name in enumerate(standard) if name in body)
 
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:
@@ -274,22 +274,47 @@ class Motion:
         )
 
     @cached_property
+    def bounds(self) -> Mapping[str, tuple[Array, Array]]:
+        """What robot and plan allow: `position`, `speed`, `acceleration`, `torque`, each its lowest and highest values.
+
+        Arrays (n,), infinite where nothing limits; symbols without a number do not limit either.
+        """
+        plan, joints = self.plan, self.plan.robot.joints
+
+        def _least(*rows: Sequence[Expression | None]) -> Array:
+            of_joints = zip(*rows, strict=True)
+            return np.array(
+                [min((_known(most) for most in found if most is not None), default=np.inf) for found in of_joints]
+            )
+
+        def _known(most: Expression, unknown: float = np.inf) -> float:
+            return self._number(most) if all(name in self.values for name in names(most)) else unknown
+
+        most = {
+            "speed": _least(plan.speed, [joint.speed for joint in joints]),
+            "acceleration": _least(plan.acceleration),
+            "torque": _least(plan.torque, [joint.torque for joint in joints]),
+        }
+        ends = [joint.limits for joint in joints]
+        low = np.array([_known(end[0], -np.inf) if end else -np.inf for end in ends])
+        high = np.array([_known(end[1]) if end else np.inf for end in ends])
+        return {"position": (low, high), **{what: (-value, value) for what, value in most.items()}}
+
+    @cached_property
     def violations(self) -> tuple[Violation, ...]:
-        """Limits of the robot file that the motion exceeds, joint by joint, where it does so most."""
-        robot, times = self.plan.robot, self.times
-        q, qd, _ = self.trajectory(times)
-        torques = self.has_torques and any(joint.torque for joint in robot.joints)
-        tau = self.torques(times) if torques else np.zeros_like(q)
+        """Limits of robot and plan that the motion exceeds, joint by joint, where it does so most."""
+        times, bounds = self.times, self.bounds
+        values = dict(zip(bounds, self.trajectory(times), strict=False))
+        if self.has_torques and np.isfinite(bounds["torque"]).any():
+            values["torque"] = self.torques(times)
         found = []
-        for j, joint in enumerate(robot.joints):
-            speed, torque = (self._number(most) if most else np.inf for most in (joint.speed, joint.torque))
-            low, high = (self._number(limit) for limit in joint.limits) if joint.limits else (-np.inf, np.inf)
-            bounds = {"position": (q, low, high), "speed": (qd, -speed, speed), "torque": (tau, -torque, torque)}
-            for what, (values, least, most) in bounds.items():
-                excess = np.maximum(values[:, j] - most, least - values[:, j])
+        for j in range(self.plan.robot.n):
+            for what, rows in values.items():
+                low, high = (float(bound[j]) for bound in bounds[what])
+                excess = np.maximum(rows[:, j] - high, low - rows[:, j])
                 at = int(excess.argmax())
-                value = float(values[at, j])
-                limit = most if value > most else least
+                value = float(rows[at, j])
+                limit = high if value > high else low
                 if excess[at] > ROUNDING * abs(limit):
                     found.append(Violation(j, what, float(times[at]), value, limit))
         return tuple(found)

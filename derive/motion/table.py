@@ -135,7 +135,7 @@ def _number(value: object) -> str:
 
 
 def violations(motion: Motion) -> list[str]:
-    """What a motion asks beyond the limits of its robot, a line each.
+    """What a motion asks beyond the limits of its robot and its plan, a line each.
 
     Args:
         motion: The motion.
@@ -147,7 +147,9 @@ def violations(motion: Motion) -> list[str]:
     for found in motion.violations:
         joint = motion.plan.robot.joints[found.joint]
         length, force = ("rad", "N m") if joint.is_revolute else ("m", "N")
-        unit = {"position": length, "speed": f"{length}/s", "torque": force}[found.what]
+        unit = {"position": length, "speed": f"{length}/s", "acceleration": f"{length}/s^2", "torque": force}[
+            found.what
+        ]
         said = f"{found.what} {found.value:.6g} {unit} at {found.time:.6g} s"
         lines.append(f"{joint.variable}: {said} exceeds the limit {found.limit:.6g} by {found.excess:.3g} {unit}")
     return lines

@@ -44,6 +44,15 @@ def test_what_keeps_to_its_limits_is_not_told() -> None:
     assert violations(Motion.from_text(LIMITED.replace("SPEED", "3.75").replace("TORQUE", "100"))) == []
 
 
+def test_limits_of_the_plan_count_beside_those_of_the_robot() -> None:
+    """The smaller of both speeds, and an acceleration, which the robot file does not limit."""
+    text = LIMITED.replace("SPEED", "3").replace("TORQUE", "100") + "speed: [3.5]\nacceleration: [10]\n"
+    speed, acceleration = violations(Motion.from_text(text))
+    assert speed.endswith("exceeds the limit 3 by 0.75 rad/s")
+    assert acceleration.startswith("q1: acceleration ")
+    assert acceleration.endswith(" rad/s^2")
+
+
 def test_a_torque_beyond_its_limit_is_found_where_it_is_largest() -> None:
     motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "5"))
     (found,) = motion.violations
