@@ -91,7 +91,11 @@ class LinkMotion(Generic[S]):
 
 
 def link_motions(
-    chain: Chain[S], rates: Sequence[S], accelerations: Sequence[S], choices: Sequence[FrameChoice] = ()
+    chain: Chain[S],
+    rates: Sequence[S],
+    accelerations: Sequence[S],
+    choices: Sequence[FrameChoice] = (),
+    base: LinkMotion[S] | None = None,
 ) -> list[LinkMotion[S]]:
     """Motions of the base and of links 1..n, gravity taken as an acceleration of the base.
 
@@ -100,13 +104,14 @@ def link_motions(
         rates: Joint velocities positive about +z, n entries.
         accelerations: Joint accelerations positive about +z, n entries.
         choices: One for each joint, those by which the chain was arranged; or none.
+        base: Motion of frame 0 in its own axes, its acceleration less gravity; None where it stands.
 
     Returns:
         n+1 motions, each in its own joint frame.
     """
     x, y, z = chain.gravity
     null = chain.null
-    motions = [LinkMotion(null, null, (null, null, null), (-x, -y, -z), null)]
+    motions = [base or LinkMotion(null, null, (null, null, null), (-x, -y, -z), null)]
     for i, joint in enumerate(chain.joints):
         choice = choices[i] if choices else PLAIN
         step = _beyond_revolute if joint.revolute else _beyond_prismatic
@@ -201,7 +206,11 @@ def _from_angular(
 
 
 def inverse_dynamics(
-    chain: Chain[S], qd: Sequence[S], qdd: Sequence[S], choices: Sequence[FrameChoice] = ()
+    chain: Chain[S],
+    qd: Sequence[S],
+    qdd: Sequence[S],
+    choices: Sequence[FrameChoice] = (),
+    base: LinkMotion[S] | None = None,
 ) -> list[S]:
     """Torques and forces of the joints, friction left out.
 
@@ -210,12 +219,13 @@ def inverse_dynamics(
         qd: Joint velocities, n entries.
         qdd: Joint accelerations, n entries.
         choices: One for each joint, those by which the chain was arranged; or none.
+        base: Motion of frame 0, as `link_motions` takes it; None where it stands.
 
     Returns:
         B qdd + C qd + g, n entries [N m or N].
     """
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
-    motions = link_motions(chain, rates, accelerations, choices)
+    motions = link_motions(chain, rates, accelerations, choices, base)
     torques: list[S] = []
     force = moment = chain.null
     for i in range(chain.n - 1, -1, -1):

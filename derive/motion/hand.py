@@ -160,6 +160,10 @@ class Hand:
             RobotFileError: Nothing limits the motion, none keeps to the limits, or toppra is not installed.
         """
         step = run[0]
+        if self._plan.base is not None and any(self._plan.torque):
+            remedy = "leave out torque: or base:"
+            found = "torques of a fastest motion on a base that moves are not known"
+            raise RobotFileError(found, remedy=remedy, location=step.location)
         if step.in_space:
             path, knots = one_second(self.follow(step, corners[0], ZERO, UNIFORM)), np.array([0.0, 1.0])
         elif len(run) == 1 and corners[0] == corners[1]:

@@ -12,6 +12,7 @@ from sympy import Expr, Symbol
 
 from derive.errors import Location, QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.motion.base_torques import BaseTorques
 from derive.motion.bodies import Body
 from derive.motion.extremes import Peak
 from derive.motion.functions import Functions
@@ -171,8 +172,8 @@ class Motion:
 
     @property
     def has_torques(self) -> bool:
-        """Whether torques are known: links, and a base that stands."""
-        return self.plan.robot.has_dynamics and self.plan.base is None
+        """Whether torques are known: of a robot with links."""
+        return self.plan.robot.has_dynamics
 
     @property
     def duration(self) -> float:
@@ -223,7 +224,7 @@ class Motion:
         return sample, int(np.ceil(count - 1e-9))
 
     def torques(self, t: float | Array) -> Array:
-        """Torques of the joints by inverse dynamics, payload and friction included.
+        """Torques of the joints by inverse dynamics; payload, friction and the motion of the base included.
 
         Args:
             t: Times [s], (...).
@@ -237,10 +238,22 @@ class Motion:
         times = np.asarray(t, dtype=float)
         starts = np.array([float(segment.start) for segment in self.trajectory.segments])
         index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
-        return self._loaded(index, *self.trajectory(times))
+        q, qd, qdd = self.trajectory(times)
+        tau = self._loaded(index, q, qd, qdd)
+        return tau if self.base is None else tau + self._base_torques(times, index, q, qd)
+
+    def _base_torques(self, t: Array, index: Indices, q: Array, qd: Array) -> Array:
+        """What the motion of the base adds in steps by their index, (...)."""
+        assert self.base is not None
+        torques, found = BaseTorques(self.plan.robot, self.values, self.base), np.zeros_like(q)
+        payloads = [step.payload for step in self.plan.steps] or [None]
+        for payload in dict.fromkeys(payloads):
+            here = np.isin(index, [i for i, other in enumerate(payloads) if other == payload])
+            found[here] = torques(t[here], q[here], qd[here], payload)
+        return found
 
     def _loaded(self, index: Indices, q: Array, qd: Array, qdd: Array) -> Array:
-        """Torques in steps by their index, (...), with what these carry."""
+        """Torques on a base that stands, in steps by their index, (...), with what these carry."""
         tau = self._functions("inverse_dynamics", q, qd, qdd)
         for i, step in enumerate(self.plan.steps):
             here = index == i
@@ -336,6 +349,9 @@ class Motion:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
         self._check_dynamics()
+        if self.plan.base is not None:
+            remedy = "give the robot joints for what its base does, as skeleton-root has"
+            raise QuantityError("an arm whose base moves is not simulated", remedy=remedy)
         plan, trajectory = self.plan, self.trajectory
         period = None if plan.control.period is None else evaluate(plan.control.period, self.values)
         if period is not None and self.duration / period > MOST_SAMPLES:
@@ -395,9 +411,6 @@ class Motion:
         robot = self.plan.robot
         if not robot.has_dynamics:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
-        if self.plan.base is not None:
-            remedy = "give the robot joints for what its base does, as skeleton-root has"
-            raise QuantityError("torques of an arm whose base moves are not known", remedy=remedy)
         if missing := [name for name in free_symbols(robot) if name not in self.values]:
             remedy = f"write values: {{{missing[0]}: ...}} in the plan"
             raise QuantityError(f"the symbol '{missing[0]}' of {robot.name} has no number", remedy=remedy)

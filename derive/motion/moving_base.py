@@ -67,7 +67,7 @@ def read_base(document: Document, cells: Cells, known: Collection[str]) -> Movin
 
 @dataclass(frozen=True)
 class BaseCurve:
-    """The transform of a moving base and its rate, exact.
+    """The transform of a moving base and its derivatives, exact.
 
     Attributes:
         transform: From the base of the robot file to the world, (4, 4), in the symbol `TIME`.
@@ -92,11 +92,11 @@ class BaseCurve:
         return cls(whole)
 
     def __call__(self, t: Array, order: int) -> Array:
-        """The transform, or its rate of change.
+        """The transform, or a derivative of it by time.
 
         Args:
             t: Times [s], (times,).
-            order: 0 or 1.
+            order: 0, 1 or 2.
 
         Returns:
             (times, 4, 4).

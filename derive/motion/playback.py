@@ -40,7 +40,7 @@ def playback(motion: Motion) -> Playback:
     trajectory, steps = motion.trajectory, motion.plan.steps
     functions: tuple[str, ...] = ()
     payloads: list[tuple[tuple[int, float], ...]] = []
-    if motion.has_torques:
+    if motion.has_torques and motion.base is None:
         functions = (TORQUE, REGRESSOR) if any(step.payload for step in steps) else (TORQUE,)
         payloads = [motion.payload_columns(step) for step in steps]
     payloads += [()] * (len(trajectory.segments) - len(payloads))  # curves have a segment and no step

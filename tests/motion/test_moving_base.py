@@ -30,15 +30,27 @@ def test_yaw_is_the_last_turn() -> None:
     assert base(np.zeros(1), 0)[0, :3, 0].round(15).tolist() == [0, 1, 0]
 
 
-def test_torques_of_a_moving_base_are_refused() -> None:
+def test_second_derivatives_are_exact_too() -> None:
+    base = BaseCurve.of((TIME**2, sin(TIME), TIME), (TIME / 3, cos(TIME), Rational(1, 5) * TIME))
+    t, h = np.linspace(0, 3, 7), 1e-6
+    assert base(t, 2) == pytest.approx((base(t + h, 1) - base(t - h, 1)) / (2 * h), abs=1e-8)
+
+
+def test_an_arm_whose_base_moves_has_torques_and_is_not_simulated() -> None:
     text = REACH.replace("skeleton", "scara-matlab").replace(", Tx: 0.1, Ty: 0.2", "")
     motion = Motion.from_text(text)
-    assert not motion.has_torques
-    assert all(not found.loads for found in motion.peaks)
-    with pytest.raises(QuantityError, match=r"base moves.*skeleton-root"):
-        motion.torques(0.0)
-    with pytest.raises(QuantityError, match="base moves"):
+    assert motion.has_torques
+    assert all(len(found.loads) == 4 for found in motion.peaks)
+    with pytest.raises(QuantityError, match=r"base moves is not simulated.*skeleton-root"):
         motion.simulate()
+
+
+def test_the_fastest_motion_under_torques_does_not_know_a_base_that_moves() -> None:
+    points = "points: {a: [0, 0, 0, 0], b: [1, 1, 1, 1]}\npath: [a, {to: b}]\n"
+    limits = "profile: fastest\nspeed: [1, 1, 1, 1]\nacceleration: [1, 1, 1, 1]\ntorque: [9, 9, 9, 9]\n"
+    with pytest.raises(DeriveError, match=r"torques of a fastest motion.*base that moves") as caught:
+        _ = Motion.from_text(f"robot: scara-matlab\n{points}{limits}base: {{x: t}}\n").trajectory
+    assert caught.value.exit_status == 2
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,148 @@
+"""Torques of an arm whose base moves."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from sympy import Rational, cos, sin
+
+from derive.motion.base_torques import ArrayDomain, BaseTorques
+from derive.motion.hermite import TIME, Array
+from derive.motion.motion import Motion
+from derive.motion.moving_base import BaseCurve
+from derive.robot.evaluate import parameter_values
+from derive.robot.robot import Robot
+from tests.random_robots import RandomRobot, random_robot, seeds
+from tests.verification.oracle.pinocchio_reference import _Builder
+
+BASE = BaseCurve.of(
+    (TIME / 2, TIME**2 / 5, sin(2 * TIME) / 3), (TIME / 3 + Rational(1, 5), cos(3 * TIME) / 2, TIME**2 / 7)
+)
+"""It goes and turns about all axes."""
+
+LOAD = "payload: {mass: 1, com: [0.5, 0, 0]}"
+
+SKELETON = """\
+robot:
+  name: NAME
+  convention: standard
+  gravity: [0, -9.81, 0]
+  FRAME
+  joints:
+    ROOT
+    - {type: revolute, q: b, theta: -b, a: 0.4}
+    - {type: revolute, q: a, theta: -a, a: 0.3}
+  links:
+    MASSES
+    - {mass: 2, com: [-0.2, 0, 0], inertia: {xx: 0.01, yy: 0.03, zz: 0.03}}
+    - {mass: 1, com: [-0.15, 0, 0.02], inertia: {xx: 0.005, yy: 0.01, zz: 0.01}, friction: {viscous: 0.3}}
+"""
+
+
+class _FreeFlyer(_Builder):
+    """The arm on a body that flies."""
+
+    def __init__(self, robot: RandomRobot) -> None:
+        super().__init__(robot)
+        self.root = int(self.model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base"))
+
+    def add_joint(self, i: int, parent: int) -> int:
+        return super().add_joint(i, parent or self.root)
+
+
+def flown(robot: RandomRobot, t: float, q: Array, rates: tuple[Array, Array]) -> Array:
+    """Torques of Pinocchio, without friction, on the base at a time."""
+    outside = _FreeFlyer(robot).build()
+    pose, rate, bend = (BASE(np.array([t]), order)[0] for order in range(3))
+    turned = pose[:3, :3].T
+    spin = turned @ rate[:3, :3]
+    omega = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
+    tensor = turned @ bend[:3, :3] - spin @ spin
+    alpha = np.array([tensor[2, 1], tensor[0, 2], tensor[1, 0]])
+    speed = turned @ rate[:3, 3]
+    push = turned @ bend[:3, 3] - np.cross(omega, speed)
+    flying = np.concatenate([pose[:3, 3], pin.Quaternion(pose[:3, :3]).coeffs()])
+    whole = [np.concatenate([flying, (outside.map @ q)[6:]])]
+    for root, of_joints in ((np.concatenate([speed, omega]), rates[0]), (np.concatenate([push, alpha]), rates[1])):
+        whole.append(np.concatenate([root, (outside.map @ of_joints)[6:]]))
+    return np.array(outside.map.T @ pin.rnea(outside.model, outside.model.createData(), *whole))
+
+
+@pytest.mark.parametrize("seed", seeds(200, 3))
+def test_they_are_those_of_a_free_flying_base(seed: int) -> None:
+    """Random arms of both conventions with rotors, against Pinocchio."""
+    robot = random_robot(random.Random(seed))
+    loaded = Robot.from_text(robot.text)
+    values: dict[str, Any] = {**parameter_values(loaded), **robot.values}
+    source = np.random.default_rng(seed)
+    t = source.uniform(0, 3, 4)
+    q, qd, qdd = source.uniform(-2, 2, (3, 4, robot.n))
+    added = BaseTorques(loaded, values, BASE)(t, q, qd)
+    standing = _Builder(robot).build()
+    for k in range(4):
+        ours = standing.rigid_torque(q[k], qd[k], qdd[k]) + added[k]
+        expected = flown(robot, float(t[k]), q[k], (qd[k], qdd[k]))
+        assert ours == pytest.approx(expected, rel=1e-11, abs=1e-11 * np.abs(expected).max())
+
+
+def test_they_are_those_of_an_arm_that_has_joints_for_its_base() -> None:
+    """Document 001: the root's translation as prismatic joints, or as a base that moves; friction and load included."""
+    root = "- {type: prismatic, theta: pi/2, alpha: pi/2}\n    - {type: prismatic, theta: pi/2, alpha: pi/2}"
+    permuted = "base: [[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]]"
+    blocks = {"NAME": "long", "FRAME": permuted, "ROOT": root, "MASSES": "- {mass: 0}\n    - {mass: 0}"}
+    arm = {"NAME": "short", "FRAME": "title: moving", "ROOT": "", "MASSES": ""}
+    texts = []
+    for changes in (blocks, arm):
+        text = SKELETON
+        for old, new in changes.items():
+            text = text.replace(old, new)
+        texts.append("\n".join(line for line in text.splitlines() if line.strip()) + "\n")
+    angles = "b: pi/3 + sin(t)/2, a: pi/4*sin(2*t)"
+    joints = Motion.from_text(f"{texts[0]}curves: {{q1: 3*t/10 + sin(t), q2: t**2/10, {angles}}}\ntime: 5\n")
+    moving = Motion.from_text(f"{texts[1]}curves: {{{angles}}}\nbase: {{x: 3*t/10 + sin(t), y: t**2/10}}\ntime: 5\n")
+    t = np.linspace(0, 5, 41)
+    assert moving.torques(t) == pytest.approx(joints.torques(t)[:, 2:], rel=1e-12, abs=1e-12)
+    assert moving.torques(1.5) == pytest.approx(moving.torques(np.array([1.5]))[0], rel=1e-14)
+    assert [load.peak for load in moving.peaks[0].loads] == pytest.approx(
+        [load.peak for load in joints.peaks[0].loads[2:]], rel=1e-12
+    )
+
+
+def test_a_payload_is_carried_by_the_moving_base_too() -> None:
+    """An arm that carries a point mass, and one whose last link is as heavy."""
+    arm = """robot: {name: arm, convention: standard, gravity: [0, 0, -9.81], joints: [{type: revolute, a: 1}],
+      links: [{mass: MASS, com: [COM, 0, 0], inertia: {xx: 0, yy: INERTIA, zz: INERTIA}}]}
+points: {a: [0], b: [1]}
+path: [a, {to: b, time: 1}, {to: a, time: 1, LOAD}]
+base: {y: t**2, rpy: [t, t**2/4, 0]}
+"""
+    light = arm.replace("MASS", "2").replace("COM", "0").replace("INERTIA", "0.5").replace("LOAD", LOAD)
+    heavy = arm.replace("MASS", "3").replace("COM", "1/6").replace("INERTIA", "2/3").replace(", LOAD", "")
+    t = np.linspace(1.01, 2, 11)
+    assert Motion.from_text(light).torques(t) == pytest.approx(Motion.from_text(heavy).torques(t), rel=1e-12)
+    bare = Motion.from_text(light.replace(f", {LOAD}", ""))
+    before = t[:-1] - 1
+    assert Motion.from_text(light).torques(before) == pytest.approx(bare.torques(before), rel=1e-12)
+
+
+def test_a_base_that_falls_freely_carries_no_weight() -> None:
+    robot = Robot.load("puma560-corke")
+    values: Any = parameter_values(robot)
+    falling = BaseCurve.of((TIME * 0, TIME * 0, -Rational(981, 200) * TIME**2), (TIME * 0,) * 3)
+    q = np.random.default_rng(3).uniform(-2, 2, (5, 6))
+    added = BaseTorques(robot, values, falling)(np.linspace(0, 1, 5), q, np.zeros((5, 6)))
+    motion = Motion.from_text("robot: puma560-corke\npoints: {a: [0, 0, 0, 0, 0, 0]}\npath: [a, {to: a, time: 1}]\n")
+    standing = np.array([motion._loaded(np.array(0), row, row * 0, row * 0) for row in q])
+    assert added == pytest.approx(-standing, abs=1e-12)
+
+
+def test_cells_are_read_at_many_configurations() -> None:
+    robot = Robot.from_text("{name: arm, convention: standard, joints: [{type: revolute, theta: q1 + pi/6}]}")
+    domain = ArrayDomain(robot, np.array([[0.0], [np.pi / 3]]), {})
+    cosine, sine = domain.joint_cosine_sine(0, robot.joints[0])
+    assert cosine == pytest.approx([np.sqrt(3) / 2, 0], abs=1e-15)
+    assert sine == pytest.approx([0.5, 1])
