@@ -9,11 +9,11 @@ from types import ModuleType
 
 import pytest
 
-from derive.cli import build, check, handout, list, new, plot, schema, show, style, verify
+from derive.cli import build, check, handout, list, move, new, plot, schema, show, style, verify
 from derive.cli.main import COMMANDS
 
-MODULES = {module.__name__.rpartition(".")[2]: module for module in (build, check, handout, list, new, plot)}
-MODULES |= {module.__name__.rpartition(".")[2]: module for module in (schema, show, style, verify)}
+MODULES = {module.__name__.rpartition(".")[2]: module for module in (build, check, handout, list, move)}
+MODULES |= {module.__name__.rpartition(".")[2]: module for module in (new, plot, schema, show, style, verify)}
 
 
 def imported(module: ModuleType) -> set[str]:

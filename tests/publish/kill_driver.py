@@ -118,8 +118,8 @@ def forever(target: Path, writer: int) -> None:
         put("new", target)
 
 
-def builds(target: Path) -> list[str]:
-    """The state after each of 25 kills of a whole build that would change a folder."""
+def builds(target: Path, kills: int) -> list[str]:
+    """The state after each of some kills of a whole build that would change a folder, evenly over its time."""
     from derive.publish.build import build_robot
     from derive.robot.robot import Robot
 
@@ -135,10 +135,10 @@ def builds(target: Path) -> list[str]:
     build_robot(robot("old"), target.parent)
     old, seconds = contents(), time.perf_counter() - started
     states = []
-    for kill in range(25):
+    for kill in range(kills):
         build_robot(robot("old"), target.parent, verified=False)
         process = child(lambda: build_robot(robot("new"), target.parent) and None)
-        time.sleep(seconds * 1.2 * (kill + 1) / 25)
+        time.sleep(seconds * 1.2 * (kill + 1) / kills)
         os.kill(process, signal.SIGKILL)
         os.waitpid(process, 0)
         found = contents()
@@ -147,12 +147,13 @@ def builds(target: Path) -> list[str]:
 
 
 def main() -> None:
-    """Mode, folder, and whether folders may be exchanged in one step."""
+    """Mode, folder, whether folders may be exchanged in one step, and how many builds are killed."""
     mode, target, swap = sys.argv[1], Path(sys.argv[2]), sys.argv[3] == "swap"
+    kills = int(sys.argv[4]) if len(sys.argv) > 4 else 0
     if not swap:
         atomic_folder.exchange = lambda one, other: False  # type: ignore[assignment]
     assert staging.exchange is not None
-    print(json.dumps({"steps": steps, "moments": moments, "builds": builds}[mode](target)))
+    print(json.dumps(builds(target, kills) if kills else {"steps": steps, "moments": moments}[mode](target)))
 
 
 if __name__ == "__main__":

@@ -23,6 +23,9 @@ SQUARED = "\N{SUPERSCRIPT TWO}"
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 """How fast a motion is played."""
 
+CURVES = 8
+"""Colours and dashes of curves; further joints begin anew."""
+
 TORQUE, REGRESSOR = "inverse_dynamics", "regressor"
 """Generated functions that torques need; the second one where the tool carries something."""
 
@@ -124,10 +127,10 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         {
             "label": row["label"],
             "name": row["name"],
-            "place": row["place"],
+            "curve": j % CURVES,
             "units": [html_text(of_kind[joint.is_revolute][1]) for _, of_kind in quantities],
         }
-        for row, joint in zip(rows, robot.joints, strict=True)
+        for j, (row, joint) in enumerate(zip(rows, robot.joints, strict=True))
     ]
     return {
         "words": {name: html_text(word) for name, word in _words(text).items()},
