@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from sympy import QQ, Expr, Float, Poly, Rational, Symbol, cancel, pi, radsimp, roots
+from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots
 
 from derive.motion.hermite import Piece, power_coefficients
 from derive.motion.profile import AnyPiece, Cosine, Curve
@@ -108,30 +108,51 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
     derivative = piece.in_unit_time()
     for _ in range(order):
         derivative = derivative.diff(_U)
-    scale = piece.duration**order
-    for place, exact in [(Rational(0), True), (Rational(1), True), *_stationary(derivative.diff(_U))]:
-        value = derivative(place) / scale
+    leading, monic = _monic(derivative)
+    scale = leading / piece.duration**order
+    for place, value, exact in [_at(monic, Integer(0)), _at(monic, Integer(1)), *_stationary(monic)]:
         time = piece.start + place * piece.duration
-        yield Peak(value, time, True) if exact else Peak(Float(value.evalf()), Float(time.evalf()), False)
+        if exact:
+            yield Peak(value * scale, time, True)
+        else:
+            yield Peak(Float(float(value) * float(scale)), Float(float(time)), False)
 
 
-def _stationary(polynomial: Poly) -> Iterator[tuple[Expr, bool]]:
-    """Zeros of a polynomial between 0 and 1, and whether each is exact."""
+def _monic(polynomial: Poly) -> tuple[Expr, Poly]:
+    """Its leading coefficient and the rest, over the rationals where it can be."""
     coefficients = polynomial.all_coeffs()
     leading = next((c for c in coefficients if c != 0), None)
-    if leading is None or polynomial.degree() < 1:
+    if leading is None:
+        return Integer(0), Poly(0, _U, domain=QQ)
+    ratios = [ratio if ratio.is_Rational else cancel(ratio) for ratio in (c / leading for c in coefficients)]
+    return leading, Poly(ratios, _U, domain=QQ if all(ratio.is_Rational for ratio in ratios) else "EX")
+
+
+_Place = tuple[Expr, Expr, bool]
+"""A place, the value of a polynomial there, and whether both are exact."""
+
+
+def _at(polynomial: Poly, place: Expr, factor: Poly | None = None) -> _Place:
+    """The value at a place; at a root of a factor that of the remainder, which is short."""
+    if factor is None:
+        return place, polynomial(place), True
+    return place, expand(polynomial.rem(factor).as_expr().subs(_U, place)), True
+
+
+def _stationary(polynomial: Poly) -> Iterator[_Place]:
+    """Where a polynomial is largest or smallest between 0 and 1."""
+    derivative = polynomial.diff(_U)
+    if derivative.degree() < 1:
         return
-    ratios = [cancel(c / leading) for c in coefficients]
-    if polynomial.degree() > 2 and not all(ratio.is_Rational for ratio in ratios):
-        yield from ((Float(place), False) for place in _real_zeros([float(ratio) for ratio in ratios]))
-        return
-    domain = QQ if all(ratio.is_Rational for ratio in ratios) else "EX"
-    for factor, _ in Poly(ratios, _U, domain=domain).factor_list()[1] if domain is QQ else [(Poly(ratios, _U), 1)]:
+    rational = polynomial.domain == QQ
+    for factor, _ in derivative.factor_list()[1] if rational else [(derivative, 1)]:
         if factor.degree() <= 2:
-            found = [(place, True) for place in roots(factor, _U)]
+            places = [place for place in roots(factor, _U) if place.is_real and 0 < float(place) < 1]
+            yield from (_at(polynomial, place, factor if rational else None) for place in places)
         else:
-            found = [(Float(place), False) for place in _real_zeros([float(c) for c in factor.all_coeffs()])]
-        yield from ((place, exact) for place, exact in found if place.is_real and 0 < float(place) < 1)
+            numbers = [float(c) for c in polynomial.all_coeffs()]
+            for place in _real_zeros([float(c) for c in factor.all_coeffs()]):
+                yield Float(place), Float(float(np.polyval(numbers, place))), False
 
 
 def _real_zeros(coefficients: list[float]) -> list[float]:

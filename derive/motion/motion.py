@@ -366,8 +366,8 @@ class Motion:
         start, duration = float(segment.start), float(segment.duration)
         count = max(2, SIMPSON * self._samples_in(duration)[1])
         times = start + duration * np.arange(count + 1) / count
-        inside = times.copy()
-        inside[-1] = np.nextafter(times[-1], start)  # the payload of this segment, not of the next
+        end = float(segment.start + segment.duration)
+        inside = np.minimum(times, np.nextafter(end, start))  # what this segment carries and does, not the next one
         tau = self.torques(inside)
         power = tau * self.trajectory(inside)[1]
         weights = np.full(count + 1, 2.0)

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from sympy import Expr, Symbol, cos, expand, latex, pi, sstr
+from sympy import Expr, Float, Poly, Symbol, cos, expand, latex, pi, sstr
 
-from derive.motion.hermite import Piece
 from derive.motion.motion import Motion
 from derive.motion.profile import AnyPiece, Cosine, Curve
 from derive.motion.trajectory import Segment
+from derive.targets.escape import latex_text
 
 TIME = Symbol("t")
 """Time since the segment began."""
+
+DIGITS = 12
+"""Of coefficients that are not exact."""
+
+ROUNDING = 1e-12
+"""What a coefficient is, relative to the largest one, where it is nothing but rounding."""
+
+MOST_PIECES = 8
+"""Of a joint in a segment that are printed."""
 
 
 def formula(piece: AnyPiece, segment: Segment) -> Expr:
@@ -23,7 +32,7 @@ def formula(piece: AnyPiece, segment: Segment) -> Expr:
         segment: In which it stands.
 
     Returns:
-        Exact where the piece is.
+        Exact where the piece is, else in decimals throughout.
     """
     if isinstance(piece, Curve):
         return piece.formulas[0].subs(next(iter(piece.formulas[0].free_symbols), TIME), TIME)
@@ -32,7 +41,12 @@ def formula(piece: AnyPiece, segment: Segment) -> Expr:
         (q0,), (q1,) = piece.values
         return q0 + (q1 - q0) * (1 - cos(pi * u)) / 2
     polynomial = piece.in_unit_time()
-    return expand(polynomial.as_expr().subs(polynomial.gen, u))
+    if not any(value.has(Float) for end in (*piece.values, (piece.start, piece.duration)) for value in end):
+        return expand(polynomial.as_expr().subs(polynomial.gen, u))
+    numbers = [float(c) for c in polynomial.all_coeffs()]
+    least = ROUNDING * max(map(abs, numbers))
+    kept = Poly([Float(c) if abs(c) > least else 0 for c in numbers], polynomial.gen)
+    return expand(kept.as_expr().subs(kept.gen, u.evalf())).evalf(DIGITS)
 
 
 def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
@@ -43,25 +57,48 @@ def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
         as_latex: Whether they are LaTeX.
 
     Yields:
-        Lines: a heading for each segment, then its joints; a joint that stands has one number.
+        Lines: a heading for each segment, then its joints; a joint that stands has one number. In LaTeX the formulas of
+        a segment are one ``align*``.
     """
     joints = motion.plan.robot.joints
     for segment in motion.trajectory.segments:
-        yield ("% " if as_latex else "") + f"{segment.name}, 0 <= t <= {sstr(segment.duration)} s"
+        heading, lines = f"{segment.name}, 0 <= t <= {_time(segment.duration)} s", []
         for joint, pieces in zip(joints, segment.joints, strict=True):
-            if len(pieces) > 8 and isinstance(pieces[0], Piece):
-                yield f"  {joint.variable}: {len(pieces)} polynomials between places on the way"
+            if len(pieces) > MOST_PIECES:
+                said = f"{joint.variable}: {len(pieces)} polynomials between places on the way"
+                lines.append(rf"  &\text{{{latex_text(said)}}}" if as_latex else f"  {said}")
                 continue
             for piece in pieces:
-                value = formula(piece, segment)
-                span = ""
-                if len(pieces) > 1:
-                    start = piece.start - segment.start
-                    span = f"  for {sstr(start)} <= t <= {sstr(start + piece.duration)}"
-                yield _line(joint.variable, value, span, as_latex=as_latex)
+                value, start = formula(piece, segment), piece.start - segment.start
+                span = (start, start + piece.duration) if len(pieces) > 1 else None
+                lines.append(_line(joint.variable, value, span, as_latex=as_latex))
+        yield from aligned(heading, lines) if as_latex else (heading, *lines)
 
 
-def _line(name: str, value: Expr, span: str, *, as_latex: bool) -> str:
+def aligned(heading: str, lines: Sequence[str]) -> Iterator[str]:
+    """Formulas as one display of LaTeX.
+
+    Args:
+        heading: What they are, for a comment.
+        lines: The formulas, each with the place where they are aligned.
+
+    Yields:
+        Lines of an ``align*`` that stands in notes as it is.
+    """
+    yield f"% {' '.join(heading.split())}"
+    yield r"\begin{align*}"
+    yield from (f"{line} \\\\" for line in lines[:-1])
+    yield from lines[-1:]
+    yield r"\end{align*}"
+
+
+def _time(value: Expr) -> str:
+    return f"{float(value):.{DIGITS}g}" if value.has(Float) else sstr(value)
+
+
+def _line(name: str, value: Expr, span: tuple[Expr, Expr] | None, *, as_latex: bool) -> str:
     if as_latex:
-        return f"{latex(Symbol(name))}(t) = {latex(value, order='rev-lex')}{span.replace('<=', chr(92) + 'le')}"
-    return f"  {name} = {sstr(value, order='rev-lex')}{span}"
+        said = "" if span is None else rf" && {latex(span[0])} \le t \le {latex(span[1])}"
+        return f"  {latex(Symbol(name))}(t) &= {latex(value, order='rev-lex')}{said}"
+    said = "" if span is None else f"  for {_time(span[0])} <= t <= {_time(span[1])}"
+    return f"  {name} = {sstr(value, order='rev-lex')}{said}"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from derive.motion.extremes import Peak
 from derive.motion.hermite import Array
-from derive.motion.motion import Motion, SegmentPeaks
+from derive.motion.motion import ROUNDING, Motion, SegmentPeaks
 from derive.motion.simulation import Run
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
@@ -41,7 +42,9 @@ def _row(robot: Robot, peaks: SegmentPeaks) -> tuple[str, ...]:
         return cells
     at = max(range(robot.n), key=lambda j: abs(peaks.loads[j].peak))
     load = peaks.loads[at]
-    return (*cells, _torque(robot, at, load.peak, load.time), f"{peaks.work:.4g} J")
+    most = sum(abs(other.power) for other in peaks.loads) * float(peaks.segment.duration)
+    work = peaks.work if abs(peaks.work) > ROUNDING * most else 0.0
+    return (*cells, _torque(robot, at, load.peak, load.time), f"{work:.4g} J")
 
 
 def _torque(robot: Robot, joint: int, value: float, time: float) -> str:
@@ -128,9 +131,9 @@ def _largest(robot: Robot, peaks: Sequence[Peak], per: str) -> str:
 
 
 def _number(value: object) -> str:
-    """An exact value with its decimals where these say more, a rounded one by them alone."""
+    """An exact value with its decimals where these say more, a rounded one, or a long fraction, by them alone."""
     text, decimals = str(value), f"{float(value):.4g}"  # type: ignore[arg-type]
-    exact = not any(character == "." for character in text) and len(text) <= 24
+    exact = "." not in text and len(text) <= 24 and not re.fullmatch(r"-?\d+/\d{5,}", text)
     return text if text == decimals else f"{text} = {decimals}" if exact else decimals
 
 

@@ -131,7 +131,7 @@ def test_formulas_as_text_and_as_latex(tmp_path: Path) -> None:
     text = derive("move", plan, "--show", folder=tmp_path).stdout
     assert text == "a -> b, 0 <= t <= 2 s\n  q1 = 5*t**3/4 - 15*t**4/16 + 3*t**5/16\n"
     latex = derive("move", plan, "--show", "--format", "latex", folder=tmp_path).stdout
-    assert latex.splitlines()[1] == r"q_{1}(t) = \frac{5 t^{3}}{4} - \frac{15 t^{4}}{16} + \frac{3 t^{5}}{16}"
+    assert latex.splitlines()[2] == r"  q_{1}(t) &= \frac{5 t^{3}}{4} - \frac{15 t^{4}}{16} + \frac{3 t^{5}}{16}"
 
 
 def test_json_names_the_files_that_were_written(tmp_path: Path) -> None:

@@ -7,8 +7,8 @@ import pytest
 from sympy import Integer, Rational, pi, sqrt
 
 from derive.motion.extremes import peak
-from derive.motion.hermite import TIME, Piece
-from derive.motion.profile import Curve, spline
+from derive.motion.hermite import TIME, Piece, joined
+from derive.motion.profile import Curve, spline, via_velocities
 from derive.motion.trajectory import Segment, Trajectory
 
 ZERO = Integer(0)
@@ -57,3 +57,15 @@ def test_of_a_formula_at_samples() -> None:
     found = peak((curve,), 1)
     assert not found.is_exact
     assert float(found.value) == pytest.approx(12)
+
+
+def test_at_a_square_root_the_value_is_that_of_a_short_remainder() -> None:
+    """Long fractions times pi at points that are passed, such as decimal degrees give."""
+    times = [Integer(0), Rational(9, 4), Rational(314, 100)]
+    positions = [Rational(k, 10**6) * pi / 180 for k in (-50709714, 228931046, 18581321)]
+    ends = [(q, v, ZERO, ZERO) for q, v in zip(positions, via_velocities(times, positions), strict=True)]
+    first, _ = joined(ends, times)
+    derivative = first.in_unit_time().diff()
+    found = peak((first,), 1)
+    u = (found.time - first.start) / first.duration
+    assert float(found.value) == pytest.approx(float(derivative(u).evalf(30)) / float(first.duration), rel=1e-14)

@@ -139,3 +139,18 @@ def test_limits_set_the_time_of_the_slowest_joint() -> None:
         fast = max(abs(float(peak.value)) for peak in found.speeds)
         hard = max(abs(float(peak.value)) / 2 for peak in found.accelerations)
         assert max(fast, hard) == pytest.approx(1, rel=1e-12)
+
+
+def test_a_segment_ends_before_the_next_one_begins_whatever_its_times_round_to() -> None:
+    """0.78 s + 1.54 s is beyond 2.32 s in floats, where the acceleration of cubics jumps."""
+    motion = Motion.from_text(
+        "robot: {name: p, convention: standard, gravity: [0, -9.81, 0], links: [{mass: 1}],\n"
+        "  joints: [{type: revolute, a: 1}]}\n"
+        "profile: cubic\n"
+        "points: {a: [0], b: [1]}\n"
+        "path: [a, {to: b, time: 0.78}, {to: b, time: 1.54}, {to: a, time: 0.42}]\n"
+    )
+    (load,) = motion.peaks[1].loads
+    assert load.peak == pytest.approx(9.81 * np.cos(1), rel=1e-12)
+    assert load.rms == pytest.approx(load.peak, rel=1e-12)
+    assert load.work == 0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from sympy import Symbol, lambdify, sympify
@@ -37,10 +39,19 @@ def test_what_is_printed_is_what_moves(profile: str) -> None:
     assert checked >= 20
 
 
-def test_latex_has_a_formula_for_every_joint() -> None:
+def test_latex_has_a_display_for_every_segment() -> None:
     lines = list(printed(Motion.from_text(PICK_AND_PLACE), as_latex=True))
-    assert lines[0].startswith("%")
-    assert lines[1] == r"q_{1}(t) = \frac{5 \pi t^{3}}{27} - \frac{5 \pi t^{4}}{54} + \frac{\pi t^{5}}{81}"
+    assert lines[:2] == ["% rest -> A, 0 <= t <= 3 s", r"\begin{align*}"]
+    assert lines[2] == r"  q_{1}(t) &= \frac{5 \pi t^{3}}{27} - \frac{5 \pi t^{4}}{54} + \frac{\pi t^{5}}{81} \\"
+    assert lines[5:7] == [r"  q_{4}(t) &= 0", r"\end{align*}"]
+
+
+def test_what_is_not_exact_is_printed_in_decimals_alone() -> None:
+    """A pose is reached by floats, and no polynomial has them beside powers of pi."""
+    text = PICK_AND_PLACE.replace("A: [pi/2, pi/2, 1, 0]", "A: {pose: {p: [-1.9, 2.1, -1], rpy: [pi, 0, 0]}}")
+    first, *lines = list(printed(Motion.from_text(text)))[:4]
+    assert first == "rest -> A, 0 <= t <= 3 s"
+    assert all(re.fullmatch(r"  q\d = [-+*t. e\d]+", line) for line in lines)
 
 
 def test_curves_are_printed_as_they_were_given() -> None:
