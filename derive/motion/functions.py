@@ -16,9 +16,8 @@ from derive.motion.hermite import Array
 from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.programs.search_policy import Effort
-from derive.publish.render import compile_libraries
 from derive.robot.robot import Robot
-from derive.targets import c, native, numpy
+from derive.targets import numpy
 from derive.targets.compiler import find_compiler
 from derive.targets.target import Source
 from derive.version import __version__
@@ -121,7 +120,12 @@ def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: b
     temporary = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
     folder, source = Path(temporary.name), Source(robot, _program(robot, names, inverse=inverse), __version__)
     compiler = find_compiler() if compiled else None
-    targets = [c.TARGET, native.TARGET] if compiler else [numpy.TARGET]
+    targets = [numpy.TARGET]
+    if compiler:
+        from derive.publish.render import compile_libraries
+        from derive.targets import c, native
+
+        targets = [c.TARGET, native.TARGET]
     for target in targets:
         for name, text in target.render(source).items():
             (folder / name).write_text(text, encoding="utf-8")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,24 @@ ROW = 105.0
 
 MOST_PLACES = 4000
 """Times at which a line is drawn; more are not told apart."""
+
+AXIS = 25.0
+"""Room for the name of an axis, its ticks, and the distances between them [pt]; the numbers of a y axis are beside."""
+
+DIGIT = 5.1
+"""Width of a digit beside an axis [pt]."""
+
+LINE = 15.0
+"""Height of a line of the legend, and of the names of points [pt]."""
+
+GAP = 10.0
+"""Between panels [pt]."""
+
+SHORT = 4
+"""Letters of a point's name of which half has room beside the panels."""
+
+LEGEND = 8
+"""Joints in a line of the legend."""
 
 MARKED = 8
 """Joints up to which peaks have their numbers beside them."""
@@ -69,8 +88,8 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
     with matplotlib.rc_context({**STYLE, **SETTINGS}):
         from matplotlib.figure import Figure
 
-        size = WIDTH / POINTS_PER_INCH, (ROW * count + 40.0) / POINTS_PER_INCH
-        figure = Figure(figsize=size, layout="constrained")
+        height = ROW * count + 40.0
+        figure = Figure(figsize=(WIDTH / POINTS_PER_INCH, height / POINTS_PER_INCH))
         panels = figure.subplots(count, len(kinds), squeeze=False, sharex=True)
         wanted, simulated = _wanted(motion), _simulated(run)
         for column, kind in enumerate(kinds):
@@ -82,9 +101,42 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
         lines = [line for axes in panels[0] for line in axes.get_lines() if not line.get_label().startswith("_")]
         lines.sort(key=lambda line: line.get_gid())
         labels = [line.get_label() for line in lines]
-        figure.legend(lines, labels, loc="outside lower center", ncols=min(8, len(labels)), frameon=False)
+        figure.legend(lines, labels, loc="lower center", ncols=min(LEGEND, len(labels)), frameon=False)
+        _arrange(panels, height, below=AXIS + LINE * (0.5 + ceil(len(labels) / LEGEND)))
         title = f"{robot.name}: {motion.plan.title or motion.plan.source}"
         return figure_bytes(figure, suffix, title)
+
+
+def _arrange(panels: Any, height: float, below: float) -> None:
+    """Room for the labels of the axes, by the lengths of their numbers.
+
+    The layout engines of matplotlib set every text twice over for that, which takes as long as all the rest.
+
+    Args:
+        panels: The panels, (rows, columns).
+        height: Of the figure [pt].
+        below: What stands below the panels [pt].
+    """
+    rows, columns = panels.shape
+    figure = panels[0][0].figure
+    figure.subplots_adjust(bottom=below / height, top=1 - LINE / height, hspace=GAP * rows / (height - below - LINE))
+    lefts = []
+    for column in panels.T:
+        numbers = [text for axes in column for text in _numbers_of(axes.yaxis)]
+        lefts.append(AXIS + DIGIT * max(map(len, numbers)))
+    width = (WIDTH - sum(lefts)) / columns - GAP
+    for k, column in enumerate(panels.T):
+        left = sum(lefts[: k + 1]) + k * (width + GAP)
+        for axes in column:
+            place = axes.get_position()
+            axes.set_position((left / WIDTH, place.y0, width / WIDTH, place.height))
+
+
+def _numbers_of(axis: Any) -> list[str]:
+    """The numbers beside the ticks of an axis that are seen."""
+    low, high = sorted(axis.get_view_interval())
+    places = [place for place in axis.get_majorticklocs() if low <= place <= high]
+    return list(axis.get_major_formatter().format_ticks(places)) or [""]
 
 
 def _wanted(motion: Motion) -> tuple[Array, list[Array]]:
@@ -193,5 +245,7 @@ def _name_points(axes: Any, motion: Motion) -> None:
     names = [segments[0].name.split(" -> ")[0], *(segment.name.split(" -> ")[-1] for segment in segments)]
     above = axes.secondary_xaxis("top")
     above.set_xticks(places, names, fontsize=7)
+    if len(names[-1]) > SHORT:  # within the figure
+        above.get_xticklabels()[-1].set_horizontalalignment("right")
     above.tick_params(length=0, pad=1)
     above.spines["top"].set_visible(False)

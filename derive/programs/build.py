@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from derive.errors import QuantityError
 from derive.programs.formulation_choice import Formulation
 from derive.programs.functions import INTERFACES, ROWS, Row
-from derive.programs.inverse import Solved, solved
 from derive.programs.program import Column, Function, Inverse, InverseSearch, Program
 from derive.programs.search_policy import Effort
 from derive.programs.tape.cost import program_cost
 from derive.programs.trace import Trace
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from derive.programs.inverse import Solved
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -90,6 +92,8 @@ class _Inverse:
 
     def solved(self) -> Solved:
         """The program, or why there is none."""
+        from derive.programs.inverse import solved  # forty modules, which a motion in joint variables does not need
+
         return solved(self.trace)
 
 
