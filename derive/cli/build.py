@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 
     from derive.publish.build import BuildFailure, BuildResult, CheckResult
 
-SUMMARY = "derive, generate and verify models; the main job"
 DESCRIPTION = """\
 Derive the equations of each ROBOT, write NumPy, CasADi and LaTeX files to DIR/<robot>/, and compare every generated
 function with an independent recursion before the folder is put in place. Without ROBOT, the whole catalogue is built.

@@ -14,7 +14,6 @@ from derive.errors import CheckError, OutputError, UnknownNameError
 if TYPE_CHECKING:
     from derive.checking.report import Printout
 
-SUMMARY = "compare printed formulas with derived ones"
 DESCRIPTION = """\
 Read corpus files (a block `robot:` and a list `expected:` of printed quantities) and say for each printed entry whether
 it has the same form as the derived one, is equal to it, or is wrong. Equality is decided exactly; what is wrong is

@@ -14,7 +14,6 @@ from derive.robot.handout_options import Derivation, NotationOptions, chosen_not
 
 T = TypeVar("T")
 
-SUMMARY = "a sheet to hand out: LaTeX, PDF and web page"
 DESCRIPTION = """\
 Write the equations of ROBOT as a handout: table, transforms, Jacobian, dynamics, as far as the robot file gives them.
 

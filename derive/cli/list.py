@@ -6,7 +6,6 @@ import argparse
 
 from derive.cli.terminal import one_line, print_columns, print_json
 
-SUMMARY = "list the built-in robots, or motion plans"
 DESCRIPTION = """\
 List the built-in robots: name, joints (R revolute, P prismatic), convention, dynamics, title; or the built-in plans of
 `derive move`.

@@ -9,10 +9,22 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
-from derive.cli.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error, remarks_told
 from derive.version import __version__
 
-COMMANDS = ("list", "show", "plot", "build", "handout", "check", "style", "verify", "move", "new", "schema")
+COMMANDS = {
+    "list": "list the built-in robots, or motion plans",
+    "show": "print quantities of a robot: T, J, B, C, g, A[1], ...",
+    "plot": "draw the arm with its frames, or its workspace",
+    "build": "derive, generate and verify models; the main job",
+    "handout": "a sheet to hand out: LaTeX, PDF and web page",
+    "check": "compare printed formulas with derived ones",
+    "style": "find the style of a book from some of its formulas",
+    "verify": "compare generated functions with an independent recursion",
+    "move": "a motion from via points: speeds, torques, work; plots, films, simulation",
+    "new": "write a commented robot file, or a motion plan, to start from",
+    "schema": "print the JSON Schema of the robot file or the motion plan",
+}
+"""What each command does; its module `derive.cli.NAME` is imported when it is asked for."""
 
 OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "new")
 """Commands that read robot files."""
@@ -54,6 +66,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
     arguments = _parser().parse_args(argv)
+    from derive.cli.terminal import BROKEN_PIPE, explain, print_error, remarks_told  # help needs none of it
+
     try:
         with remarks_told(strict=getattr(arguments, "strict", False)):
             status = int(arguments.run(arguments))
@@ -112,20 +126,40 @@ class _Parser(argparse.ArgumentParser):
         Raises:
             SystemExit: Always, with the status of wrong input.
         """
+        from derive.cli.terminal import WRONG_INPUT, one_line
+
         self.exit(WRONG_INPUT, f"{self.prog}: error: {one_line(message)}; see '{self.prog} --help'\n")
 
 
+class _Command(_Parser):
+    """The parser of a command, which has its arguments when it is asked for them, so that help answers at once."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Import the command's module, which says what its arguments are, and parse.
+
+        Args:
+            args: Arguments behind the command's name.
+            namespace: Where values are put.
+
+        Returns:
+            The namespace and what was not understood.
+        """
+        name = self.prog.split()[-1]
+        module = import_module(f"derive.cli.{name}")
+        self.description = module.DESCRIPTION
+        module.configure(self)
+        if name in OF_A_ROBOT:
+            self.add_argument("--strict", action="store_true", help="remarks on the robot file are errors")
+        self.set_defaults(run=module.run)
+        return super().parse_known_args(args, namespace)
+
+
 def _parser() -> argparse.ArgumentParser:
-    """The parser of all commands; each module imports what it needs when it runs, so that help answers at once."""
+    """The parser of all commands."""
     form: dict[str, Any] = {"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False}
     parser = _Parser(prog="derive", description=_DESCRIPTION, epilog=_EPILOG, **form)
     parser.add_argument("--version", action="version", version=f"derive {__version__}")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
-    for name in COMMANDS:
-        module = import_module(f"derive.cli.{name}")
-        command = commands.add_parser(name, help=module.SUMMARY, description=module.DESCRIPTION, **form)
-        module.configure(command)
-        if name in OF_A_ROBOT:
-            command.add_argument("--strict", action="store_true", help="remarks on the robot file are errors")
-        command.set_defaults(run=module.run)
+    commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command", parser_class=_Command)
+    for name, summary in COMMANDS.items():
+        commands.add_parser(name, help=summary, **form)
     return parser

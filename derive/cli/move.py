@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from derive.motion.motion import Motion
     from derive.motion.simulation import Run
 
-SUMMARY = "a motion from via points: speeds, torques, work; plots, films, simulation"
 DESCRIPTION = """\
 Read a plan (the robot, points, the way between them) and print what each segment asks of the joints, for instance
 

@@ -11,7 +11,6 @@ from derive.cli.terminal import positive
 from derive.errors import OutputError, RobotFileError, quoted
 from derive.robot.size_limits import FILE_LIMITS
 
-SUMMARY = "write a commented robot file, or a motion plan, to start from"
 DESCRIPTION = """\
 Write NAME.yaml, a commented robot file that builds as it is: an arm of N revolute joints with parallel axes, or a copy
 of another robot, its comments and units kept, under the new name.

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from derive.cli.terminal import magnification, progress
 
-SUMMARY = "draw the arm with its frames, or its workspace"
 DESCRIPTION = """\
 Draw the arm with its joints, links, Denavit-Hartenberg frames and lengths, for instance
 

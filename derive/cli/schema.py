@@ -6,7 +6,6 @@ import argparse
 
 from derive.cli.terminal import print_json
 
-SUMMARY = "print the JSON Schema of the robot file or the motion plan"
 DESCRIPTION = """\
 Print the JSON Schema of the robot file, or of the motion plan, which lets an editor complete and check it while you
 type.

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from derive.model.model import Model
     from derive.robot.robot import Robot
 
-SUMMARY = "print quantities of a robot: T, J, B, C, g, A[1], ..."
 DESCRIPTION = """\
 Print quantities of a robot in the lecture form, for instance
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from derive.cli.terminal import DONE, FAILED, one_line, print_json
 
-SUMMARY = "find the style of a book from some of its formulas"
 DESCRIPTION = """\
 Print the block `style:` of a robot file with which most of some printed formulas come out as they are printed, and as
 comments which do not, and why. The formulas are those of corpus files (a block `robot:` and a list `expected:`), all of

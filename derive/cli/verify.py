@@ -7,7 +7,6 @@ from pathlib import Path
 
 from derive.cli.terminal import positive, print_columns, print_json
 
-SUMMARY = "compare generated functions with an independent recursion"
 DESCRIPTION = """\
 Import the models in DIR/<robot>/ and compare each function with an independent recursion in plain floats, at random
 configurations and parameters. Prints the worst relative error of each function; above 1e-9 it is a failure.

@@ -134,4 +134,3 @@ def test_a_handout_is_set_as_the_notes_are(folder: Path) -> None:
     done = derive("handout", "planar-2r-perugia", "--parts", "gravity", "--style-from", "notes.yaml", folder=folder)
     assert "style of notes.yaml: gravity: body; as printed: 1 of 1 formula, " in done.stdout
     assert derive("handout", "planar-2r-perugia", "--style-from", "missing.yaml", folder=folder).status == 2
-    assert style.SUMMARY
