@@ -105,6 +105,8 @@ def handout_files(
 
 def _page(sheet: Document, context: Context) -> str:
     """The web page of a sheet, with the arm to move where it can be drawn."""
+    from derive.handouts.figure.planar import plane_normal
+    from derive.handouts.figure.scene import arm_scene
     from derive.handouts.page.target import dragging
     from derive.handouts.page.viewer import FUNCTIONS, symbol_values, viewer
     from derive.handouts.page.writer import page
@@ -116,7 +118,9 @@ def _page(sheet: Document, context: Context) -> str:
         dragged = dragging(robot, symbol_values(robot, (), assumed))
         asked = robot if dragged is None else replace(robot, inverse=dragged.task)
         program = build_program(asked, Effort.QUICK, names=FUNCTIONS, inverse=dragged is not None)
-        figure = viewer(robot, program, assumed, context.text, notation=context.notation, dragged=dragged)
+        normal = plane_normal([arm_scene(robot, context.poses.frames(context.poses.zero))])
+        notation = context.notation
+        figure = viewer(robot, program, assumed, context.text, notation=notation, dragged=dragged, normal=normal)
     mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
     return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
 from io import BytesIO
@@ -19,12 +19,13 @@ import numpy as np
 from derive.errors import OutputError, TargetError
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
-from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.figure.planar import view_along
 from derive.handouts.figure.projection import View, paint
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import Sizes, solid_faces
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
+from derive.motion.plane import frames_of, motion_normal
 from derive.motion.simulation import Run
 
 SUFFIXES = (".gif", ".mp4")
@@ -114,17 +115,13 @@ class Film:
     @cached_property
     def _poses(self) -> Array:
         """Base frame 0, frames 1 to n and the end effector, (frames, n + 2, 4, 4)."""
-        robot = self.motion.plan.robot
-        values = (*robot.parameters, *self.motion.plan.values.items())
-        poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
-        frames = np.array([poses.frames([float(value) for value in q]) for q in self._configurations])
-        moving = self.motion.base
-        return frames if moving is None else moving(self.times, 0)[:, None] @ frames
+        return frames_of(self.motion, self.times, self._configurations)
 
     @cached_property
     def _stage(self) -> _Stage:
         scenes = [arm_scene(self.motion.plan.robot, frames) for frames in self._poses]
-        view = arm_view(scenes[len(scenes) // 2])
+        normal = motion_normal(self.motion)
+        view = arm_view(scenes[len(scenes) // 2]) if normal is None else view_along(normal, scenes[0].up)
         flat = np.concatenate([view.project(scene.places)[:, :2] for scene in scenes])
         low, high = flat.min(axis=0), flat.max(axis=0)
         room = np.array((WIDTH, HEIGHT), dtype=float) - 2 * MARGIN

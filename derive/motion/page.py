@@ -17,6 +17,7 @@ from derive.handouts.parts.plan import (
 )
 from derive.motion.hermite import basis
 from derive.motion.motion import Motion
+from derive.motion.plane import motion_normal
 from derive.motion.playback import playback
 from derive.motion.polynomials import formula
 from derive.motion.profile import VALUES
@@ -54,7 +55,8 @@ def motion_page(motion: Motion) -> str:
     values |= {name: motion.values[name] for name in motion.plan.values}
     played = playback(motion)
     program = build_program(robot, Effort.QUICK, names={*FUNCTIONS, *played.functions})
-    figure = viewer(robot, program, values, text, notation=context.notation, playback=played)
+    normal = motion_normal(motion) if context.poses else None
+    figure = viewer(robot, program, values, text, notation=context.notation, playback=played, normal=normal)
     mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
     return page(sheet, text, figure).replace("<!DOCTYPE html>", mark, 1)
 

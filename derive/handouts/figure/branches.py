@@ -15,6 +15,7 @@ import numpy as np
 from derive.handouts.figure.arm import HEIGHT, arm_view
 from derive.handouts.figure.drawing import Array, Color, Drawing, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, moved
+from derive.handouts.figure.planar import view_along
 from derive.handouts.figure.projection import View
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.robot.robot import Robot
@@ -125,13 +126,7 @@ def _view(scene: Scene) -> View:
     flat = all(abs((place - scene.places[0]) @ normal) < _SAME * scene.size for place in scene.places)
     if not flat:
         return arm_view(scene)
-    up = np.array(scene.up)
-    if abs(normal @ up) > 0.99:
-        return View(math.radians(-90.0), math.radians(89.999), scene.up)
-    first = np.array((1.0, 0.0, 0.0)) if abs(up[0]) < 0.9 else np.array((0.0, 1.0, 0.0))
-    first = first - up * (first @ up)
-    second = np.cross(up, first)
-    return View(math.atan2(float(normal @ second), float(normal @ first)), 0.0, scene.up)
+    return view_along(normal, scene.up)
 
 
 def _dot(center: Point, color: Color) -> Path:

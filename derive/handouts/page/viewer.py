@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
-from derive.handouts.figure.drawing import label_runs
+from derive.handouts.figure.drawing import Array, label_runs
+from derive.handouts.figure.planar import view_along
 from derive.handouts.figure.scene import upwards
 from derive.handouts.language import Text
 from derive.handouts.notation.notation import Notation
@@ -96,6 +97,7 @@ def viewer(
     notation: Notation | None = None,
     dragged: Dragging | None = None,
     playback: Playback | None = None,
+    normal: Array | None = None,
 ) -> Viewer:
     """The figure of a robot.
 
@@ -109,6 +111,7 @@ def viewer(
         notation: How symbols are written; None for the robot file's way.
         dragged: How its end effector is dragged, for which the program then has an inverse kinematics; None for not.
         playback: A motion that is played; None for none.
+        normal: Of the plane in which the arm moves, towards the viewer; None where it moves in space.
     """
     numbers = symbol_values(robot, program.parameters, values)
     ways = travels(robot, numbers, start)
@@ -126,7 +129,7 @@ def viewer(
         "page/viewer.js.jinja",
         model=javascript_body(robot, needed),
         configuration=_configuration(
-            robot, program, numbers, ways, dragged if target else None, playback, comma=text.comma
+            robot, program, numbers, ways, dragged if target else None, playback, normal, comma=text.comma
         ),
         target=target is not None,
         player=playback is not None,
@@ -246,6 +249,7 @@ def _configuration(
     ways: Sequence[Travel],
     dragged: Dragging | None,
     playback: Playback | None,
+    normal: Array | None,
     *,
     comma: bool,
 ) -> str:
@@ -265,6 +269,7 @@ def _configuration(
         "params": {name: numbers[name] for name in program.parameters},
         "base": [[evaluate(entry, numbers) for entry in row] for row in robot.base],
         "up": upwards(robot, numbers),
+        "facing": None if normal is None else view_along(normal, upwards(robot, numbers)).rows[2].tolist(),
         "comma": comma,
     }
     if dragged is not None and program.inverse is not None:
