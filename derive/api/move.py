@@ -135,7 +135,11 @@ def move(
         if form.endings and path.suffix.lower() not in form.endings:
             allowed = f"allowed: {', '.join(form.endings)}"
             raise DeriveError(f"{path.name!r} has the ending of another kind of file", allowed=allowed)
+        if path.is_dir():
+            raise DeriveError(f"{str(path)!r} is a folder", remedy="write the name of a file in it")
         form.needs()
+    if twice := {str(path) for _, path in wanted if [other for _, other in wanted].count(path) > 1}:
+        raise DeriveError(f"two contents for {min(twice)!r}", remedy="name two files")
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
     if language is not None:
         from derive.api.handout import with_options

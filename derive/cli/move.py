@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from derive.motion.motion import Motion
     from derive.motion.simulation import Run
 
+STDOUT = Path("-")
+"""Instead of a file: what is written is printed."""
+
 DESCRIPTION = """\
 Read a plan (the robot, points, the way between them) and print what each segment asks of the joints, for instance
 
@@ -41,7 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--json", action="store_true", help="machine-readable output")
     add("--html", metavar="FILE", type=Path, help="write a web page on which the arm plays the motion")
     add("--lang", metavar="CODE", help="language of the page: en, it, pt (default: that of the robot file)")
-    add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample")
+    add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample; - prints them")
     add("--plot", metavar="FILE", type=Path, help="draw q, qd, qdd and tau with their peaks: .pdf, .svg or .png")
     add("--gif", metavar="FILE", type=Path, help="write a film of the arm")
     add("--mp4", metavar="FILE", type=Path, help="likewise, where ffmpeg is installed")
@@ -69,12 +72,22 @@ def run(arguments: argparse.Namespace) -> int:
         raise DeriveError(f"--format {arguments.format} without --show", remedy="add --show")
     if arguments.lang and not arguments.html:
         raise DeriveError("--lang without --html", remedy="add --html page.html")
+    for name in ("name", "force"):
+        if getattr(arguments, name) and not arguments.out:
+            raise DeriveError(f"--{name} without --out", remedy="add --out DIR")
     for name in ("show", "hand", "increments"):
         if getattr(arguments, name) and arguments.json:
             raise DeriveError(f"--{name} with --json", remedy="leave one out")
-    files = {name: getattr(arguments, name) for name in FORMS}
+    rows_alone = arguments.csv == STDOUT
+    if rows_alone and (arguments.json or arguments.show or arguments.hand or arguments.increments):
+        raise DeriveError(f"--csv {STDOUT} with another output", remedy="name a file")
+    files = {name: getattr(arguments, name) for name in FORMS if not (name == "csv" and rows_alone)}
     found = move(arguments.plan, simulate=arguments.simulate, language=arguments.lang, **files)
-    if arguments.json:
+    if rows_alone:
+        from derive.motion.table import csv_bytes
+
+        print(csv_bytes(found.motion, found.run).decode(), end="")
+    elif arguments.json:
         from derive.motion.summary import summary
 
         print_json({**summary(found.motion, found.run), "files": list(map(str, found.files))})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache
@@ -58,6 +58,7 @@ class Functions:
         compiled = calls * operations * SAVED > COMPILING
         self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
         self._parameters = program.parameters
+        self._inverse = program.inverse
         self._options = self._numbers(values)
 
     def _numbers(self, values: Mapping[str, float]) -> dict[str, Any]:
@@ -95,18 +96,30 @@ class Functions:
         value: Array = getattr(self._module, name)(*arguments, **self._options)
         return value
 
-    def nearest(self, pose: Array, q: Array) -> Array:
+    @property
+    def branches(self) -> int:
+        """How many branches the inverse kinematics has in closed form; zero where it has none."""
+        return self._inverse.branches if self._inverse else 0
+
+    def nearest(self, pose: Array, q: Array, branches: Sequence[int] = ()) -> Array:
         """The solution of a pose nearest to a configuration.
 
         Args:
             pose: (4, 4).
             q: (n,).
+            branches: Those that are looked at, by their place among the solutions; empty for all.
 
         Returns:
             (n,); not numbers where there is none.
         """
-        found: Array = self._module.inverse_kinematics_nearest(pose, q, **self._options)
-        return found
+        module = self._module
+        if not branches or self._inverse is None:
+            found: Array = module.inverse_kinematics_nearest(pose, q, **self._options)
+            return found
+        there = {"given": q[list(self._inverse.given)]} if self._inverse.given else {}
+        rows = module.inverse_kinematics(pose, near=q, **there, **self._options)
+        chosen: Array = module._nearest(rows[list(branches)], q)
+        return chosen
 
 
 @lru_cache(KEPT)

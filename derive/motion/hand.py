@@ -10,7 +10,9 @@ from itertools import pairwise
 import numpy as np
 from sympy import Expr, Float
 
-from derive.errors import QuantityError, RobotFileError
+from derive.errors import QuantityError, RobotFileError, quoted
+from derive.model.inverse.postures import postures
+from derive.model.inverse.solve import solve
 from derive.motion.fastest import FastestMotion, Torques
 from derive.motion.functions import Functions
 from derive.motion.hermite import Array, Piece
@@ -73,7 +75,7 @@ class Hand:
         return Functions(kinematics, names, self._values, inverse=poses)
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
-        """Joint variables at a point; of a pose the solution nearest to where the arm comes from.
+        """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch.
 
         Args:
             name: Of the point.
@@ -83,17 +85,40 @@ class Hand:
             Exact where the plan gives joint variables.
 
         Raises:
-            RobotFileError: The arm does not reach the pose.
+            RobotFileError: The arm does not reach the pose, or has no such branch.
         """
         point = self._plan.points[name]
         if point.q is not None:
             return self._exact(point.q)
         start = np.zeros(self._plan.robot.n) if before is None else np.array(before, dtype=float)
-        found = self._functions.nearest(self._pose(point), start)
+        pose, branches = self._pose(point), self._branches(point) if point.branch else ()
+        found = self._functions.nearest(pose, start, branches)
         if not np.isfinite(found).all():
             remedy = f"derive show {self._plan.robot.source} inverse says what a pose must satisfy"
-            raise RobotFileError(f"the arm does not reach {point.name}", remedy=remedy, location=point.location)
+            with_branch = f" within its limits with branch {quoted(point.branch, 80)}" if point.branch else ""
+            if with_branch and np.isfinite(self._functions.nearest(pose, start)).all():
+                remedy = "with another branch it does: leave branch out for the nearest one"
+            found_text = f"the arm does not reach {point.name}{with_branch}"
+            raise RobotFileError(found_text, remedy=remedy, location=point.location)
         return tuple(map(Float, found))
+
+    def _branches(self, point: Point) -> tuple[int, ...]:
+        """The solutions whose names have all words of a point's branch."""
+        robot = self._plan.robot
+        names = postures(robot, solve(robot)).names if self._functions.branches > 1 else ()
+        wanted = _words(point.branch)
+        found = tuple(k for k, name in enumerate(names) if wanted <= _words(name or f"#{k + 1}"))
+        if not found:
+            allowed = (
+                f"allowed: {'; '.join(name or f'#{k + 1}' for k, name in enumerate(names))}; or some of these words"
+            )
+            said = f"point {point.name}: no branch {quoted(point.branch)} of {robot.name}"
+            if not names:
+                said, allowed = f"{said}, whose solutions have no names", ""
+            raise RobotFileError(
+                said, allowed=allowed, remedy="leave branch out for the nearest", location=point.location
+            )
+        return found
 
     def _pose(self, point: Point) -> Array:
         """Where the end effector is at a point, (4, 4)."""
@@ -192,3 +217,8 @@ class Hand:
                 raise RobotFileError(f"the arm does not move to {step.to}", remedy=remedy, location=step.location)
         lengths = np.append(0.0, np.cumsum(chords))
         return np.asarray(lengths / lengths[-1])
+
+
+def _words(branch: str) -> set[str]:
+    """What the name of a branch says: ``shoulder left, elbow up`` is two of these."""
+    return {" ".join(part.lower().split()) for part in branch.split(",")}

@@ -28,7 +28,9 @@ class PosePoint(Strict):
     """A point that is a pose, reached through the inverse kinematics."""
 
     pose: PoseRow = Field(description="Where the end effector shall be.")
-    branch: str | None = Field(default=None, description="Name of the solution; default: the nearest one.")
+    branch: str | None = Field(
+        default=None, description="Name of the solution, or some of its words; default: the nearest."
+    )
 
 
 class Payload(Strict):

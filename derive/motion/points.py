@@ -33,7 +33,7 @@ class Point:
         name: Its name.
         q: Joint variables [rad or m]; None where it is a pose.
         pose: The pose, None where it is given by joint variables.
-        branch: Name of the solution, empty for the nearest.
+        branch: Words of the name of the solution, such as ``elbow up``; empty for the nearest.
         location: Where it stands in the plan.
     """
 

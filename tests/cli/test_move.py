@@ -99,6 +99,10 @@ class TestWrongPlans:
         plan = written(PENDULUM, tmp_path)
         assert derive("move", plan, "--format", "latex", folder=tmp_path).status == 2
         assert derive("move", plan, "--show", "--json", folder=tmp_path).status == 2
+        assert derive("move", plan, "--csv", "-", "--json", folder=tmp_path).status == 2
+        assert "--force without --out" in derive("move", plan, "--force", folder=tmp_path).stderr
+        assert "is a folder" in derive("move", plan, "--csv", ".", folder=tmp_path).stderr
+        assert "two contents" in derive("move", plan, "--csv", "a.svg", "--plot", "a.svg", folder=tmp_path).stderr
 
 
 def test_no_move_is_accepted(tmp_path: Path) -> None:
@@ -132,6 +136,14 @@ def test_formulas_as_text_and_as_latex(tmp_path: Path) -> None:
     assert text == "a -> b, 0 <= t <= 2 s\n  q1 = 5*t**3/4 - 15*t**4/16 + 3*t**5/16\n"
     latex = derive("move", plan, "--show", "--format", "latex", folder=tmp_path).stdout
     assert latex.splitlines()[2] == r"  q_{1}(t) &= \frac{5 t^{3}}{4} - \frac{15 t^{4}}{16} + \frac{3 t^{5}}{16}"
+
+
+def test_rows_go_to_a_pipe(tmp_path: Path) -> None:
+    plan = written(PENDULUM, tmp_path)
+    printed = derive("move", plan, "--csv", "-", folder=tmp_path).stdout
+    derive("move", plan, "--csv", "run.csv", folder=tmp_path)
+    assert printed == (tmp_path / "run.csv").read_text()
+    assert not (tmp_path / "-").exists()
 
 
 def test_json_names_the_files_that_were_written(tmp_path: Path) -> None:

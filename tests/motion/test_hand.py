@@ -8,6 +8,9 @@ from sympy import pi
 
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.model.inverse.branches import InverseSolver
+from derive.model.inverse.solve import solve
+from derive.model.model import Model
 from derive.motion.hand import Hand
 from derive.motion.motion import Motion
 from derive.robot.robot import Robot
@@ -74,6 +77,39 @@ def test_a_pose_out_of_reach_is_refused_at_its_place() -> None:
     text = LINES.replace("[0.5, -0.1, 0.2]", "[5, -0.1, 0.2]")
     with pytest.raises(RobotFileError, match=r"<text>:5:\d+: the arm does not reach c"):
         _ = Motion.from_text(text.replace("line: yes", "via: stop")).trajectory
+
+
+@pytest.mark.parametrize("branch", ["shoulder left, elbow up, wrist flipped", "Shoulder  right"])
+def test_a_branch_is_chosen_by_its_name_or_words_of_it(branch: str) -> None:
+    text = LINES.replace("rpy: [6, 115, 17]}", f"rpy: [6, 115, 17]}}, branch: '{branch}'")
+    q = Motion.from_text(text.replace(", line: yes", "").replace(", through: d", ""))(1.0)[0]
+    robot = Robot.load("puma560-corke")
+    solver = InverseSolver.of(robot, solve(robot))
+    (pose,) = poses(Motion.from_text(text), np.array([1.0]))
+    names = [solution.name for solution in Model(robot).inverse.solutions]
+    distances = np.abs(np.exp(1j * solver.solve(pose).q) - np.exp(1j * q)).max(axis=1)
+    name = names[int(np.nanargmin(distances))]
+    assert np.nanmin(distances) < 1e-8
+    assert {part.strip().lower() for part in " ".join(branch.split()).split(",")} <= set(name.split(", "))
+
+
+@pytest.mark.parametrize(
+    ("branch", "message"),
+    [
+        (
+            "elbow sideways",
+            r":4:3: point b: no branch 'elbow sideways' of puma560-corke; allowed: shoulder right, .*; or",
+        ),
+        (
+            "elbow down",
+            r":4:3: the arm does not reach b within its limits with branch 'elbow down'; with another branch it does",
+        ),
+    ],
+)
+def test_a_branch_that_there_is_not_is_refused(branch: str, message: str) -> None:
+    text = LINES.replace("rpy: [6, 115, 17]}", f"rpy: [6, 115, 17]}}, branch: '{branch}'")
+    with pytest.raises(RobotFileError, match=message):
+        _ = Motion.from_text(text).trajectory
 
 
 def test_a_line_that_leaves_the_workspace_is_refused() -> None:
