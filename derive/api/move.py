@@ -41,10 +41,10 @@ def _film(motion: Motion, run: Run | None, ending: str) -> bytes:
     return film.gif() if ending == ".gif" else film.mp4()
 
 
-def _page(motion: Motion, _run: Run | None, _ending: str) -> bytes:
+def _page(motion: Motion, run: Run | None, _ending: str) -> bytes:
     from derive.motion.page import motion_page
 
-    return motion_page(motion).encode()
+    return motion_page(motion, run).encode()
 
 
 def _plot(motion: Motion, run: Run | None, ending: str) -> bytes:

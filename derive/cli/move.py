@@ -108,7 +108,8 @@ def run(arguments: argparse.Namespace) -> int:
 
         print_error(diverged(found.motion, found.run))
         return FAILED
-    return FAILED if found.motion.violations else DONE
+    exceeded = found.motion.violations or (found.run is not None and found.motion.violations_of(found.run))
+    return FAILED if exceeded else DONE
 
 
 def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> None:
@@ -136,3 +137,5 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> No
         print_columns(simulated_table(motion, run), SIMULATED_HEADER)
         control = motion.plan.control
         print(f"{control.law}, friction {motion.plan.friction}: energy balances to {run.energy_error:.1g} J")
+        for line in violations(motion, run):
+            print(line)

@@ -26,6 +26,7 @@ from derive.motion.segments import trajectory_of
 from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of
+from derive.motion.violations import Bounds, Violation, exceeded
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, names
 from derive.robot.names import free_symbols
@@ -35,9 +36,6 @@ SIMPSON = 2
 
 MOST_SAMPLES = 1_000_000
 """Of a motion: a thousand seconds at a kilohertz."""
-
-ROUNDING = 1e-9
-"""What exceeds a limit by less, relative to it, does not exceed it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,30 +77,6 @@ class SegmentPeaks:
     def work(self) -> float:
         """Of all joints [J]."""
         return float(sum(load.work for load in self.loads))
-
-
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """A limit of the robot or the plan that a motion exceeds.
-
-    Attributes:
-        joint: Index of the joint.
-        what: ``position``, ``speed``, ``acceleration`` or ``torque``.
-        time: When it is exceeded most, at the samples [s].
-        value: What it is then [rad or m, per s, N m or N].
-        limit: What is allowed.
-    """
-
-    joint: int
-    what: str
-    time: float
-    value: float
-    limit: float
-
-    @property
-    def excess(self) -> float:
-        """By how much [of the same unit]."""
-        return abs(self.value - self.limit)
 
 
 @dataclass(frozen=True)
@@ -287,7 +261,7 @@ class Motion:
         )
 
     @cached_property
-    def bounds(self) -> Mapping[str, tuple[Array, Array]]:
+    def bounds(self) -> Bounds:
         """What robot and plan allow: `position`, `speed`, `acceleration`, `torque`, each its lowest and highest values.
 
         Arrays (n,), infinite where nothing limits; symbols without a number do not limit either.
@@ -320,17 +294,15 @@ class Motion:
         values = dict(zip(bounds, self.trajectory(times), strict=False))
         if self.has_torques and np.isfinite(bounds["torque"]).any():
             values["torque"] = self.torques(times)
-        found = []
-        for j in range(self.plan.robot.n):
-            for what, rows in values.items():
-                low, high = (float(bound[j]) for bound in bounds[what])
-                excess = np.maximum(rows[:, j] - high, low - rows[:, j])
-                at = int(excess.argmax())
-                value = float(rows[at, j])
-                limit = high if value > high else low
-                if excess[at] > ROUNDING * abs(limit):
-                    found.append(Violation(j, what, float(times[at]), value, limit))
-        return tuple(found)
+        return exceeded(times, values, bounds)
+
+    def violations_of(self, run: Run) -> tuple[Violation, ...]:
+        """Those that a simulation exceeds.
+
+        Args:
+            run: A simulation of this motion.
+        """
+        return exceeded(run.t, {"position": run.q, "speed": run.qd, "torque": run.tau}, self.bounds)
 
     def _number(self, value: Expression) -> float:
         return evaluate(value, self.values)

@@ -21,6 +21,7 @@ from derive.motion.plane import motion_normal
 from derive.motion.playback import playback
 from derive.motion.polynomials import formula
 from derive.motion.profile import VALUES
+from derive.motion.simulation import Run
 from derive.motion.trajectory import Segment
 from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
@@ -32,11 +33,12 @@ PARTS = ("table", "parameters")
 """What of the robot's own handout stands on the page."""
 
 
-def motion_page(motion: Motion) -> str:
+def motion_page(motion: Motion, run: Run | None = None) -> str:
     """The page of a motion.
 
     Args:
         motion: The motion; the language is that of its robot's handout.
+        run: A simulation of it, which the arm then plays.
 
     Returns:
         HTML that needs no other file.
@@ -53,7 +55,7 @@ def motion_page(motion: Motion) -> str:
     sheet = plan_sheet(context, title, motion.plan.digest, tuple(section for section in sections if section))
     values = {name: value for name, value, _ in context.poses.assumed} if context.poses else {}
     values |= {name: motion.values[name] for name in motion.plan.values}
-    played = playback(motion)
+    played = playback(motion, run)
     program = build_program(robot, Effort.QUICK, names={*FUNCTIONS, *played.functions})
     normal = motion_normal(motion) if context.poses else None
     figure = viewer(robot, program, values, text, notation=context.notation, playback=played, normal=normal)

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from math import ceil
+
 import numpy as np
 from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
 
-from derive.handouts.page.player import REGRESSOR, TORQUE, Formula, Playback, PlayedPiece, PlayedSegment
-from derive.motion.hermite import TIME, Piece, basis
+from derive.handouts.page.player import (
+    REGRESSOR,
+    TORQUE,
+    Exceeded,
+    Formula,
+    Playback,
+    PlayedPiece,
+    PlayedRun,
+    PlayedSegment,
+)
+from derive.motion.hermite import TIME, Array, Piece, basis
 from derive.motion.motion import Motion
 from derive.motion.profile import AnyPiece, Curve
+from derive.motion.simulation import Run
 
 OPERATIONS: dict[type[Expr], str] = {
     Add: "add",
@@ -28,11 +40,19 @@ SAMPLES = 1001
 """Times at which the ranges of the joints are looked for."""
 
 
-def playback(motion: Motion) -> Playback:
+MOST_NUMBERS = 80_000
+"""Of a simulation on the page, about a megabyte; of a longer one every second row, every third, ..."""
+
+DIGITS = 12
+"""Significant ones of the numbers of a simulation."""
+
+
+def playback(motion: Motion, run: Run | None = None) -> Playback:
     """The motion as the page plays it.
 
     Args:
         motion: The motion.
+        run: A simulation of it, which is played instead.
 
     Returns:
         Its pieces in floats: those from which the motion is computed here, too.
@@ -49,19 +69,60 @@ def playback(motion: Motion) -> Playback:
         for j in range(motion.plan.robot.n)
     )
     reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]
+    if run is not None:
+        reached = np.concatenate([reached, run.q])
+    violations = motion.violations if run is None else motion.violations_of(run)
     lengths = {len(piece.values) // 2 for track in tracks for piece in track if piece.kind == "hermite"}
+    end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
+    segments = tuple(
+        PlayedSegment(segment.name, float(segment.start), payload)
+        for segment, payload in zip(trajectory.segments, payloads, strict=True)
+        if float(segment.start) < end
+    )
     return Playback(
         tracks=tracks,
-        segments=tuple(
-            PlayedSegment(segment.name, float(segment.start), payload)
-            for segment, payload in zip(trajectory.segments, payloads, strict=True)
-        ),
-        basis={k: basis(k) for k in sorted(lengths)},
-        duration=motion.duration,
+        segments=segments,
+        basis={k: basis(k) for k in sorted(lengths | ({2} if run else set()))},
+        duration=end,
         sample=motion.sample,
         ranges=tuple((float(low), float(high)) for low, high in zip(reached.min(0), reached.max(0), strict=True)),
         functions=functions,
         base=tuple(tuple(map(tree, row)) for row in motion.base.transform.tolist()) if motion.base else (),
+        bounds={what: _pairs(*ends) for what, ends in motion.bounds.items() if np.isfinite(ends).any()},
+        exceeded=tuple(
+            Exceeded(item.what, item.joint, item.time, item.value)
+            for item in violations
+            if functions or item.what != "torque"
+        ),
+        run=None if run is None else _played_run(motion, run),
+    )
+
+
+def _pairs(low: Array, high: Array) -> tuple[tuple[float | None, float | None], ...]:
+    """Limits of the joints, None for those that are infinite."""
+    ends = [[value if np.isfinite(value) else None for value in bound.tolist()] for bound in (low, high)]
+    return tuple(zip(*ends, strict=True))
+
+
+def _played_run(motion: Motion, run: Run) -> PlayedRun:
+    """Its rows, or as many as a page should hold, the last one among them."""
+    step = ceil(run.t.size * (1 + 3 * motion.plan.robot.n) / MOST_NUMBERS)
+    kept = np.unique(np.append(np.arange(0, run.t.size, step), run.t.size - 1))
+    times = run.t[kept]
+    if kept.size == 1:  # given up before the second row
+        kept, times = np.zeros(2, dtype=int), np.append(times, times + motion.sample)
+
+    def _rows(values: Array) -> tuple[tuple[float, ...], ...]:
+        return tuple(tuple(float(f"{value:.{DIGITS}g}") for value in row) for row in values[kept])
+
+    return PlayedRun(
+        tuple(times.tolist()),
+        _rows(run.q),
+        _rows(run.qd),
+        _rows(run.tau),
+        motion.plan.control.law,
+        motion.plan.friction,
+        run.reached,
     )
 
 

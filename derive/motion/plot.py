@@ -13,6 +13,7 @@ from derive.handouts.notation.notation import Notation
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
 from derive.motion.simulation import Run
+from derive.motion.violations import Violation
 
 WIDTH = 460.0
 """Width of the plot [pt]."""
@@ -53,6 +54,12 @@ LEAST = 0.02
 COLORS = ("#1b4f9c", "#c2571a", "#2d7d46", "#8a3a8f", "#a8861a", "#4d5560", "#b0304a", "#23808f")
 """Of joints, told apart with colour-blind eyes and on grey paper."""
 
+BEYOND = "#b3121d"
+"""Of a band along what exceeds a limit, and of a ring where it does so most."""
+
+NEAR = 0.5
+"""Limits are drawn that are less than this part of a panel's range away from its curves."""
+
 SETTINGS = {
     "font.size": 8.0,
     "axes.linewidth": 0.6,
@@ -92,10 +99,11 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
         figure = Figure(figsize=(WIDTH / POINTS_PER_INCH, height / POINTS_PER_INCH))
         panels = figure.subplots(count, len(kinds), squeeze=False, sharex=True)
         wanted, simulated = _wanted(motion), _simulated(run)
+        violations = motion.violations if run is None else motion.violations_of(run)
         for column, kind in enumerate(kinds):
             joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is kind]
             for row in range(count):
-                _panel(panels[row][column], motion, row, joints, wanted, simulated)
+                _panel(panels[row][column], motion, row, joints, wanted, simulated, violations)
             panels[-1][column].set_xlabel("time [s]")
             _name_points(panels[0][column], motion)
         lines = [line for axes in panels[0] for line in axes.get_lines() if not line.get_label().startswith("_")]
@@ -163,6 +171,7 @@ def _panel(
     joints: Sequence[int],
     wanted: tuple[Array, list[Array]],
     simulated: tuple[Array, list[Array | None]],
+    violations: Sequence[Violation],
 ) -> None:
     """One quantity of the joints of one kind."""
     robot = motion.plan.robot
@@ -170,6 +179,7 @@ def _panel(
     name, of_angle, of_slide = ROWS[row]
     revolute = robot.joints[joints[0]].is_revolute
     axes.set_ylabel(f"{'force' if name == 'torque' and not revolute else name} [{of_angle if revolute else of_slide}]")
+    marked = [item for item in violations if item.what == name]
     for j in joints:
         latex = notation.glyph(robot.joints[j].variable).box.tex.strip()
         times, values = wanted[0], wanted[1][row]
@@ -178,6 +188,13 @@ def _panel(
             axes.plot(times, values[:, j], linestyle=(0, (4, 2)), linewidth=0.7, **look)
             times, values = simulated[0], happened
         axes.plot(times, values[:, j], label=f"${latex}$", gid=f"joint-{j + 1:02d}", **look)
+        low, high = (bound[j] for bound in motion.bounds[name])
+        if (beyond := (values[:, j] > high) | (values[:, j] < low)).any() and any(item.joint == j for item in marked):
+            axes.plot(times, np.where(beyond, values[:, j], np.nan), color=BEYOND, linewidth=5.0, alpha=0.3, zorder=1)
+    _draw_limits(axes, motion, name, joints)
+    for item in marked:
+        if item.joint in joints:
+            axes.plot([item.time], [item.value], marker="o", markersize=7.0, fillstyle="none", color=BEYOND)
     for segment in motion.trajectory.segments[1:]:
         axes.axvline(float(segment.start), color="0.8", linewidth=0.5, zorder=0)
     if row:
@@ -187,6 +204,16 @@ def _panel(
     axes.grid(visible=True, axis="y", color="0.92", linewidth=0.4)
     axes.set_axisbelow(True)
     axes.tick_params(width=0.5, length=2.5)
+
+
+def _draw_limits(axes: Any, motion: Motion, name: str, joints: Sequence[int]) -> None:
+    """Dotted lines where the curves come near their limits; the panel makes room for them."""
+    low, high = axes.dataLim.intervaly
+    room = NEAR * (high - low)
+    for bound in motion.bounds[name]:
+        for j in joints:
+            if low - room <= bound[j] <= high + room:
+                axes.axhline(bound[j], color=COLORS[j % len(COLORS)], linestyle=(0, (1, 2)), linewidth=0.8, zorder=0.5)
 
 
 def _mark(axes: Any, duration: float, marks: Sequence[Mark], *, told: bool) -> None:

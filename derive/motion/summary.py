@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from sympy import sstr
@@ -9,6 +10,7 @@ from sympy import sstr
 from derive.motion.extremes import Peak
 from derive.motion.motion import Motion, SegmentPeaks
 from derive.motion.simulation import Run
+from derive.motion.violations import Violation
 from derive.robot.robot import Robot
 
 
@@ -31,17 +33,7 @@ def summary(motion: Motion, run: Run | None = None) -> dict[str, Any]:
         "duration": motion.duration,
         "samples": len(motion.times),
         "segments": [_segment(robot, peaks) for peaks in motion.peaks],
-        "violations": [
-            {
-                "joint": robot.joints[item.joint].variable,
-                "what": item.what,
-                "time": item.time,
-                "value": item.value,
-                "limit": item.limit,
-                "excess": item.excess,
-            }
-            for item in motion.violations
-        ],
+        "violations": _violations(robot, motion.violations),
     }
     return found if run is None else {**found, "simulation": _simulation(motion, run)}
 
@@ -57,6 +49,20 @@ def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
     segment = peaks.segment
     found: dict[str, Any] = {"name": segment.name, "start": float(segment.start), "duration": float(segment.duration)}
     return {**found, **({"work": peaks.work} if peaks.loads else {}), "joints": joints}
+
+
+def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str, Any]]:
+    return [
+        {
+            "joint": robot.joints[item.joint].variable,
+            "what": item.what,
+            "time": item.time,
+            "value": item.value,
+            "limit": item.limit,
+            "excess": item.excess,
+        }
+        for item in violations
+    ]
 
 
 def _peak(peak: Peak) -> dict[str, Any]:
@@ -76,4 +82,5 @@ def _simulation(motion: Motion, run: Run) -> dict[str, Any]:
         "work": float(run.work[-1]),
         "lost": float(run.lost[-1]),
         "energy_error": run.energy_error,
+        "violations": _violations(motion.plan.robot, motion.violations_of(run)),
     }

@@ -9,8 +9,9 @@ import numpy as np
 
 from derive.motion.extremes import Peak
 from derive.motion.hermite import Array
-from derive.motion.motion import ROUNDING, Motion, SegmentPeaks
+from derive.motion.motion import Motion, SegmentPeaks
 from derive.motion.simulation import Run
+from derive.motion.violations import ROUNDING
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
@@ -137,24 +138,28 @@ def _number(value: object) -> str:
     return text if text == decimals else f"{text} = {decimals}" if exact else decimals
 
 
-def violations(motion: Motion) -> list[str]:
+def violations(motion: Motion, run: Run | None = None) -> list[str]:
     """What a motion asks beyond the limits of its robot and its plan, a line each.
 
     Args:
         motion: The motion.
+        run: A simulation of it, in which they are looked for instead.
 
     Returns:
         Joint, time, value, limit and excess.
     """
     lines = []
-    for found in motion.violations:
+    for found in motion.violations if run is None else motion.violations_of(run):
         joint = motion.plan.robot.joints[found.joint]
         length, force = ("rad", "N m") if joint.is_revolute else ("m", "N")
         unit = {"position": length, "speed": f"{length}/s", "acceleration": f"{length}/s^2", "torque": force}[
             found.what
         ]
         said = f"{found.what} {found.value:.6g} {unit} at {found.time:.6g} s"
-        lines.append(f"{joint.variable}: {said} exceeds the limit {found.limit:.6g} by {found.excess:.3g} {unit}")
+        simulated = "" if run is None else "simulated "
+        lines.append(
+            f"{simulated}{joint.variable}: {said} exceeds the limit {found.limit:.6g} by {found.excess:.3g} {unit}"
+        )
     return lines
 
 

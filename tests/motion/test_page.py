@@ -40,11 +40,12 @@ SIZE = 3_000_000
 class Shown:
     """A page of a motion, opened from disk; remembers what it should not do."""
 
-    def __init__(self, browser: Any, folder: Path, text: str, **context: Any) -> None:
+    def __init__(self, browser: Any, folder: Path, text: str, *, simulate: bool = False, **context: Any) -> None:
         self.motion = Motion.from_text(text)
+        self.run = self.motion.simulate() if simulate else None
         self.trouble: list[str] = []
         path = folder / "motion.html"
-        path.write_text(motion_page(self.motion), encoding="utf-8")
+        path.write_text(motion_page(self.motion, self.run), encoding="utf-8")
         self.size = path.stat().st_size
         self.page = browser.new_context(viewport={"width": 1000, "height": 800}, **context).new_page()
         self.page.on("console", lambda message: self.trouble.append(f"{message.type}: {message.text}"))
@@ -224,6 +225,31 @@ def test_without_webgl_plots_and_values_still_move(browser: Any, tmp_path: Path)
     made.page.evaluate("deriveViewer.player.set(1)")
     assert made.page.locator(".player-values td span").first.inner_text() == "4.714"
     assert made.page.locator(".viewer-message").is_visible()
+    made.page.context.close()
+    assert made.trouble == []
+
+
+def test_a_simulation_is_played_beside_what_is_wanted(browser: Any, tmp_path: Path) -> None:
+    """At its rows the arm is where the simulation is; plots have both, the limit, and where it is exceeded."""
+    arm = ARM.replace("limits: [-pi, pi]", "limits: [-pi, pi], speed: 1.5")
+    plan = f"robot: {arm}\npoints: {{a: [0, 0.1], b: [1, 0.5]}}\npath: [a, {{to: b, time: 1}}]\n"
+    made = Shown(browser, tmp_path, plan + "control: {law: pd-gravity, kp: 300, kd: 30}\n", simulate=True)
+    run, motion = made.run, made.motion
+    assert run is not None
+    found = made.page.evaluate("times => times.map((t) => deriveViewer.motion.at(t))", run.t.tolist())
+    q, qd, tau, error = np.array(found).transpose(1, 0, 2)
+    for ours, theirs in ((run.q, q), (run.qd, qd), (run.tau, tau), (motion(run.t)[0] - run.q, error)):
+        assert np.abs(ours - theirs).max() <= 1e-10 * max(1.0, np.abs(ours).max())
+    made.page.evaluate("deriveViewer.player.set(0.5)")
+    at = np.searchsorted(run.t, 0.5)
+    assert made.page.evaluate("deriveViewer.configuration()") == pytest.approx(run.q[at], abs=1e-10)
+    assert made.page.locator(".player-wanted").count() == 6  # of two joints positions, velocities and torques
+    assert made.page.locator(".player-warning").inner_text().startswith("q1 beyond its limit at 0.")
+    assert made.page.locator(".player-ring").count() == 1
+    spoken = made.page.locator(".player-plot svg[role=img]").nth(2).get_attribute("aria-label") or ""
+    assert spoken.startswith("Velocity [rad/s]; q1 beyond its limit at 0.")
+    assert made.page.locator(".player-notes").inner_text().startswith("Simulated: control law pd-gravity")
+    assert found[0][0] == pytest.approx([0, 0.1])
     made.page.context.close()
     assert made.trouble == []
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,47 @@ def test_what_the_tool_carries_is_known_by_its_segment() -> None:
     assert [bool(segment.payload) for segment in made.segments] == [False, False, False, False, True]
     assert 0.5 in [number for _, number in made.segments[-1].payload]
     assert made.functions == ("inverse_dynamics", "regressor")
+
+
+SPRUNG = """robot: {name: arm, convention: standard, joints: [{type: revolute, a: 1, speed: 1}], gravity: [0, -9.81, 0],
+  links: [{mass: 1}]}
+points: {a: [0], b: [1]}
+path: [a, {to: b, time: 1}]
+control: {law: pd, kp: 400, kd: 40}
+"""
+
+
+def test_of_a_simulation_the_rows_are_played_and_its_excess_is_told() -> None:
+    motion = Motion.from_text(SPRUNG)
+    run = motion.simulate()
+    made = playback(motion, run)
+    assert made.run is not None
+    assert made.run.times == tuple(run.t.tolist())
+    assert np.array(made.run.q) == pytest.approx(run.q, rel=1e-11)
+    assert made.bounds == {"speed": ((-1.0, 1.0),)}
+    (found,) = made.exceeded
+    assert (found.quantity, found.joint, found.value) == ("speed", 0, pytest.approx(np.abs(run.qd).max()))
+    assert made.ranges[0][0] == pytest.approx(run.q.min())
+
+
+def test_long_simulations_have_fewer_rows_on_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("derive.motion.playback.MOST_NUMBERS", 100)
+    motion = Motion.from_text(SPRUNG)
+    made = playback(motion, motion.simulate()).run
+    assert made is not None
+    assert 4 * len(made.times) <= 104
+    assert made.times[-1] == 1
+
+
+def test_a_simulation_that_fails_at_once_has_a_picture() -> None:
+    motion = Motion.from_text(SPRUNG)
+    run = motion.simulate()
+    only = replace(run, **{name: getattr(run, name)[:1] for name in ("t", "q", "qd", "tau", "energy", "work", "lost")})
+    made = playback(motion, only)
+    assert made.duration == motion.sample
+    assert made.run is not None
+    assert made.run.times == (0, motion.sample)
+    assert made.run.q == ((0.0,), (0.0,))
 
 
 def test_an_arm_without_links_has_no_torques() -> None:

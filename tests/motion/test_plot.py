@@ -7,7 +7,7 @@ import re
 import pytest
 
 from derive.motion.motion import Motion
-from derive.motion.plot import plot_bytes
+from derive.motion.plot import BEYOND, plot_bytes
 from tests.motion.plans import PICK_AND_PLACE
 
 pytest.importorskip("matplotlib")
@@ -53,4 +53,20 @@ def test_of_a_simulation_the_peaks_are_those_of_what_happens() -> None:
     run = motion.simulate()
     largest = max(run.tau[:, 0], key=abs)
     assert "1.875" in words(plot_bytes(motion, ".svg"))
-    assert f"{largest:.4g}".replace("-", "\N{MINUS SIGN}") in words(plot_bytes(motion, ".svg", run))
+    limited = Motion.from_text(PENDULUM.replace("a: 1}", "a: 1, speed: 1.5}"))
+    drawn = plot_bytes(limited, ".svg", run)
+    assert f"{largest:.4g}".replace("-", "\N{MINUS SIGN}") in words(drawn)
+    assert BEYOND in drawn.decode()
+
+
+@pytest.mark.sweep
+def test_limits_and_what_is_beyond_them_are_drawn() -> None:
+    """A speed of 1.875 rad/s at most: a limit of 1.5 is exceeded, one of 2 is near enough, one of 9 is not."""
+    plain, exceeded, near, far = (
+        plot_bytes(Motion.from_text(PENDULUM.replace("a: 1}", f"a: 1{limit}}}")), ".svg").decode()
+        for limit in ("", ", speed: 1.5", ", speed: 2", ", speed: 9")
+    )
+    assert BEYOND in exceeded
+    assert BEYOND not in near
+    assert near != plain
+    assert far == plain

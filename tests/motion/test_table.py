@@ -53,6 +53,14 @@ def test_limits_of_the_plan_count_beside_those_of_the_robot() -> None:
     assert acceleration.endswith(" rad/s^2")
 
 
+def test_of_a_simulation_what_happens_is_compared() -> None:
+    text = LIMITED.replace("SPEED", "3.7").replace("TORQUE", "100") + "control: {law: pd, kp: 300, kd: 30}\n"
+    motion = Motion.from_text(text)
+    (line,) = [line for line in violations(motion, motion.simulate()) if "speed" in line]
+    assert line.startswith("simulated q1: speed ")
+    assert "exceeds the limit 3.7" in line
+
+
 def test_a_torque_beyond_its_limit_is_found_where_it_is_largest() -> None:
     motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "5"))
     (found,) = motion.violations

@@ -6,8 +6,8 @@ cosines, and formulas of time as trees of numbers; torques come from the JavaScr
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from derive.handouts.language import Text
@@ -25,6 +25,9 @@ SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 CURVES = 8
 """Colours and dashes of curves; further joints begin anew."""
+
+QUANTITIES = ("position", "speed", "acceleration", "torque")
+"""What is shown of each joint of a motion as it is wanted."""
 
 TORQUE, REGRESSOR = "inverse_dynamics", "regressor"
 """Generated functions that torques need; the second one where the tool carries something."""
@@ -65,6 +68,46 @@ class PlayedSegment:
 
 
 @dataclass(frozen=True, slots=True)
+class PlayedRun:
+    """A simulation, which the page plays instead of what is wanted.
+
+    Attributes:
+        times: Of its rows [s].
+        q: Positions, (rows, n).
+        qd: Velocities, (rows, n).
+        tau: Torques of the motors, (rows, n).
+        law: Of the control.
+        friction: How friction is simulated.
+        reached: Whether it reached the end of the motion.
+    """
+
+    times: tuple[float, ...]
+    q: tuple[tuple[float, ...], ...]
+    qd: tuple[tuple[float, ...], ...]
+    tau: tuple[tuple[float, ...], ...]
+    law: str
+    friction: str
+    reached: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Exceeded:
+    """A limit that is exceeded, where it is so most.
+
+    Attributes:
+        quantity: One of `QUANTITIES`.
+        joint: Index of the joint.
+        time: When [s].
+        value: What it is then [rad or m, per s, per s^2, N m or N].
+    """
+
+    quantity: str
+    joint: int
+    time: float
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
 class Playback:
     """A motion as the page plays it.
 
@@ -78,6 +121,9 @@ class Playback:
         ranges: Lowest and highest value of each joint [rad or m].
         functions: What of the robot's program it needs besides what the figure needs.
         base: Transform of a base that moves, 4 x 4 formulas; nothing where it stands.
+        bounds: By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
+        exceeded: Limits that are exceeded.
+        run: A simulation, which is played instead; None for the motion as it is wanted.
     """
 
     tracks: tuple[tuple[PlayedPiece, ...], ...]
@@ -88,6 +134,16 @@ class Playback:
     ranges: tuple[tuple[float, float], ...]
     functions: tuple[str, ...]
     base: tuple[tuple[Formula, ...], ...] = ()
+    bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
+    exceeded: tuple[Exceeded, ...] = ()
+    run: PlayedRun | None = None
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is shown of each joint, in the order in which the script computes it."""
+        if self.run is not None:
+            return "position", "speed", "torque", "error"
+        return QUANTITIES if TORQUE in self.functions else QUANTITIES[:3]
 
     @property
     def configuration(self) -> dict[str, object]:
@@ -102,6 +158,11 @@ class Playback:
             "duration": self.duration,
             "sample": self.sample,
             "base": self.base or None,
+            "bounds": [self.bounds.get(name) for name in self.quantities],
+            "exceeded": [
+                [self.quantities.index(item.quantity), item.joint, item.time, item.value] for item in self.exceeded
+            ],
+            "run": [self.run.times, self.run.q, self.run.qd, self.run.tau] if self.run else None,
         }
 
 
@@ -115,9 +176,18 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         text: Translates messages.
     """
     kinds = {joint.is_revolute for joint in robot.joints}
-    quantities = _quantities(text, torques=TORQUE in playback.functions)
+    quantities = [_quantities(text)[name] for name in playback.quantities]
     plots = [
-        {"order": order, "revolute": revolute, "title": html_text(f"{title} [{unit}]")}
+        {
+            "order": order,
+            "revolute": revolute,
+            "title": html_text(f"{title} [{unit}]"),
+            "exceeded": [
+                html_text(_excess(text, robot, item))
+                for item in playback.exceeded
+                if playback.quantities[order] == item.quantity and robot.joints[item.joint].is_revolute is revolute
+            ],
+        }
         for order, (_, of_kind) in enumerate(quantities)
         for revolute, (title, unit) in of_kind.items()
         if revolute in kinds
@@ -140,6 +210,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         "plots": plots,
         "columns": columns,
         "joints": joints,
+        "notes": [html_text(sentence) for sentence in _notes(text, playback)],
     }
 
 
@@ -152,17 +223,39 @@ def function_names(playback: Playback | None) -> tuple[str, ...]:
     return tuple(camel_case(name) for name in playback.functions) if playback else ()
 
 
-def _quantities(_: Text, *, torques: bool) -> list[tuple[str, dict[bool, tuple[str, str]]]]:
+def _quantities(_: Text) -> dict[str, tuple[str, dict[bool, tuple[str, str]]]]:
     """What is plotted: a name, and for joints that turn and those that slide a title and a unit."""
     position, velocity, acceleration = _("Position"), _("Velocity"), _("Acceleration")
-    found = [
-        (position, {True: (_("Angles"), "rad"), False: (_("Displacements"), "m")}),
-        (velocity, {True: (velocity, "rad/s"), False: (velocity, "m/s")}),
-        (acceleration, {True: (acceleration, f"rad/s{SQUARED}"), False: (acceleration, f"m/s{SQUARED}")}),
-    ]
-    if torques:
-        found.append((_("Torque or force"), {True: (_("Torque"), "N m"), False: (_("Force"), "N")}))
-    return found
+    error = _("Error")
+    return {
+        "position": (position, {True: (_("Angles"), "rad"), False: (_("Displacements"), "m")}),
+        "speed": (velocity, {True: (velocity, "rad/s"), False: (velocity, "m/s")}),
+        "acceleration": (
+            acceleration,
+            {True: (acceleration, f"rad/s{SQUARED}"), False: (acceleration, f"m/s{SQUARED}")},
+        ),
+        "torque": (_("Torque or force"), {True: (_("Torque"), "N m"), False: (_("Force"), "N")}),
+        "error": (error, {True: (error, "rad"), False: (error, "m")}),
+    }
+
+
+def _excess(_: Text, robot: Robot, item: Exceeded) -> str:
+    """Which joint is beyond its limit, and when most."""
+    time = _.number(f"{item.time:.4g}")
+    return _("%(joint)s beyond its limit at %(time)s s", joint=robot.joints[item.joint].variable, time=time)
+
+
+def _notes(_: Text, playback: Playback) -> Iterator[str]:
+    """What is said about a simulation and about limits."""
+    if run := playback.run:
+        yield _("Simulated: control law %(law)s, friction %(friction)s.", law=run.law, friction=run.friction)
+        yield _(
+            "Narrow lines are what happens, broad ones what is wanted; the error is what is wanted less what happens."
+        )
+        if not run.reached:
+            yield _("The simulation diverges after %(time)s s.", time=_.number(f"{run.times[-1]:.4g}"))
+    if playback.bounds:
+        yield _("Dotted lines are limits; they stand where the motion comes near them.")
 
 
 def _words(_: Text) -> dict[str, str]:

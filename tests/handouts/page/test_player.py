@@ -6,7 +6,15 @@ import json
 from dataclasses import replace
 
 from derive.handouts.language import Text
-from derive.handouts.page.player import Playback, PlayedPiece, PlayedSegment, function_names, player_texts
+from derive.handouts.page.player import (
+    Exceeded,
+    Playback,
+    PlayedPiece,
+    PlayedRun,
+    PlayedSegment,
+    function_names,
+    player_texts,
+)
 from derive.handouts.page.viewer import viewer
 from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
@@ -47,6 +55,30 @@ def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None
     with_torques = player_texts(replace(MOTION, functions=("inverse_dynamics",)), robot, ROWS, Text())
     assert [plot["title"] for plot in with_torques["plots"][6:]] == ["Torque [N m]", "Force [N]"]
     assert with_torques["joints"][1]["units"] == ["m", "m/s", "m/s²", "N"]
+
+
+def test_a_plot_says_which_joint_is_beyond_its_limit_and_when() -> None:
+    exceeded = (Exceeded("speed", 1, 0.25, -3.0),)
+    made = player_texts(replace(MOTION, exceeded=exceeded), Robot.from_text(ARM), ROWS, Text())
+    assert [plot["exceeded"] for plot in made["plots"]] == [[], [], [], ["q2 beyond its limit at 0.25 s"], [], []]
+
+
+def test_of_a_simulation_torques_and_errors_stand_where_accelerations_do() -> None:
+    rows = ((0.0, 0.0), (1.0, 1.0))
+    run = PlayedRun((0.0, 2.0), rows, rows, rows, "pd", "smooth", reached=False)
+    bounds = {"torque": ((None, 2.0), (-1.0, 1.0)), "acceleration": ((-1.0, 1.0), (-1.0, 1.0))}
+    played = replace(
+        MOTION, functions=("inverse_dynamics",), run=run, bounds=bounds, exceeded=(Exceeded("torque", 0, 1.0, 3.0),)
+    )
+    assert played.quantities == ("position", "speed", "torque", "error")
+    plain = json.loads(json.dumps(played.configuration))
+    assert plain["run"][0] == [0.0, 2.0]
+    assert plain["bounds"] == [None, None, [[None, 2.0], [-1.0, 1.0]], None]
+    assert plain["exceeded"] == [[2, 0, 1.0, 3.0]]
+    made = player_texts(played, Robot.from_text(ARM), ROWS, Text())
+    assert [plot["title"] for plot in made["plots"]][-2:] == ["Error [rad]", "Error [m]"]
+    assert made["notes"][0] == "Simulated: control law pd, friction smooth."
+    assert "The simulation diverges after 2 s." in made["notes"]
 
 
 def test_words_are_translated_and_inert() -> None:

@@ -1,0 +1,29 @@
+"""What is beyond its bounds, and where most."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from derive.motion.violations import Violation, exceeded
+
+TIMES = np.array([0.0, 1.0, 2.0, 3.0])
+SPEEDS = np.array([[0.0, 1.0], [2.0, -3.0], [2.5, -2.0], [0.0, 0.5]])
+
+
+def test_each_limit_is_told_where_it_is_exceeded_most() -> None:
+    bounds = {"speed": (np.array([-1.0, -1.5]), np.array([1.0, np.inf]))}
+    assert exceeded(TIMES, {"speed": SPEEDS}, bounds) == (
+        Violation(0, "speed", 2.0, 2.5, 1.0),
+        Violation(1, "speed", 1.0, -3.0, -1.5),
+    )
+
+
+def test_of_a_lower_and_an_upper_limit_the_one_that_is_exceeded_more_is_told() -> None:
+    bounds = {"speed": (np.array([-np.inf, -2.5]), np.array([np.inf, 0.2]))}
+    (found,) = exceeded(TIMES, {"speed": SPEEDS}, bounds)
+    assert (found.limit, found.value, found.excess) == (0.2, 1.0, 0.8)
+
+
+def test_rounding_exceeds_nothing() -> None:
+    bounds = {"speed": (np.array([-9.0, -9.0]), np.array([2.5 * (1 - 1e-12), 1.0]))}
+    assert exceeded(TIMES, {"speed": SPEEDS}, bounds) == ()
