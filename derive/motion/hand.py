@@ -15,12 +15,13 @@ from derive.model.inverse.postures import postures
 from derive.model.inverse.solve import solve
 from derive.motion.fastest import FastestMotion, Torques
 from derive.motion.functions import Functions
+from derive.motion.hand_spline import spline_way
 from derive.motion.hermite import Array, Piece
 from derive.motion.limits import Limits
 from derive.motion.paths import UNIFORM, grid_of, one_second, smooth_path
 from derive.motion.plan import Plan, Step
 from derive.motion.points import Point, Vector
-from derive.motion.poses import NODES, ROWS, Follower, Way, rotation_of
+from derive.motion.poses import NODES, ROWS, Follower, Way, rotation_of, rotation_vector
 from derive.motion.profile import ZERO
 from derive.motion.trajectory import ONE, Corner, Joints, Trajectory
 from derive.robot.evaluate import evaluate
@@ -158,17 +159,70 @@ class Hand:
                 way = Way.line(here, self._pose(end))
         except ValueError as error:
             raise RobotFileError(str(error), remedy="write line: yes", location=step.location) from None
-        rows = sorted({row for word in self._plan.robot.inverse.task for row in ROWS.get(word, ROWS["orientation"])})
         local = np.linspace(0, float(unit.duration), NODES + 1)
         s, sd, sdd = (value[:, 0] for value in unit(local))
-        follower = Follower(self._functions, tuple(rows), step.location)
-        joints = follower.pieces(way, q, float(start) + local, (s, sd, sdd))
-        arrived = np.array([float(pieces[-1].values[1][0]) for pieces in joints])
+        joints = self._follower(step).pieces(way, q, float(start) + local, (s, sd, sdd))
+        self._check_arrival(step, joints)
+        return joints
+
+    def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
+        """The pieces of each joint, segment by segment, while the end effector moves on a spline.
+
+        Args:
+            run: Segments without a stop between them.
+            before: Joint variables at their start.
+            times: When each begins, and the last one ends [s].
+
+        Returns:
+            Polynomials of degree five between places at which the arm is put exactly.
+
+        Raises:
+            RobotFileError: The spline leaves what the arm reaches, leads through a singular configuration, or comes to
+                a point in another posture than that has.
+        """
+        q = np.array(before, dtype=float)
+        local = [time - times[0] for time in times]
+        way = spline_way(local, self._poses(run, q))
+        inner = [np.linspace(float(a), float(b), NODES + 1)[:-1] for a, b in pairwise(local)]
+        s = np.concatenate([*inner, [float(local[-1])]])
+        tracks = self._follower(run[0]).pieces(way, q, float(times[0]) + s, (s, np.ones_like(s), np.zeros_like(s)))
+        found: list[Joints] = [tuple(track[k * NODES : (k + 1) * NODES] for track in tracks) for k in range(len(run))]
+        for step, joints in zip(run, found, strict=True):
+            self._check_arrival(step, joints)
+        return found
+
+    def distances(self, run: Sequence[Step], before: Corner) -> list[float]:
+        """How far the end effector goes from point to point.
+
+        Args:
+            run: Segments.
+            before: Joint variables at their start.
+
+        Returns:
+            Lengths [m], or where it only turns angles [rad].
+        """
+        pairs = list(pairwise(self._poses(run, np.array(before, dtype=float))))
+        ways = [float(np.linalg.norm(b[:3, 3] - a[:3, 3])) for a, b in pairs]
+        turns = [float(np.linalg.norm(rotation_vector(b[:3, :3] @ a[:3, :3].T))) for a, b in pairs]
+        return ways if any(ways) else turns
+
+    def _poses(self, run: Sequence[Step], q: Array) -> list[Array]:
+        """Where the end effector is at the start of segments and at each end."""
+        ends = (self._pose(self._plan.points[step.to]) for step in run)
+        return [self._functions("forward_kinematics", q), *ends]
+
+    def _follower(self, step: Step) -> Follower:
+        rows = sorted({row for word in self._plan.robot.inverse.task for row in ROWS.get(word, ROWS["orientation"])})
+        return Follower(self._functions, tuple(rows), step.location)
+
+    def _check_arrival(self, step: Step, joints: Joints) -> None:
+        """A point that is given by joint variables is reached with these."""
+        end, last = self._plan.points[step.to], (pieces[-1] for pieces in joints)
+        arrived = np.array([float(piece.values[1][0]) for piece in last if isinstance(piece, Piece)])
         if end.q is not None and np.abs(arrived - np.array(self._exact(end.q), dtype=float)).max() > ARRIVED:
             found = f"the way to {step.to} ends in another posture of the arm than {step.to} has"
             remedy = f"give {step.to} as a pose, or go there by joints"
             raise RobotFileError(found, remedy=remedy, location=step.location)
-        return joints
 
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
         """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0.

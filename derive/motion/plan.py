@@ -42,6 +42,7 @@ class Step:
         cruise: Trapezoid: top speed as a multiple of distance by time; None for the usual one.
         straight: Whether the end effector moves on a line.
         through: Point of an arc in space; empty for none.
+        by_hand: Whether the end effector moves on a spline in space, through this point and those beside it.
         payload: What the tool carries.
         location: Where it stands in the plan.
     """
@@ -53,6 +54,7 @@ class Step:
     cruise: Expression | None
     straight: bool
     through: str
+    by_hand: bool
     payload: Payload | None
     location: Location
 
@@ -60,6 +62,11 @@ class Step:
     def in_space(self) -> bool:
         """Whether the end effector moves on a line or an arc."""
         return self.straight or bool(self.through)
+
+    @property
+    def follows(self) -> bool:
+        """Whether the joints follow the end effector."""
+        return self.in_space or self.by_hand
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,6 +216,9 @@ class _Reader:
         curves = self._curves()
         recorded = document.scalar(("recorded",))
         given = [key for key, has in (("path", count), ("curves", curves), ("recorded", recorded)) if has]
+        if document.text("spline") == "hand" and not any(step.by_hand for step in steps):
+            remedy = "write profile: spline, or leave spline: out"
+            raise document.error(("spline",), "hand, and no profile is spline", remedy=remedy)
         if len(given) != 1:
             found = "neither path nor curves nor recorded" if not given else f"both {given[0]} and {given[1]}"
             raise document.error((), found, "allowed: one of them", "write path: [rest, {to: A, time: 3}]")
@@ -357,6 +367,7 @@ class _Reader:
             cruise=self._number(cruise, self._cells.plain) if document.scalar(cruise) else None,
             straight=bool(document.text(*path, "line")),
             through=through,
+            by_hand=profile is Profile.SPLINE and document.text("spline") == "hand",
             payload=self._payload((*path, "payload")),
             location=document.location(path),
         )

@@ -10,6 +10,7 @@ from derive.robot.schema import FORMS, Cell, RobotFile, Strict, Vector3, without
 
 ProfileName = Literal["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline", "fastest"]
 Via = Literal["stop", "pass"]
+Splined = Literal["joints", "hand"]
 Law = Literal["none", "pd", "pd-gravity", "computed-torque"]
 FrictionKind = Literal["none", "smooth", "exact"]
 
@@ -100,6 +101,9 @@ class PlanFile(Strict):
     title: str | None = Field(default=None, description="Free text for people.")
     profile: ProfileName = Field(default="quintic", description="How the arm goes from point to point.")
     via: Via = Field(default="stop", description="Whether the arm stops at the points between.")
+    spline: Splined = Field(
+        default="joints", description="With profile spline: what moves on it, the joint variables or the end effector."
+    )
     sample: Cell = Field(default="0.01", description="Time between two rows of a table of the motion [s].")
     speed: list[Cell] | None = Field(
         default=None,

@@ -71,13 +71,11 @@ class Way:
 
     Attributes:
         place: Position at s, and its first and second derivative.
-        start: Rotation at s = 0, (3, 3).
-        turn: Rotation from there to s = 1 about a fixed axis, in the world frame, (3,) [rad].
+        turned: Rotation at s (3, 3), and in the world frame its angular velocity and acceleration by s (3,) [rad].
     """
 
     place: Callable[[float], tuple[Array, Array, Array]]
-    start: Array
-    turn: Array
+    turned: Callable[[float], tuple[Array, Array, Array]]
 
     @classmethod
     def line(cls, a: Array, b: Array) -> Way:
@@ -89,7 +87,7 @@ class Way:
         """
         p, way = a[:3, 3], b[:3, 3] - a[:3, 3]
         zero = np.zeros(3)
-        return cls(lambda s: (p + s * way, way, zero), a[:3, :3], rotation_vector(b[:3, :3] @ a[:3, :3].T))
+        return cls(lambda s: (p + s * way, way, zero), _about_one_axis(a, b))
 
     @classmethod
     def arc(cls, a: Array, through: Array, b: Array) -> Way:
@@ -123,7 +121,7 @@ class Way:
                 -(angle**2) * (c * radius + z * side),
             )
 
-        return cls(_place, a[:3, :3], rotation_vector(b[:3, :3] @ a[:3, :3].T))
+        return cls(_place, _about_one_axis(a, b))
 
     def pose(self, s: float) -> Array:
         """The pose at a fraction of the way.
@@ -135,8 +133,14 @@ class Way:
             (4, 4).
         """
         found = np.eye(4)
-        found[:3, :3], found[:3, 3] = rotation_of(s * self.turn) @ self.start, self.place(s)[0]
+        found[:3, :3], found[:3, 3] = self.turned(s)[0], self.place(s)[0]
         return found
+
+
+def _about_one_axis(a: Array, b: Array) -> Callable[[float], tuple[Array, Array, Array]]:
+    """The rotation between two poses about a fixed axis."""
+    start, turn = a[:3, :3], rotation_vector(b[:3, :3] @ a[:3, :3].T)
+    return lambda s: (rotation_of(s * turn) @ start, turn, np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -173,12 +177,12 @@ class Follower:
         states = []
         for t, s, sd, sdd in zip(times, *fractions, strict=True):
             q = self._put(way.pose(float(s)), q, float(t - times[0]))
-            _, tangent, bend = way.place(float(s))
-            twist = np.concatenate([tangent, way.turn])
+            (_, *rates), (_, *spins) = way.place(float(s)), way.turned(float(s))
+            twist, bend = (np.concatenate(parts) for parts in zip(rates, spins, strict=True))
             jacobian = self._regular(q, float(t - times[0]))
             qd = self._solve(jacobian, twist * sd, float(t - times[0]))
             drift = self.functions("jacobian_dot", q, qd) @ qd
-            pull = twist * sdd + np.concatenate([bend * sd**2, np.zeros(3)]) - drift
+            pull = twist * sdd + bend * sd**2 - drift
             states.append((q, qd, self._solve(jacobian, pull, float(t - times[0]))))
         when = [Float(t) for t in times]
         columns = np.array(states).transpose(2, 0, 1)
@@ -211,5 +215,5 @@ class Follower:
         return found
 
     def _error(self, found: str) -> RobotFileError:
-        remedy = "go there by joints: leave out line and through, or choose another point"
+        remedy = "go there by joints: leave out line, through and spline: hand, or choose another point"
         return RobotFileError(found, remedy=remedy, location=self.location)

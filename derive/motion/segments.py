@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Protocol
 
 from sympy import Expr
@@ -62,6 +62,23 @@ class Arm(Protocol):
             unit: The fraction of the way, from 0 to 1, as a function of the time since then.
         """
 
+    def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
+        """The pieces of each joint, segment by segment, while the end effector moves on a spline.
+
+        Args:
+            run: Segments without a stop between them.
+            before: Joint variables at their start.
+            times: When each begins, and the last one ends [s].
+        """
+
+    def distances(self, run: Sequence[Step], before: Corner) -> list[float]:
+        """How far the end effector goes from point to point.
+
+        Args:
+            run: Segments.
+            before: Joint variables at their start.
+        """
+
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
         """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0.
 
@@ -91,14 +108,14 @@ def trajectory_of(plan: Plan, arm: Arm) -> Trajectory:
     here = arm.configuration(name, None)
     for run in _runs(plan.steps):
         names, corners = [name, *(step.to for step in run)], [here]
-        if not run[0].in_space:
+        if not run[0].follows:
             for step in run:
                 corners.append(arm.configuration(step.to, corners[-1]))
         times, joints = _run(arm, run, len(segments), corners, start)
         ends = [f"{a} -> {b}" for a, b in pairwise(names)]
         segments += [Segment(ends[i], times[i], times[i + 1] - times[i], joints[i]) for i in range(len(run))]
         name, start = names[-1], times[-1]
-        here = tuple(_last(track[-1]) for track in joints[-1]) if run[0].in_space else corners[-1]
+        here = tuple(_last(track[-1]) for track in joints[-1]) if run[0].follows else corners[-1]
     return Trajectory(tuple(segments))
 
 
@@ -133,6 +150,8 @@ def _run(arm: Arm, run: Sequence[Step], first: int, corners: Sequence[Corner], s
         return [start, *(pieces[0][-1].end for pieces in joints)], joints
     if step.in_space:
         return _in_space(arm, step, corners[0], start)
+    if step.by_hand:
+        return _splined(arm, run, corners[0], start)
     if step.profile is Profile.SPLINE or len(run) > 1:
         return _passing(arm, run, corners, start)
     duration, cruises = _rest_to_rest_time(arm, step, *corners)
@@ -168,14 +187,8 @@ def _passing(arm: Arm, run: Sequence[Step], corners: Sequence[Corner], start: Ex
         found = f"a {profile} motion stops at its points, and {run[0].to} is passed"
         remedy = "write via: stop, or a profile of cubic, quintic, septic, spline, fastest"
         raise RobotFileError(found, remedy=remedy, location=run[0].location)
-    given = [step.time for step in run if step.time is not None]
-    if given and len(given) < len(run):
-        untimed = next(step for step in run if step.time is None)
-        remedy = "write a time for each segment between two stops, or for none"
-        raise RobotFileError(f"no time from here to {untimed.to}", remedy=remedy, location=untimed.location)
-    if given:
-        lengths = tuple(map(arm.exact, given))
-    else:
+    lengths = given = _given_times(arm, run)
+    if not given:
         speed, acceleration = UNIT_PEAKS[Profile.CUBIC if profile is Profile.SPLINE else profile]
         alone = []
         for step, (q0, q1) in zip(run, pairwise(corners), strict=True):
@@ -183,13 +196,38 @@ def _passing(arm: Arm, run: Sequence[Step], corners: Sequence[Corner], start: Ex
             needed = arm.limits.stretch([speed * way for way in ways], [acceleration * way for way in ways])
             alone.append(float(_limited(step, needed)))
         lengths = proportions(alone)
-    times = [start if given else ZERO]
-    for length in lengths:
-        times.append(times[-1] + length)
+    times = _times(start if given else ZERO, lengths)
     tracks = [_through(profile, times, positions) for positions in zip(*corners, strict=True)]
     joints: list[Joints] = [tuple((track[i],) for track in tracks) for i in range(len(run))]
-    if given:
-        return times, joints
+    return (times, joints) if given else _stretched_run(arm, run, start, times, joints)
+
+
+def _splined(arm: Arm, run: Sequence[Step], here: Corner, start: Expr) -> Timed:
+    """The end effector on a spline; by limits in the proportion of its ways from point to point."""
+    given = _given_times(arm, run)
+    times = _times(start if given else ZERO, given or proportions(arm.distances(run, here)))
+    joints = arm.splined(run, here, times)
+    return (times, joints) if given else _stretched_run(arm, run, start, times, joints)
+
+
+def _given_times(arm: Arm, run: Sequence[Step]) -> tuple[Expr, ...]:
+    """The times of segments without a stop between them: all, or none."""
+    given = [step.time for step in run if step.time is not None]
+    if given and len(given) < len(run):
+        untimed = next(step for step in run if step.time is None)
+        remedy = "write a time for each segment between two stops, or for none"
+        raise RobotFileError(f"no time from here to {untimed.to}", remedy=remedy, location=untimed.location)
+    return tuple(map(arm.exact, given))
+
+
+def _times(start: Expr, lengths: Sequence[Expr]) -> list[Expr]:
+    return list(accumulate(lengths, initial=start))
+
+
+def _stretched_run(
+    arm: Arm, run: Sequence[Step], start: Expr, times: Sequence[Expr], joints: Sequence[Joints]
+) -> Timed:
+    """Segments that were put together from time 0 on, as long as limits ask for."""
     factor = _stretched(arm, run[0], joints)
     moved: list[Joints] = [tuple(_moved(track, start, factor) for track in pieces) for pieces in joints]
     return [start + time * factor for time in times], moved
