@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.util import find_spec
 from io import BytesIO
 from math import ceil
@@ -20,9 +20,9 @@ from derive.errors import OutputError, TargetError
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
 from derive.handouts.figure.planar import view_along
-from derive.handouts.figure.projection import View, paint
+from derive.handouts.figure.projection import View, seen
 from derive.handouts.figure.scene import Scene, arm_scene
-from derive.handouts.figure.solids import Sizes, solid_faces
+from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
 from derive.motion.plane import frames_of, motion_normal
@@ -143,7 +143,7 @@ class Film:
             self._stage.draw(pen, k)
             pace = f"   {self.pace} x" if self.pace > 1 else ""
             pen.text((10 * FINE, 8 * FINE), f"t = {time:.2f} s   {self._segment(time)}{pace}", fill=_INK, font=font)
-            yield image.resize((WIDTH, HEIGHT), Image.Resampling.BOX)
+            yield image.reduce(FINE)
 
     def _segment(self, time: float) -> str:
         segments = self.motion.trajectory.segments
@@ -203,20 +203,17 @@ class _Stage:
             pen: An ``ImageDraw``.
             k: Which one, from 0.
         """
-        line = self._pixels((self.trace * self.scale).tolist())
+        right, up = self.middle * self.scale
+        page = FINE * np.array(((1.0, 0.0, WIDTH / 2 - right), (0.0, -1.0, HEIGHT / 2 + up)))
+        line = (self.trace * self.scale @ page[:, :2].T + page[:, 2]).ravel().tolist()
         pen.line(line, fill=_GHOST, width=2 * FINE)
         faces, _ = solid_faces(self.scenes[k], self.scale, self.sizes)
-        for path in paint(faces, self.view):
-            if path.fill is not None:
-                pen.polygon(self._pixels(path.points), fill=_rgb(path.fill), outline=_rgb(path.stroke or path.fill))
+        for corners, color, solid in seen(faces, self.view, page):
+            pen.polygon(corners, fill=_rgb(color), outline=_rgb(OUTLINE) if solid.edge else None)
         if k:
-            pen.line(line[: k + 1], fill=_TRACE, width=2 * FINE, joint="curve")
-
-    def _pixels(self, points: Iterable[Sequence[float]]) -> list[tuple[float, float]]:
-        """Places on the page in pixels of a frame as it is drawn."""
-        right, up = (float(place) * self.scale for place in self.middle)
-        return [(FINE * (WIDTH / 2 + x - right), FINE * (HEIGHT / 2 - y + up)) for x, y in points]
+            pen.line(line[: 2 * (k + 1)], fill=_TRACE, width=2 * FINE, joint="curve")
 
 
+@cache
 def _rgb(color: Color) -> tuple[int, ...]:
     return tuple(round(255 * part) for part in color)

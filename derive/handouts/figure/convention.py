@@ -89,7 +89,7 @@ def _modified(paper: Paper) -> None:
 
 def _joint(paper: Paper, center: Array, axis: Array) -> None:
     """A revolute joint."""
-    for path in paint(list(prism(center - 13 * axis, center + 13 * axis, 10.0, REVOLUTE, sides=28)), _VIEW):
+    for path in paint(prism(center - 13 * axis, center + 13 * axis, 10.0, REVOLUTE, sides=28), _VIEW):
         paper.draw(path, weight=0.2)
 
 

@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import repeat
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
-from derive.handouts.figure.drawing import Array, Path, Point
-from derive.handouts.figure.solids import OUTLINE, Face, shade
+from derive.handouts.figure.drawing import Array, Color, Path, Point
+from derive.handouts.figure.solids import OUTLINE, Faces, shade
 
 ELEVATIONS = (20, 28, 36)
 """Candidate heights of the viewer above the horizon [degrees]."""
@@ -122,23 +124,41 @@ def _crowding(star: Array) -> float:
     return short + close
 
 
-def paint(faces: Sequence[Face], view: View) -> Iterator[Path]:
+Area = tuple[list[float], Color, Faces]
+"""x and y of the corners on the page one after the other, the colour in between, and the faces of which it is one."""
+
+
+def seen(solids: Sequence[Faces], view: View, page: Array | None = None) -> list[Area]:
+    """Faces on the page from back to front, those seen from behind left out.
+
+    Args:
+        solids: In points.
+        view: From where they are seen.
+        page: What is done with places, (2, 3): a linear map and a shift; None for nothing.
+    """
+    found: list[tuple[float, Area]] = []
+    for faces in solids:
+        corners = view.project(faces.corners)
+        colors = [faces.color] * len(corners)
+        if faces.normals is not None:
+            normals = view.project(faces.normals)
+            towards = normals[:, 2] > _GRAZING
+            corners, colors = corners[towards], shade(faces.color, normals[towards])
+        depths = np.round(corners[..., 2].mean(axis=1), 4).tolist()
+        places = corners[..., :2] if page is None else corners[..., :2] @ page[:, :2].T + page[:, 2]
+        flat = places.reshape(len(places), 2 * places.shape[1]).tolist()
+        found += zip(depths, zip(flat, colors, repeat(faces, len(flat)), strict=True), strict=True)
+    return [area for _, area in sorted(found, key=itemgetter(0))]
+
+
+def paint(solids: Sequence[Faces], view: View) -> Iterator[Path]:
     """Faces as areas from back to front, those seen from behind left out.
 
     Args:
-        faces: In points.
+        solids: In points.
         view: From where they are seen.
     """
-    seen = []
-    for index, face in enumerate(faces):
-        normal = None if face.normal is None else view.project(face.normal)
-        if normal is not None and normal[2] <= _GRAZING:
-            continue
-        corners = view.project(face.corners)
-        color = shade(face.color, normal)
-        points = tuple((float(x), float(y)) for x, y in corners[:, :2])
-        edge, width = (OUTLINE, 0.5) if face.edge else (color, 0.3)
-        path = Path(points, closed=True, stroke=edge, fill=color, width=width)
-        seen.append((round(float(corners[:, 2].mean()), 4), index, path))
-    for _, _, path in sorted(seen, key=lambda entry: entry[:2]):
-        yield path
+    for places, color, faces in seen(solids, view):
+        edge, width = (OUTLINE, 0.5) if faces.edge else (color, 0.3)
+        points = tuple(zip(places[::2], places[1::2], strict=True))
+        yield Path(points, closed=True, stroke=edge, fill=color, width=width)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cache
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -49,37 +49,37 @@ class Sizes:
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
-    """A flat face.
+class Faces:
+    """Flat faces of one solid with as many corners each.
 
     Attributes:
-        corners: (k, 3).
-        normal: Unit vector out of the solid; None for a face that is seen from both sides.
+        corners: (faces, k, 3).
+        normals: Unit vectors out of the solid, (faces, 3); None for faces that are seen from both sides.
         color: Before shading.
-        edge: Whether its border is drawn as a line; else the border has the colour of the face.
+        edge: Whether borders are drawn as lines; else a border has the colour of its face.
     """
 
     corners: Array
-    normal: Array | None
+    normals: Array | None
     color: Color
     edge: bool = False
 
 
-def shade(color: Color, normal: Array | None) -> Color:
-    """A colour as light falls on it.
+def shade(color: Color, normals: Array) -> list[Color]:
+    """A colour as light falls on faces.
 
     Args:
         color: Of the material.
-        normal: In the axes of the view: right, up, towards the viewer; None for a face without a side.
+        normals: In the axes of the view, (faces, 3): right, up, towards the viewer.
+
+    Returns:
+        The colour of each face.
     """
-    if normal is None:
-        return color
-    strength = 0.62 + 0.45 * max(0.0, float(normal @ LIGHT))
-    red, green, blue = (min(1.0, round(part * strength, 3)) for part in color)
-    return red, green, blue
+    light = 0.62 + 0.45 * np.maximum(0.0, normals @ LIGHT)
+    return list(map(tuple, np.minimum(1.0, np.round(light[:, None] * color, 3)).tolist()))
 
 
-def prism(start: Array, end: Array, radius: float, color: Color, sides: int = 20, caps: bool = True) -> Iterator[Face]:
+def prism(start: Array, end: Array, radius: float, color: Color, sides: int = 20) -> list[Faces]:
     """A prism with a regular base, round enough to be a cylinder.
 
     Args:
@@ -88,24 +88,42 @@ def prism(start: Array, end: Array, radius: float, color: Color, sides: int = 20
         radius: Of the circle around the base.
         color: Of all its faces.
         sides: Corners of the base.
-        caps: Whether it has faces at the ends.
+
+    Returns:
+        Its sides, and its two ends.
     """
-    axis = (end - start) / np.linalg.norm(end - start)
+    axis = (end - start) / _length(end - start)
+    ring = _ring(axis, radius, sides)
+    ends = Faces(np.stack([start + ring, end + ring]), np.stack([-axis, axis]), color, edge=True)
+    return [Faces(*_barrel(np.stack([start, end]), ring), color, edge=sides <= 4), ends]
+
+
+def _ring(axis: Array, radius: float, sides: int) -> Array:
+    """Corners of a regular polygon around an axis, (sides, 3)."""
     u, v = _perpendicular(axis)
-    turn = 2 * math.pi / sides
-    ring = [math.cos(turn * (k + 0.5)) * u + math.sin(turn * (k + 0.5)) * v for k in range(sides)]
-    flat = sides <= 4
-    for k in range(sides):
-        a, b = radius * ring[k], radius * ring[(k + 1) % sides]
-        middle = a + b
-        corners = np.stack([start + a, start + b, end + b, end + a])
-        yield Face(corners, middle / np.linalg.norm(middle), color, edge=flat)
-    if caps:
-        yield Face(np.stack([start + radius * r for r in ring]), -axis, color, edge=True)
-        yield Face(np.stack([end + radius * r for r in ring]), axis, color, edge=True)
+    cosines, sines = _turns(sides)
+    return radius * (cosines * u + sines * v)
 
 
-def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Face], list[Array]]:
+@cache
+def _turns(sides: int) -> tuple[Array, Array]:
+    """Cosines and sines of the angles of the corners, (sides, 1) each."""
+    angles = [2 * math.pi / sides * (k + 0.5) for k in range(sides)]
+    return np.array([[math.cos(a)] for a in angles]), np.array([[math.sin(a)] for a in angles])
+
+
+def _barrel(stops: Array, ring: Array) -> tuple[Array, Array]:
+    """Corners and normals of the sides of a tube around a line with stops, (faces, 4, 3) and (faces, 3)."""
+    following = np.concatenate([ring[1:], ring[:1]])
+    around, count = stops[:, None], len(stops) - 1
+    right, left = around + ring, around + following
+    corners = np.stack([right[:-1], left[:-1], left[1:], right[1:]], axis=2)
+    middles = ring + following
+    normals = middles / np.sqrt((middles**2).sum(axis=1, keepdims=True))
+    return corners.reshape(-1, 4, 3), np.concatenate([normals] * count)
+
+
+def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], list[Array]]:
     """All faces of an arm, and the lines that labels should keep off.
 
     Args:
@@ -116,12 +134,12 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Face], l
     Returns:
         Faces, and lines (k, 3) along the parts, in points.
     """
-    faces: list[Face] = []
+    faces: list[Faces] = []
     lines: list[Array] = []
     for segment in scene.segments:
         start, end = segment.start * scale, segment.end * scale
-        faces += [*_tube(start, end, sizes.tube, LINK), *_ball(start, sizes.tube, LINK), *_ball(end, sizes.tube, LINK)]
-        lines += _sides(start, end, sizes.tube, _perpendicular((end - start) / np.linalg.norm(end - start)))
+        faces += [_tube(start, end, sizes.tube, LINK), *(_ball(place, sizes.tube, LINK) for place in (start, end))]
+        lines += _sides(start, end, sizes.tube, _perpendicular((end - start) / _length(end - start)))
     centers = joint_centers(scene, scale, sizes)
     for joint, center in zip(scene.joints, centers, strict=True):
         solid, along = _joint(joint, center, joint.anchor * scale, sizes)
@@ -130,8 +148,8 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Face], l
     hand, hand_lines = _hand(scene, scale, sizes, centers[-1])
     foot = scene.places[0] * scale - scene.base_axis * sizes.cylinder[1] * 0.55
     thick = scene.base_axis * 4.0 * sizes.factor
-    pedestal = list(prism(foot - thick, foot, 15.0 * sizes.factor, BASE, sides=28))
-    rim = pedestal[-1].corners
+    pedestal = prism(foot - thick, foot, 15.0 * sizes.factor, BASE, sides=28)
+    rim = pedestal[-1].corners[1]
     return [*faces, *hand, *pedestal], [*lines, *hand_lines, np.concatenate([rim, rim[:1]])]
 
 
@@ -151,37 +169,37 @@ def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
     for joint in scene.joints:
         start, end = joint.anchor * scale, joint.offset_end * scale
         options = [start]
-        if float(np.linalg.norm(end - start)) > 2.5 * length:
+        if _length(end - start) > 2.5 * length:
             options.append((start + end) / 2)
         options += [start + joint.direction * shift * length for shift in _SHIFTS]
-        gaps = [min((float(np.linalg.norm(o - c)) for c in centers), default=1e9) for o in options]
+        gaps = [min((_length(o - c) for c in centers), default=1e9) for o in options]
         free = [k for k, gap in enumerate(gaps) if gap > 1.05 * length]
         centers.append(options[free[0] if free else int(np.argmax(np.round(gaps, 6)))])
     return centers
 
 
-def _joint(joint: JointAxis, center: Array, anchor: Array, sizes: Sizes) -> tuple[list[Face], list[Array]]:
+def _joint(joint: JointAxis, center: Array, anchor: Array, sizes: Sizes) -> tuple[list[Faces], list[Array]]:
     """A cylinder or a box, for a prismatic joint with the rod that slides in it; a tube to its origin if it is away."""
     axis = joint.direction
     radius, length = sizes.cylinder if joint.revolute else sizes.box
     start, end = center - axis * length / 2, center + axis * length / 2
     if joint.revolute:
-        faces = list(prism(start, end, radius, REVOLUTE))
+        faces = prism(start, end, radius, REVOLUTE)
     else:
-        faces = list(prism(start, end, radius, PRISMATIC, sides=4))
         rod = axis * length
-        faces += _tube(center - rod, center + rod, 0.7 * sizes.tube, LINK)
-    if float(np.linalg.norm(center - anchor)) > 1e-6:
-        faces += _tube(anchor, center, 0.8 * sizes.tube, LINK)
+        slide = _tube(center - rod, center + rod, 0.7 * sizes.tube, LINK)
+        faces = [*prism(start, end, radius, PRISMATIC, sides=4), slide]
+    if _length(center - anchor) > 1e-6:
+        faces.append(_tube(anchor, center, 0.8 * sizes.tube, LINK))
     return faces, [np.stack([start, end]), *_sides(start, end, radius, _perpendicular(axis))]
 
 
-def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[Face], list[Array]]:
+def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[Faces], list[Array]]:
     """Two fingers on a palm ahead of the end effector's origin, and ahead of a last joint that is drawn there."""
     k = sizes.factor
     end, along, across = scene.end * scale, scene.approach, scene.opening
     ahead = float((last - end) @ along)
-    beside = float(np.linalg.norm(last - end - ahead * along))
+    beside = _length(last - end - ahead * along)
     covered = ahead + sizes.cylinder[1] / 2 if ahead > 0 and beside < 1.0 else 0.0
     palm = end + (covered + 5.0 * k) * along
     tips = end + (covered + 17.0 * k) * along
@@ -189,18 +207,24 @@ def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[F
     for side in (-1.0, 1.0):
         shoulder = palm + side * 7.0 * k * across
         lines += [np.stack([palm, shoulder]), np.stack([shoulder, tips + side * 7.0 * k * across])]
-    faces: list[Face] = []
+    faces: list[Faces] = []
     for line in lines:
-        faces += [*_tube(line[0], line[1], 1.5 * k, HAND), *_ball(line[1], 1.5 * k, HAND)]
+        faces += [_tube(line[0], line[1], 1.5 * k, HAND), _ball(line[1], 1.5 * k, HAND)]
     return faces, lines
 
 
 def _perpendicular(axis: Array) -> tuple[Array, Array]:
     """Two unit vectors normal to a unit vector and to each other."""
-    smallest = int(np.argmin(np.abs(np.round(axis, 9))))
-    first = np.cross(axis, np.eye(3)[smallest])
-    first = first / np.linalg.norm(first)
-    return first, np.cross(axis, first)
+    x, y, z = axis.tolist()
+    smallest = min(range(3), key=lambda i: abs(round((x, y, z)[i], 9)))
+    first = np.array(((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[smallest])
+    first = first / _length(first)
+    a, b, c = first.tolist()
+    return first, np.array((y * c - z * b, z * a - x * c, x * b - y * a))
+
+
+def _length(vector: Array) -> float:
+    return math.sqrt(vector @ vector)
 
 
 def _sides(start: Array, end: Array, radius: float, across: tuple[Array, Array]) -> list[Array]:
@@ -210,25 +234,32 @@ def _sides(start: Array, end: Array, radius: float, across: tuple[Array, Array])
     return [np.stack([start + side, end + side]) for side in sides]
 
 
-def _tube(start: Array, end: Array, radius: float, color: Color, piece: float = 8.0) -> Iterator[Face]:
+def _tube(start: Array, end: Array, radius: float, color: Color, piece: float = 8.0) -> Faces:
     """A thin cylinder in short pieces, so that each piece finds its place in depth."""
-    length = float(np.linalg.norm(end - start))
+    length = _length(end - start)
     count = max(1, math.ceil(length / piece))
-    for k in range(count):
-        low, high = start + (end - start) * (k / count), start + (end - start) * ((k + 1) / count)
-        yield from prism(low, high, radius, color, sides=10, caps=False)
+    stops = start + (end - start) * (np.arange(count + 1)[:, None] / count)
+    return Faces(*_barrel(stops, _ring((end - start) / length, radius, 10)), color)
 
 
-def _ball(center: Array, radius: float, color: Color) -> Iterator[Face]:
+def _ball(center: Array, radius: float, color: Color) -> Faces:
     """A coarse sphere, for the corners of links."""
-    rings = [math.pi * k / 4 for k in range(5)]
-    turns = [2 * math.pi * k / 8 for k in range(9)]
-    for low, high in pairwise(rings):
-        for left, right in pairwise(turns):
-            corners = [_on_sphere(low, left), _on_sphere(low, right), _on_sphere(high, right), _on_sphere(high, left)]
-            normal = _on_sphere((low + high) / 2, (left + right) / 2)
-            yield Face(center + radius * np.stack(corners), normal, color)
+    corners, normals = _sphere()
+    return Faces(center + radius * corners, normals, color)
 
 
-def _on_sphere(polar: float, azimuth: float) -> Array:
-    return np.array((math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)))
+@cache
+def _sphere() -> tuple[Array, Array]:
+    """Corners and normals of the faces of the unit sphere, (32, 4, 3) and (32, 3)."""
+    rings = pairwise(math.pi * k / 4 for k in range(5))
+    patches = list(product(rings, list(pairwise(2 * math.pi * k / 8 for k in range(9)))))
+    corners = [
+        [_on_sphere(low, left), _on_sphere(low, right), _on_sphere(high, right), _on_sphere(high, left)]
+        for (low, high), (left, right) in patches
+    ]
+    normals = [_on_sphere((low + high) / 2, (left + right) / 2) for (low, high), (left, right) in patches]
+    return np.array(corners), np.array(normals)
+
+
+def _on_sphere(polar: float, azimuth: float) -> tuple[float, float, float]:
+    return math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.handouts.figure.projection import AZIMUTHS, ELEVATIONS, View, best_view, paint
-from derive.handouts.figure.solids import LINK, Face, prism
+from derive.handouts.figure.solids import LINK, Faces, prism
 
 VIEWS = [View(a, e, up) for a in (-2.0, 0.3) for e in (0.1, 1.2) for up in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))]
 
@@ -26,11 +26,12 @@ def test_lengths_along_the_page_are_kept_and_up_points_up(view: View) -> None:
 
 @pytest.mark.parametrize("view", VIEWS)
 def test_faces_seen_from_behind_are_left_out_and_near_ones_come_last(view: View) -> None:
-    box = list(prism(np.zeros(3), np.array((0.0, 0.0, 2.0)), 1.0, LINK, sides=4))
+    box = prism(np.zeros(3), np.array((0.0, 0.0, 2.0)), 1.0, LINK, sides=4)
     assert 1 <= len(list(paint(box, view))) <= 3
     _, _, toward = view.rows
     square = np.stack([view.rows[0], view.rows[1], -view.rows[0]])
-    far, near = Face(square - toward, None, (0.2, 0.2, 0.2)), Face(square + toward, None, (0.8, 0.8, 0.8))
+    far = Faces((square - toward)[None], None, (0.2, 0.2, 0.2))
+    near = Faces((square + toward)[None], None, (0.8, 0.8, 0.8))
     assert [path.fill for path in paint([near, far], view)] == [far.color, near.color]
 
 
