@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 Indices = NDArray[np.intp]
 
+Flags = NDArray[np.bool_]
+
 ORDERS = 4
 """Position and its derivatives up to the jerk."""
 

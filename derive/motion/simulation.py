@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from derive.motion.hermite import Array
-from derive.motion.stepping import Divergence, Law, Plant, exact, smooth
+from derive.motion.stepping import Divergence, Law, Plant, smooth
+from derive.motion.sticking import exact
 
 SAME = 1e-9
 """Times closer than this are one [s]."""

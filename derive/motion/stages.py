@@ -13,12 +13,12 @@ from derive.motion.functions import Functions
 from derive.motion.plan import Plan
 from derive.motion.points import Payload
 from derive.motion.simulation import Stage
-from derive.motion.stepping import PLANT, STEP, Plant
+from derive.motion.stepping import PLANT, Plant
 from derive.motion.trajectory import Trajectory
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO
 
-RATES = {"none": 200.0, "smooth": 4000.0, "exact": 1 / STEP}
+RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}
 """Calls of a simulated second, about, by how friction is treated."""
 
 CALLS_PER_LOOK = 30.0

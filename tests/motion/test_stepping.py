@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from derive.motion.motion import Motion
 from derive.motion.stages import stages_of
-from derive.motion.stepping import DIVERGED, Plant, exact, smooth
+from derive.motion.stepping import DIVERGED, Plant, integrated, smooth
+from derive.motion.sticking import exact, stepped
 from tests.motion.plans import PUMA_FALLS
 
 
@@ -28,14 +27,6 @@ def state(plant: Plant) -> np.ndarray:
     return np.concatenate([[0, 0.8, -1.5, 0.2, 0.3, 0.5], np.zeros(6), [0, 0]])
 
 
-def test_small_steps_of_exact_friction_come_to_the_smooth_solution(plant: Plant) -> None:
-    rough = replace(plant, coulomb=np.array([3.0, 3, 3, 0.5, 0.5, 0.5]))
-    (ours,), _ = exact(rough, idle, state(plant), (0.0, 0.3), np.array([0.3]))
-    (theirs,), _ = smooth(rough, idle, state(plant), (0.0, 0.3), np.array([0.3]))
-    assert ours[:12] == pytest.approx(theirs[:12], abs=5e-3)
-    assert np.abs(theirs[6:8]).max() > 0.5
-
-
 def test_the_energy_of_a_fall_is_kept(plant: Plant) -> None:
     (end,), divergence = smooth(plant, idle, state(plant), (0.0, 1.0), np.array([1.0]))
     assert divergence is None
@@ -43,7 +34,7 @@ def test_the_energy_of_a_fall_is_kept(plant: Plant) -> None:
     assert plant.energy(end[:6], end[6:12]) == pytest.approx(before - end[13], abs=1e-8)
 
 
-@pytest.mark.parametrize("step", [smooth, exact])
+@pytest.mark.parametrize("step", [smooth, exact, stepped])
 def test_what_diverges_says_when_and_where_and_keeps_its_rows(plant: Plant, step: object) -> None:
     def driven(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
         return 5 * qd + np.array([0, 0, 0, 0, 0, 1.0])
@@ -55,3 +46,20 @@ def test_what_diverges_says_when_and_where_and_keeps_its_rows(plant: Plant, step
     assert times[len(rows) - 1] <= divergence.time < times[len(rows)]
     assert abs(divergence.qd[divergence.joint]) == pytest.approx(DIVERGED, rel=0.7)
     assert np.isfinite(rows).all()
+
+
+def test_an_integration_ends_where_something_else_begins() -> None:
+    """A fall from rest passes one metre after sqrt(2/9.81) s."""
+
+    def falling(t: float, state: np.ndarray) -> np.ndarray:
+        return np.array([state[1], -9.81, 0, 0])
+
+    times = np.linspace(0.1, 1, 10)
+    got, change, divergence = integrated(
+        falling, np.zeros(4), (0.0, 1.0), times, "DOP853", lambda _, state: float(state[0]) + 1
+    )
+    assert change is not None
+    assert divergence is None
+    assert change[0] == pytest.approx(np.sqrt(2 / 9.81), rel=1e-12)
+    assert change[1][:2] == pytest.approx([-1, -np.sqrt(2 * 9.81)], rel=1e-12)
+    assert len(got) == 4
