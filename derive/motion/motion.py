@@ -31,8 +31,8 @@ from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, names
 from derive.robot.names import free_symbols
 
-SIMPSON = 2
-"""Torques are looked at between two samples, too: work is integrated by Simpson's rule."""
+BETWEEN = 2
+"""Torques are looked at between two samples, too, for the work: so many intervals between samples."""
 
 MOST_SAMPLES = 1_000_000
 """Of a motion: a thousand seconds at a kilohertz."""
@@ -77,6 +77,22 @@ class SegmentPeaks:
     def work(self) -> float:
         """Of all joints [J]."""
         return float(sum(load.work for load in self.loads))
+
+
+def mean_weights(count: int) -> Array:
+    """The mean of a function by its values at evenly spaced places: Boole's rule, Simpson's where two are left over.
+
+    Args:
+        count: Number of intervals, even.
+
+    Returns:
+        Weights of the places, (count + 1,); polynomials of degree five are exact where four divides the number.
+    """
+    weights, last = np.zeros(count + 1), count - count % 4
+    for k in range(0, last, 4):
+        weights[k : k + 5] += np.array([7, 32, 12, 32, 7]) * (2 / 45)
+    weights[last : last + 3] += np.array([1, 4, 1]) / 3 if last < count else 0
+    return np.asarray(weights / count)
 
 
 @dataclass(frozen=True)
@@ -336,21 +352,20 @@ class Motion:
         if not self.has_torques:
             return ()
         start, duration = float(segment.start), float(segment.duration)
-        count = max(2, SIMPSON * self._samples_in(duration)[1])
+        count = max(2, BETWEEN * self._samples_in(duration)[1])
         times = start + duration * np.arange(count + 1) / count
         end = float(segment.start + segment.duration)
         inside = np.minimum(times, np.nextafter(end, start))  # what this segment carries and does, not the next one
         tau = self.torques(inside)
         power = tau * self.trajectory(inside)[1]
-        weights = np.full(count + 1, 2.0)
-        weights[1::2], weights[[0, -1]] = 4.0, 1.0
-        work = weights @ power * duration / (3 * count)
-        rms = np.sqrt(weights @ tau**2 / (3 * count))
-        at = np.abs(tau[::SIMPSON]).argmax(axis=0)
+        weights = mean_weights(count)
+        work = weights @ power * duration
+        rms = np.sqrt(weights @ tau**2)
+        at = np.abs(tau[::BETWEEN]).argmax(axis=0)
         return tuple(
             Load(
-                float(tau[SIMPSON * at[j], j]),
-                float(times[SIMPSON * at[j]]),
+                float(tau[BETWEEN * at[j], j]),
+                float(times[BETWEEN * at[j]]),
                 float(rms[j]),
                 float(power[np.abs(power[:, j]).argmax(), j]),
                 float(work[j]),

@@ -26,7 +26,13 @@ APPENDIX = "appendix: Il codice MATLAB per lo SCARA"
 def section() -> list[str]:
     """The lines of the section; numbers with six digits."""
     motion = Motion.load("scara-pick-and-place")
-    items = (*_unscaled(motion), *_without_time(), *_impossible(motion.plan.robot), *_singular(motion))
+    items = (
+        *_unscaled(motion),
+        *_without_time(),
+        *_impossible(motion.plan.robot),
+        *_unassigned(motion.plan.robot),
+        *_singular(motion),
+    )
     head = (
         "What the plan `scara-pick-and-place` (`derive move scara-pick-and-place`) shows of the report's simulation: "
         "quintic `jtraj`, 3 s for each of five segments, sampled every Tc = 0.01 s."
@@ -108,6 +114,21 @@ def _impossible(robot: Robot) -> Iterator[str]:
                     "Ixx + Iyy - Izz is twice the integral of z^2 over the mass, about any point, and so for every "
                     f"order of the axes: never negative. No body has the inertia of link {index}.",
                 )
+
+
+def _unassigned(robot: Robot) -> Iterator[str]:
+    """Numbers that the script gives to other variables than it uses."""
+    masses = ", ".join(f"{evaluate(link.mass, {}):g}" for link in robot.links)
+    yield from _item(
+        "`L{1}.m`, ..., `L{4}.B` and `fkine(SCARA,q)`",
+        APPENDIX,
+        f"masses {masses} kg and all other dynamic data to `L{{1}}` to `L{{4}}`; `PosPinza0 = fkine(SCARA,q)`",
+        "`L1.m`, ..., of the links that `robot({L1,L2,L3,L4})` is made of; `fkine(SCARA,qRiposo)`",
+        f"the robot of the script weighs 0 kg, right {sum(evaluate(link.mass, {}) for link in robot.links):g} kg",
+        "the links are created as L1 to L4, and L{1} to L{4} are cells of another variable, so that no dynamic number "
+        "reaches the robot; q is still the symbolic vector there, so that the place of the gripper is a formula. "
+        "Neither changes figures 15 to 19, which show joint variables alone.",
+    )
 
 
 def _singular(motion: Motion) -> Iterator[str]:

@@ -1,0 +1,160 @@
+"""Document 004, simulation pages and appendix: what follows from its numbers; none is printed there as a result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sympy import Expr, Rational, cos, diff, exp, pi, sqrt, symbols
+
+from derive.model.kinematic_model import KinematicModel
+from derive.model.model import Model
+from derive.motion.functions import Functions
+from derive.motion.motion import Motion
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Power, Product
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+
+u = symbols("u", positive=True)
+
+QUINTIC = 10 * u**3 - 15 * u**4 + 6 * u**5
+
+WEIGHT = Rational(65, 10) * Rational("9.8062")
+"""Of what the slide carries [N]."""
+
+
+@pytest.fixture(scope="module")
+def motion() -> Motion:
+    return Motion.load("scara-pick-and-place")
+
+
+@pytest.fixture(scope="module")
+def diagonal(motion: Motion) -> Oracle:
+    """The robot with rotors as the Robotics Toolbox has them: G^2 Jm on the diagonal of B, and nothing else."""
+    links = []
+    for link in motion.plan.robot.links:
+        assert link.motor is not None
+        reflected = Product((Power(link.motor.ratio, 2), link.motor.inertia))
+        links.append(replace(link, motor=None, armature=reflected))
+    return Oracle.of(replace(motion.plan.robot, links=tuple(links)))
+
+
+def joint_friction(robot: Robot) -> list[Expr]:
+    """G^2 B of each joint."""
+    numbers = {name: Rational(str(evaluate(value, {}))) for name, value in robot.parameters}
+    return [numbers[f"G{j}"] ** 2 * numbers[f"B{j}"] for j in range(1, 5)]
+
+
+def test_the_quintic_has_its_peaks_where_the_figures_have_them(motion: Motion) -> None:
+    """15/8 at u = 1/2, and 10/sqrt(3) at u = (3 -+ sqrt 3)/6: in 3 s at 1.5 s, 0.634 s and 2.366 s."""
+    assert diff(QUINTIC, u).subs(u, Rational(1, 2)) == Rational(15, 8)
+    places = [(3 - sqrt(3)) / 6, (3 + sqrt(3)) / 6]
+    assert [diff(QUINTIC, u, 3).subs(u, place).expand() for place in places] == [0, 0]
+    assert (diff(QUINTIC, u, 2).subs(u, places[0]).expand() - 10 / sqrt(3)).expand() == 0
+    speed, acceleration = motion.peaks[0].speeds[0], motion.peaks[0].accelerations[0]
+    assert (speed.value, speed.time) == (5 * pi / 16, Rational(3, 2))
+    assert ((acceleration.time - (3 - sqrt(3)) / 2).expand(), round(float(acceleration.time), 3)) == (0, 0.634)
+
+
+def test_inertia_matrix_at_rest(motion: Motion, diagonal: Oracle) -> None:
+    """B11 = 273.530, B22 = 51.0303, B12 = 101.7273 with rotors that couple, 101.7055 without."""
+    rest = np.array([0.0, 0.0, 1.0, 0.0])
+    functions = Functions(motion.plan.robot, frozenset({"inertia_matrix"}), motion.values)
+    coupled, plain = functions("inertia_matrix", rest), diagonal.evaluate("inertia_matrix", rest)
+    assert coupled == pytest.approx(Oracle.of(motion.plan.robot).evaluate("inertia_matrix", rest), rel=1e-12, abs=1e-12)
+    exact = Model(motion.plan.robot).at("B", [0, 0, 1, 0], exact=True)
+    assert coupled == pytest.approx(np.array(exact.tolist(), dtype=float), rel=1e-12, abs=1e-12)
+    assert (round(coupled[0, 0], 3), round(coupled[0, 1], 4)) == (273.530, 101.7273)
+    assert (round(plain[0, 0], 3), round(plain[1, 1], 4), round(plain[0, 1], 4)) == (273.530, 51.0303, 101.7055)
+    rotors_behind = 0.0002 + 0.000033
+    assert coupled[1, 1] - plain[1, 1] == pytest.approx(rotors_behind, rel=1e-9)
+
+
+def test_torques_are_those_of_the_oracle_at_every_sample(motion: Motion) -> None:
+    t = np.linspace(0, 15, 1501)[:-1]
+    q, qd, qdd = motion(t)
+    expected = Oracle.of(motion.plan.robot).evaluate("inverse_dynamics", q, qd, qdd)
+    assert np.abs(motion.torques(t) - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize(
+    ("segment", "joint", "peak", "coupled", "time"),
+    [
+        (0, 0, 376.817, 376.839, 0.62),
+        (0, 1, 159.052, 159.074, 0.66),
+        (1, 2, -70.9426, -70.9426, 2.49),
+        (2, 2, -75.4014, -75.4014, 0.78),
+        (3, 0, 101.271, 101.293, 2.39),
+        (3, 1, -55.791, -55.791, 0.68),
+        (4, 2, -70.9426, -70.9426, 2.49),
+    ],
+)
+def test_peak_torques_with_rotors_of_the_toolbox_and_of_the_notes(
+    motion: Motion, diagonal: Oracle, segment: int, joint: int, peak: float, coupled: float, time: float
+) -> None:
+    local = np.arange(301) / 100
+    states = motion(np.minimum(3 * segment + local, np.nextafter(3 * segment + 3, 0)))
+    digits = len(str(peak).split(".")[1])
+    for oracle, said in ((diagonal, peak), (Oracle.of(motion.plan.robot), coupled)):
+        tau = oracle.evaluate("inverse_dynamics", *states)[:, joint]
+        at = int(np.abs(tau).argmax())
+        assert (round(float(tau[at]), digits), local[at]) == (said, pytest.approx(time))
+
+
+def test_work_is_weight_and_viscous_friction_exactly(motion: Motion) -> None:
+    """From rest to rest: b D^2 10/(7 T) of each joint, since the integral of s'^2 is 10/7, and what is lifted."""
+    assert (diff(QUINTIC, u) ** 2).expand().integrate((u, 0, 1)) == Rational(10, 7)
+    b1, b2, b3, _ = (each * Rational(10, 21) for each in joint_friction(motion.plan.robot))
+    quarter = (pi / 2) ** 2
+    works = [(b1 + b2) * quarter, 4 * b3 - 2 * WEIGHT, 4 * b3 + 2 * WEIGHT, b2 * quarter, 4 * b3 - 2 * WEIGHT]
+    for found, work, said in zip(motion.peaks, works, (17.975, -119.899, 135.062, 11.158, -119.899), strict=True):
+        assert found.work == pytest.approx(float(work), rel=1e-12)
+        assert round(float(work), 3) == said
+
+
+def test_at_rest_the_slide_holds_its_weight(motion: Motion) -> None:
+    assert motion.torques(0.0)[2] == pytest.approx(-float(WEIGHT), rel=1e-14)
+    assert round(float(-WEIGHT), 4) == -63.7403
+
+
+def test_figure_14_is_a_disc_of_radius_4(motion: Motion) -> None:
+    """The square of the distance from the axis is 8 + 8 cos theta2: all from 0 to 16, in any direction."""
+    x, y, _ = KinematicModel(motion.plan.robot).p
+    q2, a1, a2 = symbols("q2 a1 a2")
+    square = (x**2 + y**2).expand(trig=True).subs({a1: 2, a2: 2}) - (8 + 8 * cos(q2))
+    assert square.rewrite(exp).expand() == 0
+
+
+@pytest.mark.sweep
+def test_figure_14_is_what_the_inverse_kinematics_says(motion: Motion) -> None:
+    (bound,) = Model(motion.plan.robot).workspace.bounds
+    px, py, a1, a2 = symbols("px py a1 a2")
+    assert (bound.quantity, bound.least) == (px**2 + py**2, None)
+    assert bound.most.subs({a1: 2, a2: 2}) == 16
+
+
+def test_errata_the_plots_are_differences_of_samples(motion: Motion) -> None:
+    """Axes show 0.0098172 rad and 1.00760e-4; d3: 0.0124996 and 1.28292e-4."""
+    for segment, joint, speed, acceleration in ((0, 0, 0.0098172, 1.00760e-4), (1, 2, 0.0124996, 1.28292e-4)):
+        first = np.diff(motion(3 * segment + np.arange(301) / 100)[0][:, joint])
+        assert first.max() == pytest.approx(speed, rel=1e-5)
+        assert np.diff(first).max() == pytest.approx(acceleration, rel=1e-5)
+
+
+def test_errata_without_its_time_jtraj_gives_three_and_nine_times_too_much(motion: Motion) -> None:
+    """A move of pi/2 by 301 samples: 2.945 where 0.982 rad/s is meant."""
+    speed, acceleration = (diff(QUINTIC * pi / 2, u, order) for order in (1, 2))
+    found = speed.subs(u, Rational(1, 2)), acceleration.subs(u, (3 - sqrt(3)) / 6)
+    assert round(float(found[0]), 3) == 2.945
+    assert found[0] / motion.peaks[0].speeds[0].value == 3
+    assert (found[1] / motion.peaks[0].accelerations[0].value).expand().radsimp() == 9
+
+
+def test_errata_no_body_has_the_inertia_of_link_2(motion: Motion) -> None:
+    moments = [
+        [evaluate(getattr(link.inertia, entry), {}) for entry in ("xx", "yy", "zz")] for link in motion.plan.robot.links
+    ]
+    assert [2 * max(three) <= sum(three) for three in moments] == [True, False, True, True]
+    assert moments[1] == [0.1, 0.02, 0.2]
