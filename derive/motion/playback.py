@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import ceil
 
 import numpy as np
@@ -41,7 +42,10 @@ SAMPLES = 1001
 
 
 MOST_NUMBERS = 80_000
-"""Of a simulation on the page, about a megabyte; of a longer one every second row, every third, ..."""
+"""Of a motion on the page, about 1.5 megabytes, half of them where a simulation has the other half.
+
+Of a longer simulation every second row, every third, ...; of a longer motion as many places.
+"""
 
 DIGITS = 12
 """Significant ones of the numbers of a simulation."""
@@ -68,6 +72,11 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         tuple(_played(piece) for segment in trajectory.segments for piece in segment.joints[j])
         for j in range(motion.plan.robot.n)
     )
+    room = MOST_NUMBERS if run is None else MOST_NUMBERS // 2
+    places = 0
+    if sum(len(piece.values) // 2 for track in tracks for piece in track) > room:
+        places = room // (2 * motion.plan.robot.n)
+        tracks = _resampled(motion, places)
     reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]
     if run is not None:
         reached = np.concatenate([reached, run.q])
@@ -95,6 +104,20 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
             if functions or item.what != "torque"
         ),
         run=None if run is None else _played_run(motion, run),
+        places=places,
+    )
+
+
+def _resampled(motion: Motion, places: int) -> tuple[tuple[PlayedPiece, ...], ...]:
+    """Cubic polynomials by positions and velocities at even times."""
+    times = np.linspace(0.0, motion.duration, places)
+    states = np.stack(motion(times)[:2], axis=2).tolist()
+    return tuple(
+        tuple(
+            PlayedPiece("hermite", start, end - start, (*states[i][j], *states[i + 1][j]))
+            for i, (start, end) in enumerate(pairwise(times.tolist()))
+        )
+        for j in range(motion.plan.robot.n)
     )
 
 
@@ -106,7 +129,7 @@ def _pairs(low: Array, high: Array) -> tuple[tuple[float | None, float | None], 
 
 def _played_run(motion: Motion, run: Run) -> PlayedRun:
     """Its rows, or as many as a page should hold, the last one among them."""
-    step = ceil(run.t.size * (1 + 3 * motion.plan.robot.n) / MOST_NUMBERS)
+    step = ceil(run.t.size * (1 + 3 * motion.plan.robot.n) / (MOST_NUMBERS // 2))
     kept = np.unique(np.append(np.arange(0, run.t.size, step), run.t.size - 1))
     times = run.t[kept]
     if kept.size == 1:  # given up before the second row

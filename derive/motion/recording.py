@@ -19,6 +19,9 @@ from derive.robot.robot import Robot
 ROWS = 200_000
 """Most rows of a file."""
 
+BYTES = 100_000_000
+"""Most bytes of a file."""
+
 UNITS = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
 """Units that a column may name after its variable, ``q1 [deg]``; without one it is rad or m."""
 
@@ -41,7 +44,11 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     """
     source = str(path)
     try:
-        text = file_bytes(path).decode("utf-8-sig")
+        data = file_bytes(path, BYTES)
+        if len(data) > BYTES:
+            found, allowed = f"more than {BYTES} bytes", f"allowed: at most {BYTES} bytes and {ROWS} rows"
+            raise RobotFileError(found, allowed=allowed, location=Location(source))
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise RobotFileError("this is no text in UTF-8", location=Location(source)) from None
     lines = list(csv.reader(text.splitlines()))

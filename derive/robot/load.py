@@ -114,11 +114,12 @@ def robot_file_bytes(path_or_name: str | Path) -> bytes:
     return file_bytes(path)
 
 
-def file_bytes(path: Path) -> bytes:
-    """Contents of a regular file, at most one byte more than a robot file may have.
+def file_bytes(path: Path, most: int = FILE_LIMITS.size) -> bytes:
+    """Contents of a regular file, at most one byte more than it may have.
 
     Args:
         path: The file.
+        most: How many bytes it may have; by default as many as a robot file.
 
     Returns:
         Its bytes.
@@ -131,7 +132,7 @@ def file_bytes(path: Path) -> bytes:
         raise RobotFileError("not a file", remedy="give the path of a YAML file", location=place)
     try:
         with path.open("rb") as file:
-            return file.read(FILE_LIMITS.size + 1)
+            return file.read(most + 1)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise RobotFileError(f"cannot be read: {reason}", remedy="check its permissions", location=place) from None

@@ -34,6 +34,46 @@ profile: spline
 points: {{a: [0, 0.1], b: [1, 0.9], c: [-1, 0.4]}}
 path: [a, {{to: b, time: 1}}, {{to: c, time: 2}}]""",
 }
+PUMA = "robot: puma560-corke\n"
+WIDE = {
+    "planar": """robot: planar-3r
+values: {a1: 1, a2: 0.8, a3: 0.3}
+curves: {q1: pi/4*sin(2*t), q2: t**2/10 - cos(t), q3: sqrt(t + 1)}
+time: 5""",
+    "lines and arcs": """robot: {name: arm, convention: standard, inverse: {task: [x, y]}, gravity: [0, -9.81, 0],
+  joints: [{type: revolute, a: 1}, {type: revolute, a: 0.8}], links: [{mass: 1, com: [-0.5, 0, 0]}, {mass: 1}]}
+points: {a: [0.3, 0.5], b: [0.7, 0.9], c: [0.4, 1.4]}
+path: [a, {to: b, time: 1.5, line: yes}, {to: a, time: 2, through: c}]""",
+    "seven": """robot: kuka-lwr4
+profile: spline
+points: {a: [0, 0, 0, 0, 0, 0, 0], b: [30, -40, 20, 60, -10, 30, 80], c: [-50, 20, 60, -70, 40, -20, 10]}
+path: [a, {to: b, time: 2}, {to: c, time: 3}, {to: a, time: 2}]""",
+    "slides": """robot:
+  name: gantry
+  convention: modified
+  joints: [{type: prismatic, theta: pi/2, alpha: -pi/2, limits: [0, 2], speed: 0.8}, {type: prismatic, theta: pi/2,
+      alpha: pi/2}, {type: prismatic, alpha: pi/2}, {type: revolute, d: -0.2, torque: 3}]
+  gravity: [0, 0, -9.81]
+  links: [{mass: 30}, {mass: 20}, {mass: 8}, {mass: 2, com: [0.05, 0, 0], inertia: {xx: 0.01, yy: 0.02, zz: 0.02}}]
+points: {home: [0.1, 0.1, 0.1, 0], pick: [1.7, 1.2, 0.9, pi/2], place: [0.3, 1.4, 0.4, -pi]}
+path: [home, {to: pick, time: 2, profile: trapezoidal}, {to: place, time: 3, profile: harmonic,
+  payload: {mass: 6, com: [0.2, 0, 0.1]}}, {to: home, time: 2, profile: septic}]""",
+    "fastest": PUMA
+    + """profile: fastest
+torque: [56.6, 100, 56.6, 10, 10, 10]
+points: {a: [0, 45, -90, 0, 30, 0], b: [90, 90, -180, 40, -30, 90], c: [20, 120, -120, 10, 30, 20]}
+path: [a, {to: b, via: pass}, {to: c, payload: 1.5}]""",
+    "long": """robot: stanford-deluca
+curves: {q1: sin(t/3), q2: cos(t/5)*pi/3, q3: 1/2 + sin(t)/5, q4: t/10, q5: sin(2*t)/2, q6: sqrt((t - 30)**2 + 1)/10}
+values: {d1: 0.4, d2: 0.15, d6: 0.2}
+time: 60""",
+    "recorded": PUMA + "recorded: minute.csv",
+    "passing": """robot: scara-matlab
+profile: septic
+via: pass
+points: {a: [0, 0, 1, 0], b: [1, pi/2, 1.5, 0], c: [pi/3, 0, 2, 1], d: [0, 0, 1, 0]}
+path: [a, {to: b, time: 1}, {to: c, time: 2, payload: 2}, {to: d, time: 1.5}]""",
+}
 SIZE = 3_000_000
 
 
@@ -41,7 +81,7 @@ class Shown:
     """A page of a motion, opened from disk; remembers what it should not do."""
 
     def __init__(self, browser: Any, folder: Path, text: str, *, simulate: bool = False, **context: Any) -> None:
-        self.motion = Motion.from_text(text)
+        self.motion = Motion.from_text(text, str(folder / "plan.yaml"))
         self.run = self.motion.simulate() if simulate else None
         self.trouble: list[str] = []
         path = folder / "motion.html"
@@ -92,9 +132,28 @@ def test_the_page_moves_as_the_motion_does(shown: Shown) -> None:
     )
     script = "times => times.map((t) => deriveViewer.motion.at(t))"
     found = np.array(shown.page.evaluate(script, times.tolist())).transpose(1, 0, 2)
-    expected = [*shown.motion(times), *([shown.motion.torques(times)] if shown.motion.has_torques else [])]
+    has_torques = shown.motion.has_torques and shown.motion.base is None
+    expected = [*shown.motion(times), *([shown.motion.torques(times)] if has_torques else [])]
     for ours, theirs in zip(expected, found, strict=True):
         assert np.abs(ours - theirs).max() <= 1e-12 * max(1.0, np.abs(ours).max())
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", WIDE)
+def test_the_page_moves_as_any_motion_does(name: str, browser: Any, tmp_path: Path) -> None:
+    """At 200 times; small, silent, without a request, accessible, as wide as a phone."""
+    t = np.arange(6001) / 100
+    columns = [t, *(np.sin(t / j) * np.cos(t / 20) + 0.01 * np.sin(7 * t + j) for j in range(1, 7))]
+    rows = [",".join(map(repr, row)) for row in np.stack(columns, axis=1).tolist()]
+    (tmp_path / "minute.csv").write_text("\n".join(["t,q1,q2,q3,q4,q5,q6", *rows]))
+    made = Shown(browser, tmp_path, WIDE[name])
+    test_the_page_moves_as_the_motion_does(made)
+    assert made.size <= SIZE
+    test_on_a_phone_the_page_does_not_scroll_sideways(made)
+    for scheme in ("light", "dark"):
+        test_the_page_is_accessible(made, scheme)
+    made.page.context.close()
+    assert made.trouble == []
 
 
 def test_the_arm_of_the_page_is_where_the_motion_is(shown: Shown) -> None:
@@ -128,7 +187,7 @@ def test_curves_are_as_high_as_the_motion(shown: Shown) -> None:
           });
         })"""
     )
-    assert len(off) == shown.motion.plan.robot.n * (4 if shown.motion.has_torques else 3)
+    assert len(off) == shown.motion.plan.robot.n * (4 if shown.motion.has_torques and shown.motion.base is None else 3)
     assert max(off) <= 1.5
 
 

@@ -98,8 +98,21 @@ def test_of_a_simulation_the_rows_are_played_and_its_excess_is_told() -> None:
     assert made.ranges[0][0] == pytest.approx(run.q.min())
 
 
+def test_motions_of_too_many_pieces_are_told_by_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("derive.motion.playback.MOST_NUMBERS", 32)
+    motion = Motion.from_text(PICK_AND_PLACE)
+    made = playback(motion)
+    assert made.places == 4
+    times = [piece.start for piece in made.tracks[0]]
+    assert times == [0, 5, 10]
+    assert (
+        pytest.approx(np.array(motion(np.array(times)))[:2, :, 1], abs=1e-14)
+        == np.array([piece.values[:2] for piece in made.tracks[1]]).T
+    )
+
+
 def test_long_simulations_have_fewer_rows_on_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("derive.motion.playback.MOST_NUMBERS", 100)
+    monkeypatch.setattr("derive.motion.playback.MOST_NUMBERS", 200)
     motion = Motion.from_text(SPRUNG)
     made = playback(motion, motion.simulate()).run
     assert made is not None

@@ -46,6 +46,18 @@ def test_what_is_written_is_read_back_with_its_rates(tmp_path: Path) -> None:
     assert again(between)[0] == pytest.approx(motion(between)[0], abs=1e-7)
 
 
+def test_long_files_are_read_to_their_end_or_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Longer than a robot file may be."""
+    rows = "\n".join(f"{t},{t / 100 + 0.123456789:.25f},{t / 200:.25f}" for t in range(6000))
+    (tmp_path / "walk.csv").write_text(f"t,q1,q2\n{rows}\n")
+    assert (tmp_path / "walk.csv").stat().st_size > 262_144
+    made = read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
+    assert made.duration == 5999
+    monkeypatch.setattr("derive.motion.recording.BYTES", 1000)
+    with pytest.raises(DeriveError, match="more than 1000 bytes"):
+        read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from derive.handouts.language import Text
@@ -28,6 +29,9 @@ CURVES = 8
 
 QUANTITIES = ("position", "speed", "acceleration", "torque")
 """What is shown of each joint of a motion as it is wanted."""
+
+FEWEST = 4
+"""Polynomials that follow each other and are told to the script together."""
 
 TORQUE, REGRESSOR = "inverse_dynamics", "regressor"
 """Generated functions that torques need; the second one where the tool carries something."""
@@ -124,6 +128,7 @@ class Playback:
         bounds: By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
         exceeded: Limits that are exceeded.
         run: A simulation, which is played instead; None for the motion as it is wanted.
+        places: Of a motion that is too long for a page, how many of its places the pieces join; 0 for all.
     """
 
     tracks: tuple[tuple[PlayedPiece, ...], ...]
@@ -137,6 +142,7 @@ class Playback:
     bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
     exceeded: tuple[Exceeded, ...] = ()
     run: PlayedRun | None = None
+    places: int = 0
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -148,11 +154,11 @@ class Playback:
     @property
     def configuration(self) -> dict[str, object]:
         """What the script knows of it, as plain data."""
+        grids: list[_Grid] = []
+        tracks = [_joined(track, grids) for track in self.tracks]
         return {
-            "tracks": [
-                [[piece.kind, piece.start, piece.duration, *(piece.values or piece.formulas)] for piece in track]
-                for track in self.tracks
-            ],
+            "tracks": tracks,
+            "grids": grids,
             "segments": [[segment.name, segment.start, segment.payload] for segment in self.segments],
             "basis": {str(k): rows for k, rows in self.basis.items()},
             "duration": self.duration,
@@ -164,6 +170,49 @@ class Playback:
             ],
             "run": [self.run.times, self.run.q, self.run.qd, self.run.tau] if self.run else None,
         }
+
+
+_Grid = tuple[list[float], list[float] | None]
+
+
+def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]:
+    """The pieces of a joint as plain data: polynomials that follow each other without a gap as one entry.
+
+    Args:
+        track: The pieces.
+        grids: Times at which such polynomials meet and end, and their lengths where these are not the differences;
+            those that are not there yet are appended.
+
+    Returns:
+        ``[kind, start, duration, ...]`` of single pieces, ``["chain", grid, values at all its times]`` of others.
+    """
+    entries: list[list[Any]] = []
+    runs: list[list[PlayedPiece]] = []
+    for piece in track:
+        if runs and _follows(runs[-1][-1], piece):
+            runs[-1].append(piece)
+        else:
+            runs.append([piece])
+    for run in runs:
+        if len(run) < FEWEST:
+            entries += ([piece.kind, piece.start, piece.duration, *(piece.values or piece.formulas)] for piece in run)
+            continue
+        times = [*(piece.start for piece in run), run[-1].start + run[-1].duration]
+        lengths = [piece.duration for piece in run]
+        grid = (times, None if lengths == [b - a for a, b in pairwise(times)] else lengths)
+        if grid not in grids:
+            grids.append(grid)
+        k = len(run[0].values) // 2
+        values = [*run[0].values[:k], *(value for piece in run for value in piece.values[k:])]
+        entries.append(["chain", grids.index(grid), *values])
+    return entries
+
+
+def _follows(before: PlayedPiece, piece: PlayedPiece) -> bool:
+    """Whether two polynomials have the same values where they meet."""
+    k = len(piece.values) // 2
+    alike = before.kind == piece.kind == "hermite" and len(before.values) == len(piece.values)
+    return alike and before.values[k:] == piece.values[:k]
 
 
 def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, object]], text: Text) -> dict[str, Any]:
@@ -254,6 +303,9 @@ def _notes(_: Text, playback: Playback) -> Iterator[str]:
         )
         if not run.reached:
             yield _("The simulation diverges after %(time)s s.", time=_.number(f"{run.times[-1]:.4g}"))
+    if playback.places:
+        count = str(playback.places)
+        yield _("The page joins %(count)s places of this long motion by cubic polynomials.", count=count)
     if playback.bounds:
         yield _("Dotted lines are limits; they stand where the motion comes near them.")
 

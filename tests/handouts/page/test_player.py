@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 
 from derive.handouts.language import Text
 from derive.handouts.page.player import (
@@ -44,6 +45,24 @@ def test_the_script_gets_plain_data() -> None:
     plain = json.loads(json.dumps(MOTION.configuration))
     assert plain["tracks"] == [[["cosine", 0.0, 2.0, 0.0, 4.0]], [["curve", 0.0, 2.0, "t", 1.0, 0.0]]]
     assert plain["segments"] == [["a -> <b>", 0.0, [[3, 0.5]]]]
+
+
+def test_polynomials_that_meet_are_told_by_their_values_at_the_times_of_a_grid() -> None:
+    """Both joints on one grid; where a velocity jumps a new entry begins, and odd lengths are told."""
+    times = (0.0, 0.1, 0.2, 0.3, 0.4)
+
+    def track(scale: float, longer: float = 0.0) -> tuple[PlayedPiece, ...]:
+        return tuple(
+            PlayedPiece("hermite", a, b - a + longer, (scale * a, scale, scale * b, scale)) for a, b in pairwise(times)
+        )
+
+    jump = PlayedPiece("hermite", 0.4, 0.6, (0.4, 5.0, 1.0, 0.0))
+    plain = replace(MOTION, tracks=((*track(1.0), jump), track(2.0), track(1.0, 0.01))).configuration
+    first = [0.0, 1.0, 0.1, 1.0, 0.2, 1.0, 0.3, 1.0, 0.4, 1.0]
+    assert plain["tracks"][0] == [["chain", 0, *first], ["hermite", 0.4, 0.6, 0.4, 5.0, 1.0, 0.0]]
+    assert plain["tracks"][1] == [["chain", 0, *(2 * x if i % 2 == 0 else 2.0 for i, x in enumerate(first))]]
+    assert plain["grids"][0] == (list(times), None)
+    assert plain["grids"][1][1] == [b - a + 0.01 for a, b in pairwise(times)]
 
 
 def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None:
