@@ -21,7 +21,7 @@ from derive.motion.limits import Limits
 from derive.motion.paths import UNIFORM, grid_of, one_second, smooth_path
 from derive.motion.plan import Plan, Step
 from derive.motion.points import Point, Vector
-from derive.motion.poses import NODES, ROWS, Follower, Way, rotation_of, rotation_vector
+from derive.motion.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector
 from derive.motion.profile import ZERO
 from derive.motion.trajectory import ONE, Corner, Joints, Trajectory
 from derive.robot.evaluate import evaluate
@@ -159,10 +159,23 @@ class Hand:
                 way = Way.line(here, self._pose(end))
         except ValueError as error:
             raise RobotFileError(str(error), remedy="write line: yes", location=step.location) from None
-        local = np.linspace(0, float(unit.duration), NODES + 1)
-        s, sd, sdd = (value[:, 0] for value in unit(local))
-        joints = self._follower(step).pieces(way, q, float(start) + local, (s, sd, sdd))
+        joints = self._followed(step, way, q, float(start), unit)
         self._check_arrival(step, joints)
+        return joints
+
+    def _followed(self, step: Step, way: Way, q: Array, start: float, unit: Trajectory) -> Joints:
+        """The pieces of each joint, with places where the acceleration along the way jumps, and enough in between."""
+        follower, duration = self._follower(step), float(unit.duration)
+        jumps = [float(piece.start) for piece in unit.segments[0].joints[0][1:]]
+        for count in NODES:
+            edges = pairwise([0.0, *jumps, duration])
+            parts = [np.linspace(a, b, max(2, round(count * (b - a) / duration)) + 1)[:-1] for a, b in edges]
+            local = np.append(np.concatenate(parts), duration)
+            s, sd, after = (value[:, 0] for value in unit(local))
+            before = np.where(np.isin(local, jumps), unit(np.nextafter(local, -np.inf))[2][:, 0], after)
+            joints = follower.pieces(way, q, start + local, (s, sd, before, after))
+            if follower.farthest(way, joints, unit((local[:-1] + local[1:]) / 2)[0][:, 0]) <= NEAR:
+                break
         return joints
 
     def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
@@ -183,10 +196,15 @@ class Hand:
         q = np.array(before, dtype=float)
         local = [time - times[0] for time in times]
         way = spline_way(local, self._poses(run, q))
-        inner = [np.linspace(float(a), float(b), NODES + 1)[:-1] for a, b in pairwise(local)]
-        s = np.concatenate([*inner, [float(local[-1])]])
-        tracks = self._follower(run[0]).pieces(way, q, float(times[0]) + s, (s, np.ones_like(s), np.zeros_like(s)))
-        found: list[Joints] = [tuple(track[k * NODES : (k + 1) * NODES] for track in tracks) for k in range(len(run))]
+        follower = self._follower(run[0])
+        for count in NODES:
+            inner = [np.linspace(float(a), float(b), count + 1)[:-1] for a, b in pairwise(local)]
+            s = np.concatenate([*inner, [float(local[-1])]])
+            one, none = np.ones_like(s), np.zeros_like(s)
+            tracks = follower.pieces(way, q, float(times[0]) + s, (s, one, none, none))
+            if follower.farthest(way, tracks, (s[:-1] + s[1:]) / 2) <= NEAR:
+                break
+        found: list[Joints] = [tuple(track[k * count : (k + 1) * count] for track in tracks) for k in range(len(run))]
         for step, joints in zip(run, found, strict=True):
             self._check_arrival(step, joints)
         return found

@@ -90,6 +90,12 @@ class Piece:
         """Time of its second end [s]."""
         return self.start + self.duration
 
+    @property
+    def middle(self) -> float:
+        """Position halfway in time."""
+        numbers = np.array([float(value) for end in self.values for value in end])
+        return float(np.polyval(power_coefficients(numbers, self.k, float(self.duration)), 0.5))
+
     def in_unit_time(self) -> Poly:
         """The polynomial in u = (t - start)/duration, exact."""
         u = Symbol("u", real=True)

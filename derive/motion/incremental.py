@@ -112,7 +112,7 @@ class Walker:
         Corrections damp by no more than the distance that is left: they converge faster and faster where J is regular.
         """
         left, values, right = np.linalg.svd(self._functions("jacobian", q)[:3], full_matrices=False)
-        largest, ratio = values[0], values[self._rank - 1] / values[0]
+        largest, ratio = values[0], values[self._rank - 1] / values[0] if self._rank else 1.0
         squared = min(DAMPING**2 * max(1 - (ratio / NEAR) ** 2, 0) * largest**2, most**2)
         kept = slice(0, self._rank)
         gains = values[kept] / (values[kept] ** 2 + squared)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +10,14 @@ from sympy import Float
 
 from derive.errors import Location, RobotFileError
 from derive.motion.functions import Functions
-from derive.motion.hermite import Array, Piece, joined
+from derive.motion.hermite import Array, Piece
 
-NODES = 128
-"""Places of a line at which the arm is put exactly; between them it moves by polynomials of degree five."""
+NODES = (64, 128, 256, 512)
+"""Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them;
+between places it moves by polynomials of degree five."""
+
+NEAR = 1e-9
+"""Largest distance of the end effector from its way between these [m or rad]."""
 
 CLOSED = 1e-12
 """Error of a pose that is reached, relative to the arm's size."""
@@ -158,7 +162,7 @@ class Follower:
     location: Location
 
     def pieces(
-        self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array]
+        self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array, Array]
     ) -> tuple[tuple[Piece, ...], ...]:
         """The pieces of each joint.
 
@@ -166,7 +170,7 @@ class Follower:
             way: Where the end effector goes.
             q: Joint variables at its start, (n,).
             times: When the end effector is at the nodes [s], (nodes,).
-            fractions: s and its first and second derivative by time there, (nodes,) each.
+            fractions: s, its derivative by time, and the second one before and after each node, (nodes,) each.
 
         Returns:
             Pieces joint by joint.
@@ -174,26 +178,52 @@ class Follower:
         Raises:
             RobotFileError: The way leaves what the arm reaches, or leads through a singular configuration.
         """
-        states = []
-        for t, s, sd, sdd in zip(times, *fractions, strict=True):
-            q = self._put(way.pose(float(s)), q, float(t - times[0]))
+        befores: list[tuple[Array, ...]] = []
+        afters: list[tuple[Array, ...]] = []
+        for t, s, sd, before, after in zip(times, *fractions, strict=True):
+            passed = float(t - times[0])
+            q = self._put(way.pose(float(s)), q, passed)
             (_, *rates), (_, *spins) = way.place(float(s)), way.turned(float(s))
             twist, bend = (np.concatenate(parts) for parts in zip(rates, spins, strict=True))
-            jacobian = self._regular(q, float(t - times[0]))
-            qd = self._solve(jacobian, twist * sd, float(t - times[0]))
+            jacobian = self._regular(q, passed)
+            qd = self._solve(jacobian, twist * sd, passed)
             drift = self.functions("jacobian_dot", q, qd) @ qd
-            pull = twist * sdd + bend * sd**2 - drift
-            states.append((q, qd, self._solve(jacobian, pull, float(t - times[0]))))
+            for sdd, states in ((before, befores), (after, afters)):
+                states.append((q, qd, self._solve(jacobian, twist * sdd + bend * sd**2 - drift, passed)))
         when = [Float(t) for t in times]
-        columns = np.array(states).transpose(2, 0, 1)
-        return tuple(joined([tuple(Float(v) for v in node) for node in column], when) for column in columns)
+
+        def _ends(states: list[tuple[Array, ...]], j: int) -> list[tuple[Float, ...]]:
+            return [tuple(Float(value[j]) for value in state) for state in states]
+
+        return tuple(
+            tuple(
+                Piece(when[k], when[k + 1] - when[k], (first, second))
+                for k, (first, second) in enumerate(zip(_ends(afters[:-1], j), _ends(befores[1:], j), strict=True))
+            )
+            for j in range(q.size)
+        )
+
+    def farthest(self, way: Way, pieces: Sequence[Sequence[Piece]], s: Array) -> float:
+        """How far the end effector is from its way between the nodes [m or rad].
+
+        Args:
+            way: Where it goes.
+            pieces: Of each joint.
+            s: The fraction of the way in the middle of each piece.
+        """
+        middles = np.array([[piece.middle for piece in track] for track in pieces]).T
+        return max(float(np.abs(self._off(way.pose(float(at)), q)).max()) for at, q in zip(s, middles, strict=True))
+
+    def _off(self, pose: Array, q: Array) -> Array:
+        """How a pose differs from that of a configuration, in what the task asks for."""
+        now = self.functions("forward_kinematics", q)
+        error = np.concatenate([pose[:3, 3] - now[:3, 3], rotation_vector(pose[:3, :3] @ now[:3, :3].T)])
+        return error[list(self.rows)]
 
     def _put(self, pose: Array, q: Array, after: float) -> Array:
         """The configuration near another one at which the end effector has a pose."""
         for _ in range(ITERATIONS):
-            now = self.functions("forward_kinematics", q)
-            error = np.concatenate([pose[:3, 3] - now[:3, 3], rotation_vector(pose[:3, :3] @ now[:3, :3].T)])
-            wanted = error[list(self.rows)]
+            wanted = self._off(pose, q)
             if np.abs(wanted).max() <= CLOSED * (1 + np.abs(pose[:3, 3]).max()):
                 return q
             jacobian = self.functions("jacobian", q)[list(self.rows)]

@@ -145,3 +145,17 @@ def test_a_symbol_without_a_number_is_named_before_a_pose_is_looked_for() -> Non
 def test_points_in_joint_variables_stay_exact(lines: Motion) -> None:
     hand = Hand(lines.plan, lines.values, lambda cells: tuple(map(expression_to_sympy, cells)), lambda *_: np.zeros(6))
     assert hand.configuration("a", None)[0] == 17 * pi / 180
+
+
+def test_a_trapezoid_along_a_line_has_its_corners_where_it_has_them() -> None:
+    """The hand speeds up, goes on and slows down for a third of the time each; no acceleration is beyond."""
+    text = LINES.replace("line: yes", "line: yes, profile: trapezoidal")
+    motion, times = Motion.from_text(text), np.linspace(1, 3, 181)
+    found = poses(motion, times)[:, :3, 3]
+    u = (times - 1) / 2
+    fraction = np.where(u < 1 / 3, 9 / 4 * u**2, np.where(u <= 2 / 3, 3 / 2 * (u - 1 / 6), 1 - 9 / 4 * (1 - u) ** 2))
+    way = np.array([0.1, 0.2, -0.1])
+    assert found == pytest.approx(np.array([0.4, -0.3, 0.3]) + fraction[:, None] * way, abs=1e-9)
+    largest = np.abs(motion(np.linspace(1, 2.999999, 4000))[2]).max(axis=0)
+    peaks = [abs(float(peak.value)) for peak in motion.trajectory.segments[1].peaks(2)]
+    assert peaks == pytest.approx(largest, rel=1e-3)

@@ -72,3 +72,11 @@ def test_a_path_is_walked_segment_by_segment() -> None:
 def test_what_has_no_path_is_refused() -> None:
     with pytest.raises(QuantityError, match="from point to point"):
         increments_of(Motion.from_text(REACH), 10)
+
+
+def test_a_hand_that_no_joint_moves_stays_where_it_is(recwarn: pytest.WarningsRecorder) -> None:
+    robot = Robot.from_text("name: arm\nconvention: standard\njoints: [{type: revolute}]\n")
+    found = Walker(robot, {}).walk(np.zeros(1), np.zeros(3), 3)
+    assert found.error == 0
+    assert not found.damped
+    assert not recwarn.list
