@@ -19,6 +19,9 @@ _SAMPLES = 2001
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Places of a polynomial of floats at which it is looked at before its extremes are computed."""
 
+_SAME = 1e-9
+"""Values that differ by less, relative to themselves, are one; the earliest counts."""
+
 _NEAR = 0.8
 """Of the largest value: what a polynomial has to reach at these places for its extremes to be computed."""
 
@@ -49,7 +52,7 @@ def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
         The peak; zero at the start where nothing moves.
     """
     found: Peak | None = None
-    if any(isinstance(piece, Piece) and any(value.is_Float for value in piece.values[0]) for piece in pieces):
+    if any(isinstance(piece, Piece) and not piece.is_exact for piece in pieces):
         return numeric_peak(pieces, order)
     for piece in pieces:
         for candidate in _candidates(piece, order):
@@ -81,9 +84,9 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
     value, place = found[np.arange(len(rows)), at], np.array(_PLACES)[at]
     for i in np.flatnonzero(np.abs(value) > _NEAR * np.abs(value).max()):
         for u in _real_zeros(list(np.polyder(rows[i]))):
-            if abs(np.polyval(rows[i], u)) > abs(value[i]):
+            if abs(np.polyval(rows[i], u)) > abs(value[i]) * (1 + _SAME):
                 value[i], place[i] = np.polyval(rows[i], u), u
-    most = int(np.abs(value).argmax())
+    most = int(np.argmax(np.abs(value) >= np.abs(value).max() * (1 - _SAME)))
     return Peak(Float(value[most]), Float(float(polynomials[most].start) + place[most] * lengths[most]), False)
 
 
@@ -157,4 +160,4 @@ def _stationary(polynomial: Poly) -> Iterator[_Place]:
 
 def _real_zeros(coefficients: list[float]) -> list[float]:
     zeros = np.roots(coefficients)
-    return [float(zero.real) for zero in zeros if abs(zero.imag) < 1e-9 and 0 < zero.real < 1]
+    return sorted(float(zero.real) for zero in zeros if abs(zero.imag) < 1e-9 and 0 < zero.real < 1)

@@ -18,7 +18,7 @@ from math import comb, factorial
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import Expr, Integer, Poly, Rational, Symbol, expand
+from sympy import Expr, Float, Integer, Poly, Rational, Symbol, expand
 
 Array = NDArray[np.float64]
 
@@ -89,6 +89,11 @@ class Piece:
     def end(self) -> Expr:
         """Time of its second end [s]."""
         return self.start + self.duration
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether no float is in it."""
+        return not any(value.has(Float) for value in (self.start, self.duration, *self.values[0], *self.values[1]))
 
     @property
     def middle(self) -> float:

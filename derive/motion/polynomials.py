@@ -41,7 +41,7 @@ def formula(piece: AnyPiece, segment: Segment) -> Expr:
         (q0,), (q1,) = piece.values
         return q0 + (q1 - q0) * (1 - cos(pi * u)) / 2
     polynomial = piece.in_unit_time()
-    if not any(value.has(Float) for end in (*piece.values, (piece.start, piece.duration)) for value in end):
+    if piece.is_exact:
         return expand(polynomial.as_expr().subs(polynomial.gen, u))
     numbers = [float(c) for c in polynomial.all_coeffs()]
     least = ROUNDING * max(map(abs, numbers))

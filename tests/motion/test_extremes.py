@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from sympy import Integer, Rational, pi, sqrt
+from sympy import Float, Integer, Rational, pi, sqrt
 
 from derive.motion.extremes import peak
 from derive.motion.hermite import TIME, Piece, joined
@@ -69,3 +69,14 @@ def test_at_a_square_root_the_value_is_that_of_a_short_remainder() -> None:
     found = peak((first,), 1)
     u = (found.time - first.start) / first.duration
     assert float(found.value) == pytest.approx(float(derivative(u).evalf(30)) / float(first.duration), rel=1e-14)
+
+
+def test_of_a_piece_with_a_float_at_one_end_in_numbers() -> None:
+    """From a point in joint variables to a pose."""
+    piece = Piece(ZERO, Integer(2), ((pi / 2, ZERO, ZERO), (Float(1.0), ZERO, ZERO)))
+    found = peak((piece,), 1)
+    assert not found.is_exact
+    assert float(found.value) == pytest.approx(15 / 16 * (1 - np.pi / 2), rel=1e-12)
+    first = peak((piece,), 2)
+    assert float(first.time) == pytest.approx(1 - 1 / np.sqrt(3), rel=1e-9), "the earlier of two that are alike"
+    assert float(first.value) < 0
