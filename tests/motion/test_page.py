@@ -276,6 +276,42 @@ def test_who_wants_less_motion_sees_a_picture_each_half_second(shown: Shown) -> 
     assert shown_time[0] == pytest.approx(shown.motion(steps)[0], abs=1e-12)
 
 
+TIMED = """(() => {
+  const ask = window.requestAnimationFrame.bind(window);
+  window.frames_ = [];
+  window.requestAnimationFrame = (work) => ask((now) => {
+    const begun = performance.now();
+    work(now);
+    window.frames_.push([now, performance.now() - begun]);
+  });
+})()"""
+
+
+@pytest.mark.sweep
+def test_a_frame_takes_little_of_its_time_and_a_pause_none(browser: Any, tmp_path: Path) -> None:
+    """Script of a PUMA with a payload: a third of a sixtieth of a second at most, in the middle of all frames."""
+    plan = "points: {a: [0, 45, -90, 0, 30, 0], b: [90, 90, -180, 40, -30, 90]}\n"
+    made = Shown(browser, tmp_path, PUMA + plan + "path: [a, {to: b, time: 3, payload: 1.5}]\n")
+    made.page.add_init_script(TIMED)
+    made.page.reload()
+    made.page.locator(".player-play").click()
+    made.wait("deriveViewer.player.time() > 2")
+    made.page.locator(".player-play").click()
+    frames: dict[float, float] = {}
+    for now, spent in made.page.evaluate("window.frames_"):
+        frames[now] = frames.get(now, 0.0) + spent
+    assert len(frames) > 10
+    median = float(np.median(list(frames.values())))
+    print(f"{median:.2f} ms a frame")
+    assert median < 16 / 3
+    made.page.wait_for_timeout(300)
+    made.page.evaluate("window.frames_.length = 0")
+    made.page.wait_for_timeout(500)
+    assert made.page.evaluate("window.frames_") == []
+    made.page.context.close()
+    assert made.trouble == []
+
+
 @pytest.mark.sweep
 def test_without_webgl_plots_and_values_still_move(browser: Any, tmp_path: Path) -> None:
     made = Shown(browser, tmp_path, PLANS["curves"])
