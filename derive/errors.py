@@ -161,11 +161,12 @@ def listed(words: Iterable[str]) -> str:
     return ", ".join(words)
 
 
-def path_text(path: tuple[str | int, ...]) -> str:
-    """A place in a robot file as a reader says it.
+def path_text(path: tuple[str | int, ...], whole: str = "the robot file") -> str:
+    """A place in a robot file, or in a motion plan, as a reader says it.
 
     Args:
         path: Keys, and positions from 0.
+        whole: What the file is, said where the path is empty.
 
     Returns:
         Text such as ``joints row 2, alpha`` or ``gravity entry 3``.
@@ -176,4 +177,4 @@ def path_text(path: tuple[str | int, ...]) -> str:
             text += f" {'row' if before in _LISTS_OF_ROWS else 'entry'} {part + 1}"
         else:
             text += (", " if text else "") + part
-    return text or "the robot file"
+    return text or whole

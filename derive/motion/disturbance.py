@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from derive.errors import listed, near_miss, quoted
+from derive.motion.plan_cells import PlanCells
 from derive.robot.document import Document, KeyPath, YamlMapping
-from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import ZERO, Expression, to_text
+from derive.robot.expression import Expression, to_text
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
 PAYLOAD = "payload"
 """The key of a body among the numbers of the plant."""
-
-Read = Callable[[KeyPath], Expression]
-"""A cell whose symbols have numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +32,13 @@ class Disturbance:
     end: Expression
 
 
-def plant_numbers(document: Document, robot: Robot, read: Read) -> dict[str, Expression]:
+def plant_numbers(document: Document, robot: Robot, numbers: PlanCells) -> dict[str, Expression]:
     """Numbers of symbols that differ in the simulated arm.
 
     Args:
         document: The plan.
         robot: Its robot.
-        read: Reads a cell.
+        numbers: Its cells.
 
     Returns:
         Numbers by name.
@@ -56,17 +52,17 @@ def plant_numbers(document: Document, robot: Robot, read: Read) -> dict[str, Exp
             text, allowed = f"no symbol {quoted(name)} in {robot.name}", f"allowed: {listed(symbols)}"
             raise document.error(("plant", name), text, allowed, near_miss(name, symbols))
         if name != PAYLOAD:
-            found[name] = read(("plant", name))
+            found[name] = numbers.plain(("plant", name))
     return found
 
 
-def disturbances(document: Document, robot: Robot, read: Read) -> tuple[Disturbance, ...]:
+def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[Disturbance, ...]:
     """What pushes the joints.
 
     Args:
         document: The plan.
         robot: Its robot.
-        read: Reads a cell.
+        numbers: Its cells.
 
     Returns:
         One for each row.
@@ -74,16 +70,15 @@ def disturbances(document: Document, robot: Robot, read: Read) -> tuple[Disturba
     Raises:
         RobotFileError: The robot has no such joint, or an end is not after its start.
     """
-    variables, numbers, found = tuple(joint.variable for joint in robot.joints), parameter_values(robot), []
+    variables, found = tuple(joint.variable for joint in robot.joints), []
     for k in range(document.length(("disturbance",))):
         path: KeyPath = ("disturbance", k)
         name = document.text(*path, "joint")
         if name not in variables:
             text, allowed = f"no joint {quoted(name)}", f"allowed: {listed(variables)}"
             raise document.error((*path, "joint"), text, allowed, near_miss(name, variables))
-        start = read((*path, "start")) if document.scalar((*path, "start")) else ZERO
-        torque, end = read((*path, "torque")), read((*path, "end"))
-        if not 0 <= evaluate(start, numbers) < evaluate(end, numbers):
+        start, torque, end = (numbers.plain((*path, key)) for key in ("start", "torque", "end"))
+        if not 0 <= numbers.size(start) < numbers.size(end):
             text = f"from {to_text(start)} to {to_text(end)} s"
             raise document.error((*path, "end"), text, "allowed: an end after the start, neither below zero")
         found.append(Disturbance(variables.index(name), torque, start, end))

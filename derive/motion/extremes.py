@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots
 
-from derive.motion.hermite import Piece, power_coefficients
+from derive.motion.hermite import Array, Piece, power_coefficients
 from derive.motion.profile import AnyPiece, Cosine, Curve
 
 _U = Symbol("u", real=True)
 
 _SAMPLES = 2001
 """Times at which formulas are looked at."""
+
+_WITHIN = 17
+"""Times within a bracket at which functions are looked at, again and again in an eighth of it."""
+
+_ROUNDS = 5
+"""How often."""
+
+MORE = 1e-12
+"""What is larger between two times by less, relative to it, is not told from what it is at them."""
 
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Places of a polynomial of floats at which it is looked at before its extremes are computed."""
@@ -90,6 +99,44 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
     return Peak(Float(value[most]), Float(float(polynomials[most].start) + place[most] * lengths[most]), False)
 
 
+def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
+    """Where functions of time are largest, each between two times.
+
+    Args:
+        function: A row of times for each of them, (k, places), to their values there, (k, places).
+        low: From when, (k,).
+        high: Until when, (k,).
+
+    Returns:
+        When, and how large, (k,) each; the latter is right to rounding where the function is smooth.
+    """
+    rows = np.arange(low.size)
+    for _ in range(_ROUNDS):
+        times = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _WITHIN)
+        values = function(times)
+        at = values.argmax(axis=1)
+        low, high = times[rows, np.maximum(at - 1, 0)], times[rows, np.minimum(at + 1, _WITHIN - 1)]
+    return times[rows, at], values[rows, at]
+
+
+def highest(function: Callable[[Array], Array], times: Array, values: Array) -> Array:
+    """When each of several functions of time is largest, also between the times at which they are known.
+
+    Args:
+        function: All of them, (...) to (..., n).
+        times: At which they are known, ascending, (k,).
+        values: What they are then, (k, n).
+
+    Returns:
+        When, (n,); one of the times where it is not larger between them.
+    """
+    at, joints = values.argmax(axis=0), np.arange(values.shape[1])
+    low, high = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
+    when, found = refined(lambda places: function(places)[joints, :, joints], low, high)
+    known = values[at, joints]
+    return np.where(found > known * (1 + MORE * np.sign(known)), when, times[at])
+
+
 def _neat(value: Expr) -> Expr:
     return radsimp(cancel(value))
 
@@ -106,7 +153,9 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
         times = np.linspace(float(piece.start), float(piece.end), _SAMPLES)
         values = piece.sampled(times, order)
         at = int(np.abs(values).argmax())
-        yield Peak(Float(values[at]), Float(times[at]), False)
+        low, high = times[[max(at - 1, 0)]], times[[min(at + 1, _SAMPLES - 1)]]
+        (when,), _ = refined(lambda places: np.abs(piece.sampled(places, order)), low, high)
+        yield Peak(Float(float(piece.sampled(np.array([when]), order)[0])), Float(when), False)
         return
     derivative = piece.in_unit_time()
     for _ in range(order):

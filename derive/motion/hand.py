@@ -6,13 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
+from math import isfinite, nan
 
 import numpy as np
-from sympy import Expr, Float
+from sympy import Expr, Float, Integer, Symbol, sstr
 
 from derive.errors import QuantityError, RobotFileError, quoted
 from derive.model.inverse.postures import postures
 from derive.model.inverse.solve import solve
+from derive.model.kinematic_model import KinematicModel
 from derive.motion.fastest import FastestMotion, Torques
 from derive.motion.functions import Functions
 from derive.motion.hand_spline import spline_way
@@ -26,6 +28,10 @@ from derive.motion.profile import ZERO
 from derive.motion.trajectory import ONE, Corner, Joints, Trajectory
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
+from derive.robot.robot import Robot
+
+MET = 1e-9
+"""Largest difference, relative, of both sides of a condition that holds."""
 
 ARRIVED = 1e-6
 """Largest difference between a configuration and where a line ends [rad or m]."""
@@ -99,6 +105,8 @@ class Hand:
             with_branch = f" within its limits with branch {quoted(point.branch, 80)}" if point.branch else ""
             if with_branch and np.isfinite(self._functions.nearest(pose, start)).all():
                 remedy = "with another branch it does: leave branch out for the nearest one"
+            else:
+                with_branch += why_not(self._plan.robot, pose, self._values)
             found_text = f"the arm does not reach {point.name}{with_branch}"
             raise RobotFileError(found_text, remedy=remedy, location=point.location)
         return tuple(map(Float, found))
@@ -294,3 +302,43 @@ class Hand:
 def _words(branch: str) -> set[str]:
     """What the name of a branch says: ``shoulder left, elbow up`` is two of these."""
     return {" ".join(part.lower().split()) for part in branch.split(",")}
+
+
+def why_not(robot: Robot, pose: Array, values: Mapping[str, float]) -> str:
+    """The first condition on a pose that an arm does not reach which does not hold, from its inverse kinematics.
+
+    Args:
+        robot: The robot.
+        pose: (4, 4).
+        values: Numbers of all symbols.
+
+    Returns:
+        Words that follow "does not reach it"; nothing where the conditions of the formulas do not say it.
+    """
+    found = KinematicModel(robot).inverse
+    known: dict[Expr, Expr] = {Symbol(name): Float(value) for name, value in values.items()}
+    known |= {found.pose[i, j]: Float(pose[i, j]) for i in range(3) for j in range(4)}
+    for solution in found.solutions:
+        numbers = known | {sign: Integer(value) for sign, value in solution.signs.items()}
+        for line in (*found.definitions, *solution.lines):
+            value = _size(line.value, numbers)
+            numbers |= {line.symbol: Float(value)} if isfinite(value) else {}
+        for step in found.steps:
+            if not step.exists.is_Relational:
+                continue
+            left, right = _size(step.exists.lhs, numbers), _size(step.exists.rhs, numbers)
+            if (left < right) if step.exists.rel_op.startswith(">") else (left > right):
+                told = f"{sstr(step.exists.lhs)} {step.exists.rel_op} {sstr(step.exists.rhs)}"
+                return f": {sstr(step.unknown)} is real for {told}, which are {left:.6g} and {right:.6g}"
+        for equation in found.conditions:
+            left, right = _size(equation.left, numbers), _size(equation.right, numbers)
+            if abs(left - right) > MET * (1 + abs(right)):
+                said = f"{sstr(equation.left)} = {sstr(equation.right)}"
+                return f": {said} does not hold, these are {left:.6g} and {right:.6g}"
+    return ""
+
+
+def _size(value: Expr, known: Mapping[Expr, Expr]) -> float:
+    """The number of an expression; not a number where it has no real one."""
+    found = value.xreplace(known).evalf()
+    return float(found) if found.is_real else nan

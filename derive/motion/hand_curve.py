@@ -70,7 +70,8 @@ class HandCurve:
         values: Mapping[str, float] = self._motion.values
         if missing := [name for name in free_symbols(self._robot) if name not in values]:
             remedy = f"write values: {{{missing[0]}: ...}} in the plan"
-            raise QuantityError(f"the symbol '{missing[0]}' of {self._robot.name} has no number", remedy=remedy)
+            found, place = f"the symbol '{missing[0]}' of {self._robot.name} has no number", self._motion.plan.places
+            raise QuantityError(found, remedy=remedy, location=place["robot"])
         return Functions(self._robot, frozenset({"forward_kinematics", "jacobian"}), values)
 
     @cached_property

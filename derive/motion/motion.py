@@ -10,51 +10,31 @@ from pathlib import Path
 import numpy as np
 from sympy import Expr, Symbol
 
-from derive.errors import Location, QuantityError, RobotFileError
+from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.base_torques import BaseTorques
 from derive.motion.bodies import Body
 from derive.motion.extremes import Peak
+from derive.motion.formulas_of_time import followed
 from derive.motion.functions import Functions
 from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array, Indices
-from derive.motion.moving_base import BaseCurve
-from derive.motion.plan import TIME as TIME_NAME
+from derive.motion.loads import LEAST_INTERVALS, Load, loads
+from derive.motion.moving_base import PATHS, BaseCurve
 from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes
+from derive.motion.plan_cells import TIME as TIME_NAME
 from derive.motion.recording import read_recording
 from derive.motion.segments import trajectory_of
 from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of
-from derive.motion.violations import Bounds, Violation, exceeded
+from derive.motion.violations import Bounds, Function, Violation, exceeded
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, names
 from derive.robot.names import free_symbols
 
-BETWEEN = 2
-"""Torques are looked at between two samples, too, for the work: so many intervals between samples."""
-
 MOST_SAMPLES = 1_000_000
 """Of a motion: a thousand seconds at a kilohertz."""
-
-
-@dataclass(frozen=True, slots=True)
-class Load:
-    """What a joint does in a segment.
-
-    Attributes:
-        peak: The torque that is largest in magnitude [N m or N].
-        time: When [s]; the earliest sample.
-        rms: Root of the mean of its square.
-        power: The largest mechanical power in magnitude [W].
-        work: Integral of torque by velocity [J].
-    """
-
-    peak: float
-    time: float
-    rms: float
-    power: float
-    work: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +45,7 @@ class SegmentPeaks:
         segment: Its name and times.
         speeds: Largest velocities, exact where the profile allows.
         accelerations: Largest accelerations.
-        loads: Torques, at samples; empty where the robot has no dynamics.
+        loads: Torques; empty where the robot has no dynamics.
     """
 
     segment: Segment
@@ -77,22 +57,6 @@ class SegmentPeaks:
     def work(self) -> float:
         """Of all joints [J]."""
         return float(sum(load.work for load in self.loads))
-
-
-def mean_weights(count: int) -> Array:
-    """The mean of a function by its values at evenly spaced places: Boole's rule, Simpson's where two are left over.
-
-    Args:
-        count: Number of intervals, even.
-
-    Returns:
-        Weights of the places, (count + 1,); polynomials of degree five are exact where four divides the number.
-    """
-    weights, last = np.zeros(count + 1), count - count % 4
-    for k in range(0, last, 4):
-        weights[k : k + 5] += np.array([7, 32, 12, 32, 7]) * (2 / 45)
-    weights[last : last + 3] += np.array([1, 4, 1]) / 3 if last < count else 0
-    return np.asarray(weights / count)
 
 
 @dataclass(frozen=True)
@@ -119,7 +83,27 @@ class Motion:
             RobotFileError: The file cannot be read or is no plan.
             UnknownRobotError: Neither a file nor the name of a plan.
         """
-        return cls(load_plan(path))
+        return cls.of(load_plan(path))
+
+    @classmethod
+    def of(cls, plan: Plan) -> Motion:
+        """The motion of a plan that its arm can follow.
+
+        Args:
+            plan: The plan.
+
+        Returns:
+            The motion, its trajectory computed.
+
+        Raises:
+            RobotFileError: The arm cannot move so, or the motion has too many samples.
+        """
+        motion = cls(plan)
+        motion._samples_in(motion.duration)
+        motion._period()
+        if motion.base is not None:
+            motion.base(np.zeros(1), 0)
+        return motion
 
     @classmethod
     def from_text(cls, text: str, source: str = "<text>") -> Motion:
@@ -135,7 +119,7 @@ class Motion:
         Raises:
             RobotFileError: The text is no plan.
         """
-        return cls(plan_from_bytes(text.encode("utf-8", "surrogatepass"), source))
+        return cls.of(plan_from_bytes(text.encode("utf-8", "surrogatepass"), source))
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -143,9 +127,12 @@ class Motion:
         if self.plan.recording is not None:
             return read_recording(self.plan.recording, self.plan.robot)
         if self.plan.curves:
-            plain = Symbol(TIME_NAME)
-            formulas = [formula.subs(plain, TIME) for formula in self._exact(tuple(self.plan.curves.values()))]
-            return curves_of(formulas, *self._exact((self.plan.duration,)))
+            (duration,) = self._exact((self.plan.duration,))
+            formulas = [
+                self._followed(formula, f"curves, {name}", float(duration))
+                for name, formula in self.plan.curves.items()
+            ]
+            return curves_of(formulas, duration)
         return trajectory_of(self.plan, Hand(self.plan, self.values, self._exact, self._loaded))
 
     @cached_property
@@ -154,11 +141,21 @@ class Motion:
         moving = self.plan.base
         if moving is None:
             return None
-        plain = Symbol(TIME_NAME)
-        place, angles = (
-            tuple(formula.subs(plain, TIME) for formula in self._exact(row)) for row in (moving.place, moving.angles)
+        x, y, z, *angles = (
+            self._followed(formula, f"base, {name}", self.duration)
+            for name, formula in zip(PATHS, (*moving.place, *moving.angles), strict=True)
         )
-        return BaseCurve.of(place, angles)
+        return BaseCurve.of((x, y, z), tuple(angles))
+
+    def _followed(self, formula: Expression, what: str, duration: float) -> Expr:
+        """A formula of time with the numbers of its symbols."""
+        (exact,) = self._exact((formula,))
+        try:
+            return followed(exact.subs(Symbol(TIME_NAME), TIME), duration)
+        except QuantityError as error:
+            found = f"{what}: {error.found}"
+            place = self.plan.places.get(what)
+            raise RobotFileError(found, allowed=error.allowed, remedy=error.remedy, location=place) from None
 
     @property
     def has_torques(self) -> bool:
@@ -210,7 +207,7 @@ class Motion:
             found = f"{count:.4g} samples of {duration:.6g} s, {size:.3g} GB"
             allowed = f"allowed: at most {MOST_SAMPLES} samples"
             remedy = f"write sample: {duration / 1000:.2g} [s]"
-            raise RobotFileError(found, allowed=allowed, remedy=remedy, location=self.plan.sample_location)
+            raise RobotFileError(found, allowed=allowed, remedy=remedy, location=self.plan.places["sample"])
         return sample, int(np.ceil(count - 1e-9))
 
     def torques(self, t: float | Array) -> Array:
@@ -306,11 +303,21 @@ class Motion:
     @cached_property
     def violations(self) -> tuple[Violation, ...]:
         """Limits of robot and plan that the motion exceeds, joint by joint, where it does so most."""
-        times, bounds = self.times, self.bounds
-        values = dict(zip(bounds, self.trajectory(times), strict=False))
-        if self.has_torques and np.isfinite(bounds["torque"]).any():
-            values["torque"] = self.torques(times)
-        return exceeded(times, values, bounds)
+        functions: dict[str, Function] = {
+            "position": lambda t: self.trajectory(t)[0],
+            "speed": lambda t: self.trajectory(t)[1],
+            "acceleration": lambda t: self.trajectory(t)[2],
+            **({"torque": self.torques} if self.has_torques else {}),
+        }
+        limited = {
+            what: functions[what]
+            for what, bound in self.bounds.items()
+            if np.isfinite(bound).any() and what in functions
+        }
+        within = np.arange(LEAST_INTERVALS) / LEAST_INTERVALS
+        places = [float(segment.start) + float(segment.duration) * within for segment in self.trajectory.segments]
+        times = np.unique(np.concatenate([self.times, *places]))
+        return exceeded(times, {what: function(times) for what, function in limited.items()}, self.bounds, limited)
 
     def violations_of(self, run: Run) -> tuple[Violation, ...]:
         """Those that a simulation exceeds.
@@ -341,37 +348,28 @@ class Motion:
             remedy = "give the robot joints for what its base does, as skeleton-root has"
             raise QuantityError("an arm whose base moves is not simulated", remedy=remedy)
         plan, trajectory = self.plan, self.trajectory
-        period = None if plan.control.period is None else evaluate(plan.control.period, self.values)
+        stages = stages_of(plan, trajectory, self.values, calls)
+        return simulate(stages, trajectory(0.0)[:2], self.times, self._period(), sticks=plan.friction == "exact")
+
+    def _period(self) -> float | None:
+        """Time between two samples of the controller [s]; None for a continuous one."""
+        cell = self.plan.control.period
+        period = None if cell is None else self._number(cell)
         if period is not None and self.duration / period > MOST_SAMPLES:
             found = f"control, period: {self.duration / period:.4g} samples of the controller in {self.duration:.6g} s"
-            raise RobotFileError(found, allowed=f"allowed: at most {MOST_SAMPLES}", location=Location(plan.source))
-        stages = stages_of(plan, trajectory, self.values, calls)
-        return simulate(stages, trajectory(0.0)[:2], self.times, period, sticks=plan.friction == "exact")
+            allowed, remedy = f"allowed: at most {MOST_SAMPLES}", f"write period: {self.duration / 1e4:.2g} [s]"
+            raise RobotFileError(found, allowed=allowed, remedy=remedy, location=self.plan.places["period"])
+        return period
 
     def _loads(self, segment: Segment) -> tuple[Load, ...]:
         if not self.has_torques:
             return ()
-        start, duration = float(segment.start), float(segment.duration)
-        count = max(2, BETWEEN * self._samples_in(duration)[1])
-        times = start + duration * np.arange(count + 1) / count
-        end = float(segment.start + segment.duration)
-        inside = np.minimum(times, np.nextafter(end, start))  # what this segment carries and does, not the next one
-        tau = self.torques(inside)
-        power = tau * self.trajectory(inside)[1]
-        weights = mean_weights(count)
-        work = weights @ power * duration
-        rms = np.sqrt(weights @ tau**2)
-        at = np.abs(tau[::BETWEEN]).argmax(axis=0)
-        return tuple(
-            Load(
-                float(tau[BETWEEN * at[j], j]),
-                float(times[BETWEEN * at[j]]),
-                float(rms[j]),
-                float(power[np.abs(power[:, j]).argmax(), j]),
-                float(work[j]),
-            )
-            for j in range(tau.shape[1])
-        )
+        count = self._samples_in(float(segment.duration))[1]
+
+        def _state(times: Array) -> tuple[Array, Array]:
+            return self.torques(times), self.trajectory(times)[1]
+
+        return loads(float(segment.start), float(segment.start + segment.duration), count, _state)
 
     def _exact(self, values: tuple[Expression, ...]) -> tuple[Expr, ...]:
         """Cells with the numbers of their symbols."""
@@ -400,4 +398,5 @@ class Motion:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
         if missing := [name for name in free_symbols(robot) if name not in self.values]:
             remedy = f"write values: {{{missing[0]}: ...}} in the plan"
-            raise QuantityError(f"the symbol '{missing[0]}' of {robot.name} has no number", remedy=remedy)
+            found = f"the symbol '{missing[0]}' of {robot.name} has no number"
+            raise QuantityError(found, remedy=remedy, location=self.plan.places["robot"])

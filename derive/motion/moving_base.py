@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from sympy import Expr, Integer, Matrix, cos, eye, sin
 
-from derive.errors import near_miss
 from derive.motion.hermite import TIME, Array
+from derive.motion.plan_cells import PlanCells
 from derive.motion.profile import Curve
-from derive.robot.cells import Cells
 from derive.robot.document import Document, KeyPath
-from derive.robot.expression import ZERO, Expression, names
+from derive.robot.expression import Expression
 
-PLACES = ("x", "y", "z")
-"""Keys of its position."""
-
-ANGLES = ("roll", "pitch", "yaw")
-"""Names of its angles."""
+PATHS: dict[str, KeyPath] = {
+    **{key: ("base", key) for key in ("x", "y", "z")},
+    **{angle: ("base", "rpy", k) for k, angle in enumerate(("roll", "pitch", "yaw"))},
+}
+"""Where a plan has the formulas of its position and its angles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +34,12 @@ class MovingBase:
     angles: tuple[Expression, ...]
 
 
-def read_base(document: Document, cells: Cells, known: Collection[str]) -> MovingBase | None:
+def read_base(document: Document, numbers: PlanCells) -> MovingBase | None:
     """The block ``base`` of a plan.
 
     Args:
         document: The plan.
-        cells: Its cells.
-        known: Symbols that formulas may have, t among them.
+        numbers: Its cells.
 
     Returns:
         The base; None where it stands still.
@@ -50,19 +47,13 @@ def read_base(document: Document, cells: Cells, known: Collection[str]) -> Movin
     Raises:
         RobotFileError: A formula has a symbol without a number.
     """
-
-    def _formula(path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:
-        value = read(path) if document.scalar(path) else ZERO
-        for name in names(value):
-            if name not in known:
-                remedy = near_miss(name, known) or f"write values: {{{name}: ...}}"
-                raise document.error(path, f"the symbol '{name}' has no number", remedy=remedy)
-        return value
-
     if document.find(("base",)) is None:
         return None
-    place = tuple(_formula(("base", key), cells.length) for key in PLACES)
-    return MovingBase(place, tuple(_formula(("base", "rpy", k), cells.angle) for k in range(3)))
+    lengths, angles = list(PATHS.values())[:3], list(PATHS.values())[3:]
+    return MovingBase(
+        tuple(numbers.formula(path, numbers.cells.length) for path in lengths),
+        tuple(numbers.formula(path, numbers.cells.angle) for path in angles),
+    )
 
 
 @dataclass(frozen=True)

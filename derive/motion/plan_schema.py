@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, WithJsonSchema
 
 from derive.robot.schema import FORMS, Cell, RobotFile, Strict, Vector3, without_null
 
@@ -13,6 +13,10 @@ Via = Literal["stop", "pass"]
 Splined = Literal["joints", "hand"]
 Law = Literal["none", "pd", "pd-gravity", "computed-torque"]
 FrictionKind = Literal["none", "smooth", "exact"]
+
+Flag = Annotated[
+    Literal["yes", "no", "true", "false"], WithJsonSchema({"enum": ["yes", "no", "true", "false", True, False]})
+]
 
 _TEXT, _LIST, _BLOCK = FORMS
 
@@ -54,7 +58,7 @@ class StepRow(Strict):
     profile: ProfileName | None = Field(default=None, description="Of this segment alone.")
     via: Via | None = Field(default=None, description="Whether the arm stops at its end.")
     cruise: Cell | None = Field(default=None, description="Trapezoid: top speed as a multiple of distance by time.")
-    line: Literal["yes"] | None = Field(default=None, description="The end effector moves on a straight line.")
+    line: Flag | None = Field(default=None, description="The end effector moves on a straight line.")
     through: str | None = Field(default=None, description="The end effector moves on an arc through this point.")
     payload: Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)] | None = (
         Field(default=None, description="What the tool carries in this segment: a mass, or a body.")

@@ -50,7 +50,8 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
             raise RobotFileError(found, allowed=allowed, location=Location(source))
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise RobotFileError("this is no text in UTF-8", location=Location(source)) from None
+        found, allowed = "this is no text in UTF-8", "allowed: comma-separated values"
+        raise RobotFileError(found, allowed=allowed, location=Location(source)) from None
     lines = list(csv.reader(text.splitlines()))
     columns = _columns(lines[0] if lines else [], robot, source)
     if not 2 <= len(lines) - 1 <= ROWS:
@@ -61,7 +62,11 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     times = numbers[:, 0] - numbers[0, 0]
     if (np.diff(times) <= 0).any():
         at = int(np.argmax(np.diff(times) <= 0)) + 3
-        raise RobotFileError("times that do not ascend", location=Location(source, at, 1))
+        found, allowed = (
+            f"the time {numbers[at - 2, 0]:.6g} after {numbers[at - 3, 0]:.6g}",
+            "allowed: times that ascend",
+        )
+        raise RobotFileError(found, allowed=allowed, location=Location(source, at, 1))
     orders = (numbers.shape[1] - 1) // robot.n
     states = numbers[:, 1:].reshape(len(times), orders, robot.n)
     if orders == 1:
@@ -96,7 +101,8 @@ def _columns(heading: list[str], robot: Robot, source: str) -> list[tuple[int, f
         if name not in named:
             found = f"no column {quoted(name)} among {listed(tuple(map(quoted, heading)))}" if heading else "no heading"
             allowed = f"allowed: t and {listed(tuple(variables))}, with a unit as in 'q1 [deg]' or in rad and m"
-            raise RobotFileError(found, allowed=allowed, location=Location(source, 1, 1))
+            remedy = "separate columns by commas" if heading and ";" in heading[0] else ""
+            raise RobotFileError(found, allowed=allowed, remedy=remedy, location=Location(source, 1, 1))
     found_columns = [named[name] for name in ("t", *variables)]
     for rate in (velocity_name, acceleration_name):
         names = [rate(variable) for variable in variables]

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from derive.motion.extremes import highest
 from derive.motion.hermite import Array
 
 ROUNDING = 1e-9
 """What exceeds a limit by less, relative to it, does not exceed it."""
 
-Bounds = Mapping[str, tuple[Array, Array]]
+Bound = tuple[Array, Array]
+"""Lowest and highest values, (n,) each."""
+
+Function = Callable[[Array], Array]
+"""Values at times, (...) to (..., n)."""
+
+Bounds = Mapping[str, Bound]
 """By `position`, `speed`, `acceleration`, `torque` the lowest and highest values, (n,) each, or infinite."""
 
 
@@ -23,7 +30,7 @@ class Violation:
     Attributes:
         joint: Index of the joint.
         what: ``position``, ``speed``, ``acceleration`` or ``torque``.
-        time: When it is exceeded most, at the samples [s].
+        time: When it is exceeded most [s].
         value: What it is then [rad or m, per s, per s^2, N m or N].
         limit: What is allowed.
     """
@@ -40,22 +47,41 @@ class Violation:
         return abs(self.value - self.limit)
 
 
-def exceeded(times: Array, values: Mapping[str, Array], bounds: Bounds) -> tuple[Violation, ...]:
+def exceeded(
+    times: Array,
+    values: Mapping[str, Array],
+    bounds: Bounds,
+    functions: Mapping[str, Function] | None = None,
+) -> tuple[Violation, ...]:
     """Each limit that is exceeded, where it is so most, joint by joint.
 
     Args:
         times: Of the rows [s], (rows,).
         values: What is compared, by the names of the bounds, (rows, n) each.
         bounds: What is allowed.
+        functions: The same at any times, (...) to (..., n), where what lies between the rows counts, too.
     """
     found = []
-    for j in range(next(iter(bounds.values()))[0].size):
-        for what, rows in values.items():
-            low, high = (float(bound[j]) for bound in bounds[what])
-            excess = np.maximum(rows[:, j] - high, low - rows[:, j])
-            at = int(excess.argmax())
-            value = float(rows[at, j])
-            limit = high if value > high else low
-            if excess[at] > ROUNDING * abs(limit):
-                found.append(Violation(j, what, float(times[at]), value, limit))
-    return tuple(found)
+    for what, rows in values.items():
+        low, high = bounds[what]
+        when, most = _most(times, rows, bounds[what], functions[what] if functions else None)
+        for j, value in enumerate(most):
+            limit = float(high[j] if value > high[j] else low[j])
+            if abs(value - limit) > ROUNDING * abs(limit) and not low[j] <= value <= high[j]:
+                found.append(Violation(j, what, float(when[j]), float(value), limit))
+    return tuple(sorted(found, key=lambda violation: violation.joint))
+
+
+def _most(times: Array, rows: Array, bound: Bound, function: Function | None) -> tuple[Array, Array]:
+    """When each joint is furthest beyond its bound, and its value then."""
+    joints, excess = np.arange(rows.shape[1]), _excess(rows, bound)
+    if function is None:
+        at = excess.argmax(axis=0)
+        return times[at], rows[at, joints]
+    when = highest(lambda t: _excess(function(t), bound), times, excess)
+    return when, function(when)[joints, joints]
+
+
+def _excess(values: Array, bound: Bound) -> Array:
+    low, high = bound
+    return np.maximum(values - high, low - values)

@@ -64,11 +64,13 @@ class Document:
         root: The robot block.
         source: Name for messages.
         digest: SHA-256 of the file's bytes.
+        what: What it is, for messages.
     """
 
     root: YamlMapping
     source: str
     digest: str
+    what: str = "the robot file"
 
     def find(self, path: KeyPath) -> Node | None:
         """What stands at a place.
@@ -164,7 +166,7 @@ class Document:
             The error, to be raised.
         """
         return RobotFileError(
-            f"{path_text(path)}: {found}", allowed=allowed, remedy=remedy, location=self.location(path)
+            f"{path_text(path, self.what)}: {found}", allowed=allowed, remedy=remedy, location=self.location(path)
         )
 
 

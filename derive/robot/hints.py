@@ -58,6 +58,7 @@ _PLAIN_SIGNS = {0x2044: "/", 0x2212: "-", 0x2013: "-", 0x2014: "-", 0xB7: "*", 0
 
 
 _CELLS: tuple[tuple[str, Callable[[re.Match[str]], str] | str], ...] = (
+    (r"^\s*[-+]?\.(?i:nan|inf)\s*$", "write a finite number"),
     (r"[$\\]|[_^]\{", "LaTeX is not read here: write a1 for a_{1}, alpha for \\alpha, pi/2 for \\frac{\\pi}{2}"),
     (rf"(?P<number>{_NUMBER})\s*(?:°|º|deg(?:rees?)?\b)", _degrees),
     (r"°|º", "leave the sign out; units: {angle: deg} makes plain numbers degrees"),

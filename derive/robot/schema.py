@@ -6,7 +6,8 @@ the JSON Schema, which editors use, says that numbers may be written as numbers.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, get_args
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, WithJsonSchema
 
@@ -334,21 +335,23 @@ def _refusal(document: Document, model: type[Strict], violation: Any) -> RobotFi
     match kind:
         case "extra_forbidden":
             allowed = _fields(model, path[:-1])
+            hint = key_hint(key, str(path[0]), allowed) if model is RobotFile else ""
             return RobotFileError(
-                f"{path_text(path[:-1])}: unknown key {quoted(key)}",
+                f"{path_text(path[:-1], document.what)}: unknown key {quoted(key)}",
                 allowed=f"allowed: {listed(allowed)}",
-                remedy=key_hint(key, str(path[0]), allowed) or near_miss(key, allowed) or "remove it",
+                remedy=hint or near_miss(key, allowed) or "remove it",
                 location=document.key_location(path),
             )
         case "missing" if not (path and isinstance(path[-1], int)):
             return document.error(path[:-1], f"key '{key}' is missing", remedy=_MISSING.get(key, "add it"))
         case "missing" | "too_long" | "too_short":
             where = path[:-1] if kind == "missing" else path
-            expected = {"limits": 2, "com": 3, "gravity": 3}.get(str(where[-1]), 4) if where else 0
+            lengths = (len(get_args(found)) for found in _types(model, where) if get_origin(found) is tuple)
+            expected = next(lengths, 0)
             count, block = document.length(where), document.find(where)
-            remedy = shape_hint(str(where[-1]), _plain(block)) if where and block is not None else ""
-            found = f"{count} entry" if count == 1 else f"{count} entries"
+            remedy = _shape_hint(model, str(where[-1]), block) if where else ""
             remedy = remedy or "write zeros where nothing else is"
+            found = f"{count} entr{'y' if count == 1 else 'ies'}"
             return document.error(where, found, f"allowed: exactly {expected}", remedy)
         case "literal_error" | "enum":
             text = node.text if isinstance(node, YamlScalar) else ""
@@ -360,8 +363,13 @@ def _refusal(document: Document, model: type[Strict], violation: Any) -> RobotFi
     remedy = "check the indentation and the dashes"
     if isinstance(node, YamlMapping):
         remedy = "check the indentation; texts with ': ' or '{' need quotation marks"
-    hint = "" if node is None else shape_hint("row" if isinstance(path[-1], int) else key, _plain(node))
+    hint = _shape_hint(model, "row" if isinstance(path[-1], int) else key, node)
     return document.error(path, _found(node), _expected(model, path, kind), hint or remedy)
+
+
+def _shape_hint(model: type[Strict], key: str, node: Node | None) -> str:
+    """What is meant by a value of the wrong shape in a robot file."""
+    return shape_hint(key, _plain(node)) if node is not None and model is RobotFile else ""
 
 
 def _found(node: Node | None) -> str:
@@ -388,26 +396,46 @@ def _expected(model: type[Strict], path: KeyPath, kind: str) -> str:
         return "allowed: one number, name or expression"
     if kind in ("list_type", "tuple_type"):
         return "allowed: a list"
-    return (
-        f"allowed: a mapping with the keys {listed(_fields(model, path))}"
-        if _fields(model, path)
-        else "allowed: a mapping"
-    )
+    if kind == "union_tag_invalid":
+        return f"allowed: {' or '.join(dict.fromkeys(map(_said, _types(model, path))))}"
+    fields = _fields(model, path)
+    return f"allowed: a mapping with the keys {listed(fields)}" if fields else "allowed: a mapping"
+
+
+def _said(annotation: Any) -> str:
+    """A kind of value in words."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return f"a mapping with the keys {listed(annotation.model_fields)}"
+    words = {str: "one number, name or expression", dict: "a mapping"}
+    return words.get(get_origin(annotation) or annotation, "a list")
 
 
 def _fields(model: type[Strict], path: KeyPath) -> tuple[str, ...]:
     """Allowed keys of the mapping at a path; none where any key is allowed."""
-    found: Any = model
+    models = (kind for kind in _types(model, path) if isinstance(kind, type) and issubclass(kind, BaseModel))
+    return tuple(key for kind in models for key in kind.model_fields)
+
+
+def _types(model: type[Strict], path: KeyPath) -> list[Any]:
+    """What may stand at a path: models, and types of lists, mappings and texts."""
+    found = _choices(model)
     for part in path:
-        inner = _model_in(found)
-        if isinstance(part, str):
-            found = inner.model_fields[part].annotation if inner and part in inner.model_fields else None
-    inner = _model_in(found)
-    return tuple(inner.model_fields) if inner else ()
+        inner: list[Any] = []
+        for kind in found:
+            if isinstance(kind, type) and issubclass(kind, BaseModel):
+                inner += [kind.model_fields[str(part)].annotation] if str(part) in kind.model_fields else []
+            elif get_origin(kind) is dict:
+                inner.append(get_args(kind)[1])
+            elif get_origin(kind) in (list, tuple):
+                inner.append(get_args(kind)[0])
+        found = [choice for kind in inner for choice in _choices(kind)]
+    return found
 
 
-def _model_in(annotation: Any) -> type[BaseModel] | None:
-    """The model that a mapping of this type is checked by, also in a list of them or beside a name."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    return next(filter(None, map(_model_in, get_args(annotation))), None)
+def _choices(annotation: Any) -> list[Any]:
+    """The alternatives of a type, bare."""
+    if get_origin(annotation) is Annotated:
+        return _choices(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        return [choice for kind in get_args(annotation) for choice in _choices(kind)]
+    return [] if annotation is type(None) else [annotation]

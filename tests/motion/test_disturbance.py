@@ -37,7 +37,7 @@ def test_the_plant_has_numbers_and_a_payload() -> None:
         ("disturbance: [{joint: q1, torque: w, end: 2}]", r"the symbol 'w' has no number"),
         ("disturbance: [{joint: q1, torque: 1}]", r"plan.yaml:13:.*end"),
         ("plant: {ms1: 1}", r"plan.yaml:13:\d+: plant, ms1: no symbol 'ms1' in scara-matlab; allowed: .*payload"),
-        ("plant: {payload: {mass: -1}}", r"negative mass"),
+        ("plant: {payload: {mass: -1}}", r"plant, payload, mass: found '-1'; allowed: zero or more"),
     ],
 )
 def test_wrong_ones_are_refused_with_their_place(line: str, message: str) -> None:

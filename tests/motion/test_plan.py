@@ -77,7 +77,7 @@ def test_a_wrong_plan_is_refused_with_its_place(old: str, new: str, message: str
     [
         (CURVES.replace("q1", "q9"), r"p?lan.yaml:2:\d+: curves, q9: no joint 'q9'; allowed: q1, q2"),
         (CURVES.replace("sin(t)", "sin(w*t)"), r"the symbol 'w' has no number"),
-        (CURVES.replace("time: 5", "sample: 1"), r"curves without a time"),
+        (CURVES.replace("time: 5", "sample: 1"), r"<?lan.yaml:2:9: curves: no time; write time: 10"),
         ("robot: planar-2r-perugia\n", r"neither path nor curves"),
         ("[1, 2]", r"this is no motion plan"),
     ],

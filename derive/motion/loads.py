@@ -1,0 +1,84 @@
+"""What joints do in a segment: torque, power and work, from torques at many times and between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.motion.extremes import highest
+from derive.motion.hermite import Array
+
+LEAST_INTERVALS = 64
+"""Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule."""
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What a joint does in a segment.
+
+    Attributes:
+        peak: The torque that is largest in magnitude, also between samples [N m or N].
+        time: When [s]; the earliest of equal ones.
+        rms: Root of the mean of its square.
+        power: The largest mechanical power in magnitude [W].
+        work: Integral of torque by velocity [J].
+    """
+
+    peak: float
+    time: float
+    rms: float
+    power: float
+    work: float
+
+
+def mean_weights(count: int) -> Array:
+    """The mean of a function by its values at evenly spaced places: Boole's rule, Simpson's where two are left over.
+
+    Args:
+        count: Number of intervals, even.
+
+    Returns:
+        Weights of the places, (count + 1,); polynomials of degree five are exact where four divides the number.
+    """
+    weights, last = np.zeros(count + 1), count - count % 4
+    for k in range(0, last, 4):
+        weights[k : k + 5] += np.array([7, 32, 12, 32, 7]) * (2 / 45)
+    weights[last : last + 3] += np.array([1, 4, 1]) / 3 if last < count else 0
+    return np.asarray(weights / count)
+
+
+def loads(start: float, end: float, samples: int, state: Callable[[Array], tuple[Array, Array]]) -> tuple[Load, ...]:
+    """What each joint does in a segment.
+
+    Args:
+        start: When it begins [s].
+        end: When it ends, and the next one begins [s].
+        samples: How many intervals between rows of a table it has.
+        state: Torques and velocities at times, (...) to (..., n) each.
+
+    Returns:
+        One for each joint; integrals by `mean_weights`.
+    """
+    count = max(2 * samples, LEAST_INTERVALS)
+    times = start + (end - start) * np.arange(count + 1) / count
+    times = np.minimum(times, np.nextafter(end, start))  # what this segment carries and does, not the next one
+    tau, qd = state(times)
+    power = tau * qd
+    weights = mean_weights(count)
+    work = weights @ power * (end - start)
+    rms = np.sqrt(weights @ tau**2)
+
+    def _torque(at: Array) -> Array:
+        return state(at)[0]
+
+    def _power(at: Array) -> Array:
+        torque, velocity = state(at)
+        return torque * velocity
+
+    joints = np.arange(tau.shape[1])
+    when = highest(lambda at: np.abs(_torque(at)), times, np.abs(tau))
+    hardest = highest(lambda at: np.abs(_power(at)), times, np.abs(power))
+    columns = (_torque(when)[joints, joints], when, rms, _power(hardest)[joints, joints], work)
+    return tuple(Load(*map(float, row)) for row in zip(*columns, strict=True))
