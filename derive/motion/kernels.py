@@ -63,7 +63,7 @@ class Kernel:
     tape: Tape
 
     def written(self, language: Language) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Its statements and results, with ``t`` and ``row[0]``, ... for the arguments.
+        """Its statements and results, with ``t``, ``row[0]``, ... for the arguments.
 
         Args:
             language: How they are written.
@@ -73,7 +73,8 @@ class Kernel:
             if node.op is Op.CONSTANT:
                 texts[i] = language.number(node.value)
             elif node.source is not None:
-                texts[i] = Text(CLOCK if node.source.kind == CLOCK else f"{ROW}[{node.source.index}]")
+                kind = node.source.kind
+                texts[i] = Text(CLOCK if kind == CLOCK else f"{kind}[{node.source.index}]")
         operations = [i for i, node in enumerate(self.tape.nodes) if node.op not in LEAVES]
         statements = write_statements(self.tape, language, operations, texts, temporary_names())
         return statements, tuple(language.output(self.tape, output, texts) for output in self.tape.outputs)

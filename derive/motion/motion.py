@@ -227,13 +227,17 @@ class Motion:
         index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
         q, qd, qdd = self.trajectory(times)
         tau = self._loaded(index, q, qd, qdd)
-        return tau if self.base is None else tau + self._base_torques(times, index, q, qd)
+        added = self.base_torques
+        return tau if added is None else tau + self._added(added, times, index, q, qd)
 
-    def _base_torques(self, t: Array, index: Indices, q: Array, qd: Array) -> Array:
+    @property
+    def base_torques(self) -> BaseTorques | None:
+        """What the motion of the base adds to the torques; None where it stands."""
+        return None if self.base is None else BaseTorques(self.plan.robot, self.values, self.base, self.duration)
+
+    def _added(self, torques: BaseTorques, t: Array, index: Indices, q: Array, qd: Array) -> Array:
         """What the motion of the base adds in steps by their index, (...)."""
-        assert self.base is not None
-        torques, found = BaseTorques(self.plan.robot, self.values, self.base), np.zeros_like(q)
-        payloads = [step.payload for step in self.plan.steps] or [None]
+        found, payloads = np.zeros_like(q), [step.payload for step in self.plan.steps] or [None]
         for payload in dict.fromkeys(payloads):
             here = np.isin(index, [i for i, other in enumerate(payloads) if other == payload])
             found[here] = torques(t[here], q[here], qd[here], payload)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil
+from typing import TypedDict
 
 import numpy as np
 from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
@@ -11,6 +13,7 @@ from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
 from derive.handouts.page.player import (
     REGRESSOR,
     TORQUE,
+    BaseTorquesText,
     Exceeded,
     Formula,
     Playback,
@@ -19,9 +22,12 @@ from derive.handouts.page.player import (
     PlayedSegment,
 )
 from derive.motion.hermite import TIME, Array, Piece, basis
+from derive.motion.kernels import Kernel
 from derive.motion.motion import Motion
+from derive.motion.points import Payload
 from derive.motion.profile import AnyPiece, Curve
 from derive.motion.simulation import Run
+from derive.targets.kernel import JAVASCRIPT
 
 OPERATIONS: dict[type[Expr], str] = {
     Add: "add",
@@ -51,6 +57,14 @@ DIGITS = 12
 """Significant ones of the numbers of a simulation."""
 
 
+class _Base(TypedDict, total=False):
+    """Attributes of `Playback` about a base that moves."""
+
+    base: tuple[tuple[Formula, ...], ...]
+    base_rates: tuple[tuple[tuple[Formula, ...], ...], ...]
+    base_torques: tuple[BaseTorquesText, ...]
+
+
 def playback(motion: Motion, run: Run | None = None) -> Playback:
     """The motion as the page plays it.
 
@@ -64,10 +78,12 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     trajectory, steps = motion.trajectory, motion.plan.steps
     functions: tuple[str, ...] = ()
     payloads: list[tuple[tuple[int, float], ...]] = []
-    if motion.has_torques and motion.base is None:
+    if motion.has_torques:
         functions = (TORQUE, REGRESSOR) if any(step.payload for step in steps) else (TORQUE,)
         payloads = [motion.payload_columns(step) for step in steps]
     payloads += [()] * (len(trajectory.segments) - len(payloads))  # curves have a segment and no step
+    carried = [step.payload for step in steps] or [None]
+    loads = list(dict.fromkeys(carried))
     tracks = tuple(
         tuple(_played(piece) for segment in trajectory.segments for piece in segment.joints[j])
         for j in range(motion.plan.robot.n)
@@ -84,8 +100,8 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     lengths = {len(piece.values) // 2 for track in tracks for piece in track if piece.kind == "hermite"}
     end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
     segments = tuple(
-        PlayedSegment(segment.name, float(segment.start), payload)
-        for segment, payload in zip(trajectory.segments, payloads, strict=True)
+        PlayedSegment(segment.name, float(segment.start), payload, loads.index(body))
+        for segment, payload, body in zip(trajectory.segments, payloads, carried, strict=True)
         if float(segment.start) < end
     )
     return Playback(
@@ -96,7 +112,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         sample=motion.sample,
         ranges=tuple((float(low), float(high)) for low, high in zip(reached.min(0), reached.max(0), strict=True)),
         functions=functions,
-        base=tuple(tuple(map(tree, row)) for row in motion.base.transform.tolist()) if motion.base else (),
+        **_base_of(motion, loads if functions else ()),
         bounds={what: _pairs(*ends) for what, ends in motion.bounds.items() if np.isfinite(ends).any()},
         exceeded=tuple(
             Exceeded(item.what, item.joint, item.time, item.value)
@@ -106,6 +122,19 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         run=None if run is None else _played_run(motion, run),
         places=places,
     )
+
+
+def _base_of(motion: Motion, loads: Sequence[Payload | None]) -> _Base:
+    """How a base moves, and what that adds to the torques."""
+    base, added = motion.base, motion.base_torques
+    if base is None or added is None:
+        return {}
+    transform, rate, bend = (
+        tuple(tuple(map(tree, row)) for row in base.transform.diff(TIME, order).tolist()) for order in range(3)
+    )
+    texts = (Kernel("base_torques", added.tape(load)).written(JAVASCRIPT) for load in loads)
+    written = tuple(BaseTorquesText(body, results) for body, results in texts)
+    return {"base": transform, "base_rates": (rate[:3], bend[:3]) if written else (), "base_torques": written}
 
 
 def _resampled(motion: Motion, places: int) -> tuple[tuple[PlayedPiece, ...], ...]:

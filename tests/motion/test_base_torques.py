@@ -81,7 +81,7 @@ def test_they_are_those_of_a_free_flying_base(seed: int) -> None:
     source = np.random.default_rng(seed)
     t = source.uniform(0, 3, 4)
     q, qd, qdd = source.uniform(-2, 2, (3, 4, robot.n))
-    added = BaseTorques(loaded, values, BASE)(t, q, qd)
+    added = BaseTorques(loaded, values, BASE, 3.0)(t, q, qd)
     standing = _Builder(robot).build()
     for k in range(4):
         ours = standing.rigid_torque(q[k], qd[k], qdd[k]) + added[k]
@@ -134,7 +134,7 @@ def test_a_base_that_falls_freely_carries_no_weight() -> None:
     values: Any = parameter_values(robot)
     falling = BaseCurve.of((TIME * 0, TIME * 0, -Rational(981, 200) * TIME**2), (TIME * 0,) * 3)
     q = np.random.default_rng(3).uniform(-2, 2, (5, 6))
-    added = BaseTorques(robot, values, falling)(np.linspace(0, 1, 5), q, np.zeros((5, 6)))
+    added = BaseTorques(robot, values, falling, 1.0)(np.linspace(0, 1, 5), q, np.zeros((5, 6)))
     motion = Motion.from_text("robot: puma560-corke\npoints: {a: [0, 0, 0, 0, 0, 0]}\npath: [a, {to: a, time: 1}]\n")
     standing = np.array([motion._loaded(np.array(0), row, row * 0, row * 0) for row in q])
     assert added == pytest.approx(-standing, abs=1e-12)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.motion.hermite import Array
-from derive.motion.loads import loads, mean_weights
+from derive.motion.loads import loads
 
 
 def state(times: Array) -> tuple[Array, Array]:
@@ -31,10 +31,3 @@ def test_peaks_lie_between_samples_and_integrals_are_exact(samples: int) -> None
 def test_what_the_next_segment_carries_does_not_count() -> None:
     (load,) = loads(0.0, 1.0, 10, lambda t: (np.where(t < 1, 1.0, 9.0)[..., None], np.ones((*t.shape, 1))))
     assert (load.peak, load.power, load.rms) == (1.0, 1.0, pytest.approx(1.0))
-
-
-@pytest.mark.parametrize("count", [2, 4, 6, 600, 602])
-def test_means_of_polynomials_are_exact(count: int) -> None:
-    places, weights = np.arange(count + 1) / count, mean_weights(count)
-    for degree in range(6 if count % 4 == 0 else 4):
-        assert weights @ places**degree == pytest.approx(1 / (degree + 1), rel=1e-13)

@@ -7,7 +7,7 @@ import pytest
 from sympy import Rational, pi, sqrt
 
 from derive.errors import QuantityError
-from derive.motion.motion import Motion
+from derive.motion.motion import Motion, mean_weights
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE
@@ -161,3 +161,10 @@ def test_a_segment_ends_before_the_next_one_begins_whatever_its_times_round_to()
     assert load.peak == pytest.approx(9.81 * np.cos(1), rel=1e-12)
     assert load.rms == pytest.approx(load.peak, rel=1e-12)
     assert load.work == 0
+
+
+@pytest.mark.parametrize("count", [2, 4, 6, 600, 602])
+def test_means_of_polynomials_are_exact(count: int) -> None:
+    places, weights = np.arange(count + 1) / count, mean_weights(count)
+    for degree in range(6 if count % 4 == 0 else 4):
+        assert weights @ places**degree == pytest.approx(1 / (degree + 1), rel=1e-13)

@@ -28,6 +28,10 @@ points: {{a: [0.2, 0.1], b: [1.5, 0.9]}}
 path: [a, {{to: b, time: 1, profile: trapezoidal}}, {{to: a, time: 3/2, profile: harmonic}},
   {{to: b, time: 1, profile: cubic, payload: 2}}, {{to: a, time: 2, profile: septic}}]""",
     "curves": f"robot: {ARM}\ncurves: {{q1: pi/4*sin(2*t) + 4, q2: t**2/10 + sqrt(t + 1)/8}}\ntime: 3\n",
+    "load on a base": f"""robot: {ARM}
+points: {{a: [0.2, 0.1], b: [1.5, 0.9]}}
+path: [a, {{to: b, time: 1}}, {{to: a, time: 1, payload: 2}}]
+base: {{x: t/2, z: cos(t), rpy: [0, t/3, 1]}}""",
     "base": f"robot: {ARM}\ncurves: {{q1: sin(t), q2: t/9}}\nbase: {{x: t/2, z: cos(t), rpy: [0, t/3, 1]}}\ntime: 3\n",
     "spline": f"""robot: {ARM}
 profile: spline
@@ -116,7 +120,10 @@ class Shown:
     scope="module",
     params=[
         "document-004",
-        *(pytest.param(name, marks=pytest.mark.sweep) for name in ("profiles", "curves", "base", "spline")),
+        *(
+            pytest.param(name, marks=pytest.mark.sweep)
+            for name in ("profiles", "curves", "base", "load on a base", "spline")
+        ),
     ],
 )
 def shown(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
@@ -132,7 +139,7 @@ def test_the_page_moves_as_the_motion_does(shown: Shown) -> None:
     )
     script = "times => times.map((t) => deriveViewer.motion.at(t))"
     found = np.array(shown.page.evaluate(script, times.tolist())).transpose(1, 0, 2)
-    has_torques = shown.motion.has_torques and shown.motion.base is None
+    has_torques = shown.motion.has_torques
     expected = [*shown.motion(times), *([shown.motion.torques(times)] if has_torques else [])]
     for ours, theirs in zip(expected, found, strict=True):
         assert np.abs(ours - theirs).max() <= 1e-12 * max(1.0, np.abs(ours).max())
@@ -187,7 +194,7 @@ def test_curves_are_as_high_as_the_motion(shown: Shown) -> None:
           });
         })"""
     )
-    assert len(off) == shown.motion.plan.robot.n * (4 if shown.motion.has_torques and shown.motion.base is None else 3)
+    assert len(off) == shown.motion.plan.robot.n * (4 if shown.motion.has_torques else 3)
     assert max(off) <= 1.5
 
 

@@ -136,3 +136,13 @@ def test_an_arm_without_links_has_no_torques() -> None:
     made = playback(Motion.from_text(f"robot: {arm}\ncurves: {{q1: t**2}}\ntime: 2\n"))
     assert made.functions == ()
     assert made.tracks[0][0].formulas[1] == ["multiply", 2.0, "t"]
+
+
+def test_a_base_that_moves_brings_a_program_for_each_load() -> None:
+    text = PICK_AND_PLACE.replace("{to: D, time: 3}", "{to: D, time: 3, payload: 0.5}") + "base: {x: t/2}\n"
+    found = playback(Motion.from_text(text))
+    assert [segment.load for segment in found.segments] == [0, 0, 0, 0, 1]
+    assert len(found.base_torques) == 2
+    assert all(len(each.results) == 4 for each in found.base_torques)
+    assert [len(rows) for rows in found.base_rates] == [3, 3]
+    assert playback(Motion.from_text(PICK_AND_PLACE)).base_torques == ()

@@ -64,11 +64,27 @@ class PlayedSegment:
         name: ``rest -> A``.
         start: When it begins [s].
         payload: Columns of the regressor, and the parameters of the payload that belong to them.
+        load: Which of `Playback.base_torques` is what a base that moves adds.
     """
 
     name: str
     start: float
     payload: tuple[tuple[int, float], ...] = ()
+    load: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class BaseTorquesText:
+    """What the motion of the base adds to the torques, with something that the tool carries, as JavaScript.
+
+    Attributes:
+        body: Statements in ``q``, ``qd`` and ``base``: the upper three rows of the transform of the base, of its rate
+            and of its second derivative.
+        results: One for each joint.
+    """
+
+    body: tuple[str, ...]
+    results: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +141,8 @@ class Playback:
         ranges: Lowest and highest value of each joint [rad or m].
         functions: What of the robot's program it needs besides what the figure needs.
         base: Transform of a base that moves, 4 x 4 formulas; nothing where it stands.
+        base_rates: Its first and its second derivative, where torques are known.
+        base_torques: What its motion adds to the torques.
         bounds: By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
         exceeded: Limits that are exceeded.
         run: A simulation, which is played instead; None for the motion as it is wanted.
@@ -139,6 +157,8 @@ class Playback:
     ranges: tuple[tuple[float, float], ...]
     functions: tuple[str, ...]
     base: tuple[tuple[Formula, ...], ...] = ()
+    base_rates: tuple[tuple[tuple[Formula, ...], ...], ...] = ()
+    base_torques: tuple[BaseTorquesText, ...] = ()
     bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
     exceeded: tuple[Exceeded, ...] = ()
     run: PlayedRun | None = None
@@ -159,11 +179,12 @@ class Playback:
         return {
             "tracks": tracks,
             "grids": grids,
-            "segments": [[segment.name, segment.start, segment.payload] for segment in self.segments],
+            "segments": [[each.name, each.start, each.payload, each.load] for each in self.segments],
             "basis": {str(k): rows for k, rows in self.basis.items()},
             "duration": self.duration,
             "sample": self.sample,
             "base": self.base or None,
+            "baseRates": self.base_rates or None,
             "bounds": [self.bounds.get(name) for name in self.quantities],
             "exceeded": [
                 [self.quantities.index(item.quantity), item.joint, item.time, item.value] for item in self.exceeded

@@ -134,6 +134,7 @@ def viewer(
         target=target is not None,
         player=playback is not None,
         functions=function_names(playback),
+        base_torques=playback.base_torques if playback else (),
     )
     assumed = ""  # what is drawn for symbols without a number
     if values:
