@@ -152,7 +152,8 @@ class Hand:
             unit: The fraction of the way, from 0 to 1, as a function of the time since then.
 
         Returns:
-            Polynomials of degree five between places at which the arm is put exactly.
+            Polynomials of degree five between places at which the arm is put exactly; where a line has no length one
+            polynomial, at rest.
 
         Raises:
             RobotFileError: The way leaves what the arm reaches, leads through a singular configuration, or ends in
@@ -167,7 +168,10 @@ class Hand:
                 way = Way.line(here, self._pose(end))
         except ValueError as error:
             raise RobotFileError(str(error), remedy="write line: yes", location=step.location) from None
-        joints = self._followed(step, way, q, float(start), unit)
+        if not step.through and self._follower(step).arrived(way, q):
+            joints = _standing(before, start, unit.duration)
+        else:
+            joints = self._followed(step, way, q, float(start), unit)
         self._check_arrival(step, joints)
         return joints
 
@@ -270,9 +274,12 @@ class Hand:
             found = "torques of a fastest motion on a base that moves are not known"
             raise RobotFileError(found, remedy=remedy, location=step.location)
         if step.in_space:
-            path, knots = one_second(self.follow(step, corners[0], ZERO, UNIFORM)), np.array([0.0, 1.0])
+            joints, knots = self.follow(step, corners[0], ZERO, UNIFORM), np.array([0.0, 1.0])
+            if joints == _standing(corners[0], ZERO, ONE):
+                return [joints]
+            path = one_second(joints)
         elif len(run) == 1 and corners[0] == corners[1]:
-            return [tuple((Piece(ZERO, ONE, ((q, ZERO, ZERO), (q, ZERO, ZERO))),) for q in corners[0])]
+            return [_standing(corners[0], ZERO, ONE)]
         else:
             numbers = np.array(corners, dtype=float)
             knots = self._knots(run, numbers)
@@ -342,3 +349,8 @@ def _size(value: Expr, known: Mapping[Expr, Expr]) -> float:
     """The number of an expression; not a number where it has no real one."""
     found = value.xreplace(known).evalf()
     return float(found) if found.is_real else nan
+
+
+def _standing(corner: Corner, start: Expr, duration: Expr) -> Joints:
+    """Joints at rest."""
+    return tuple((Piece(start, duration, ((q, ZERO, ZERO), (q, ZERO, ZERO))),) for q in corner)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from derive.motion.plan_schema import PlanFile
 from derive.motion.points import Payload, Point, Pose, Vector
 from derive.motion.profile import Profile
 from derive.robot.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
-from derive.robot.expression import ONE, ZERO, Expression, names, number
+from derive.robot.expression import ONE, ZERO, Expression, names, number, substitute
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.schema import check_structure
@@ -172,7 +172,17 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
         raise RobotFileError("this is no motion plan", allowed=allowed, location=Location(source))
     document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
     check_structure(document, PlanFile)
-    return _Reader(document, _robot(document, data)).read()
+    plan = _Reader(document, _robot(document, data)).read()
+    return replace(plan, robot=_with_values(plan.robot, plan.values))
+
+
+def _with_values(robot: Robot, values: Mapping[str, Expression]) -> Robot:
+    """A robot whose own numbers are replaced by those of the plan, where the plan has another one."""
+    own = dict(robot.parameters)
+    return replace(
+        robot,
+        parameters=tuple((name, substitute(values.get(name, value), own)) for name, value in robot.parameters),
+    )
 
 
 def _robot(document: Document, data: bytes) -> Robot:

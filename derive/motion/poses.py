@@ -214,6 +214,16 @@ class Follower:
         middles = np.array([[piece.middle for piece in track] for track in pieces]).T
         return max(float(np.abs(self._off(way.pose(float(at)), q)).max()) for at, q in zip(s, middles, strict=True))
 
+    def arrived(self, way: Way, q: Array) -> bool:
+        """Whether the end effector is where its way ends.
+
+        Args:
+            way: Where it goes.
+            q: Joint variables, (n,).
+        """
+        end = way.pose(1.0)
+        return bool(np.abs(self._off(end, q)).max() <= CLOSED * (1 + np.abs(end[:3, 3]).max()))
+
     def _off(self, pose: Array, q: Array) -> Array:
         """How a pose differs from that of a configuration, in what the task asks for."""
         now = self.functions("forward_kinematics", q)

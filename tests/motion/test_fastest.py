@@ -152,6 +152,15 @@ def test_where_joints_stand_they_stand() -> None:
     assert len(joints[1]) == 1
 
 
+def test_a_line_without_length_stands_for_a_second() -> None:
+    text = ARM.replace("FIRST", "{}").replace("SECOND", "{}").replace("gravity:", "inverse: {task: [x, y]}, gravity:")
+    for profile in ("fastest", "quintic"):
+        path = f"profile: {profile}\npath: [b, {{to: b, line: yes}}]\n"
+        segment = Motion.from_text(text.replace("profile: fastest\n", "") + path).trajectory.segments[0]
+        assert segment.duration == 1
+        assert [float(q) for q, *_ in (pieces[0].values[1] for pieces in segment.joints)] == [0.4, 1.5]
+
+
 def test_bounds_by_themselves() -> None:
     """A point on a line: q = s; bounds of acceleration alone."""
     path = smooth_path(np.array([0.0, 1.0]), np.array([[0.0], [1.0]]))

@@ -168,3 +168,19 @@ def test_means_of_polynomials_are_exact(count: int) -> None:
     places, weights = np.arange(count + 1) / count, mean_weights(count)
     for degree in range(6 if count % 4 == 0 else 4):
         assert weights @ places**degree == pytest.approx(1 / (degree + 1), rel=1e-13)
+
+
+def test_numbers_of_the_plan_stand_for_those_of_the_robot_everywhere() -> None:
+    """A pendulum of 2 kg instead of 1, 3 m long instead of 1, as it is where the robot file itself says so."""
+    text = """robot: {name: pendulum, convention: standard, gravity: [0, -9.81, 0], parameters: {m: MASS, l: LENGTH},
+  joints: [{type: revolute, a: l}], links: [{mass: m}]}
+points: {a: [0], b: [1]}
+path: [a, {to: b, time: 1}]
+friction: none
+"""
+    given = Motion.from_text(text.replace("MASS", "2").replace("LENGTH", "3"))
+    changed = Motion.from_text(text.replace("MASS", "1").replace("LENGTH", "1") + "values: {m: 2*l, l: 3}\n")
+    assert changed.torques(0.0) == pytest.approx([2 * 9.81 * 3])
+    t = np.linspace(0, 1, 20)
+    assert changed.torques(t) == pytest.approx(given.torques(t), rel=1e-12)
+    assert changed.simulate().q == pytest.approx(given.simulate().q, abs=1e-10)
