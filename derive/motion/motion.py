@@ -28,7 +28,7 @@ from derive.motion.segments import trajectory_of
 from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of
-from derive.motion.violations import Bounds, Function, Violation, exceeded
+from derive.motion.violations import Bounds, Function, Violation, exceeded, nearby
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, names
 from derive.robot.names import free_symbols
@@ -329,7 +329,25 @@ class Motion:
         Args:
             run: A simulation of this motion.
         """
-        return exceeded(run.t, {"position": run.q, "speed": run.qd, "torque": run.tau}, self.bounds)
+        return exceeded(run.t, self._compared(run), self.bounds)
+
+    def near_bounds(self, run: Run | None = None) -> Bounds:
+        """What of `bounds` the motion, or a simulation of it, comes near, for plots; infinite elsewhere.
+
+        Args:
+            run: A simulation of this motion.
+        """
+        kinds = [joint.is_revolute for joint in self.plan.robot.joints]
+        return nearby(self._compared(run), self.bounds, np.array(kinds))
+
+    def _compared(self, run: Run | None) -> Mapping[str, Array]:
+        """What is compared with limits, at the samples."""
+        if run is not None:
+            return {"position": run.q, "speed": run.qd, "torque": run.tau}
+        values = dict(zip(self.bounds, self.trajectory(self.times), strict=False))
+        if self.has_torques and np.isfinite(self.bounds["torque"]).any():
+            values["torque"] = self.torques(self.times)
+        return values
 
     def _number(self, value: Expression) -> float:
         return evaluate(value, self.values)

@@ -97,6 +97,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     if run is not None:
         reached = np.concatenate([reached, run.q])
     violations = motion.violations if run is None else motion.violations_of(run)
+    near = motion.near_bounds(run)
     lengths = {len(piece.values) // 2 for track in tracks for piece in track if piece.kind == "hermite"}
     end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
     segments = tuple(
@@ -113,7 +114,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         ranges=tuple((float(low), float(high)) for low, high in zip(reached.min(0), reached.max(0), strict=True)),
         functions=functions,
         **_base_of(motion, loads if functions else ()),
-        bounds={what: _pairs(*ends) for what, ends in motion.bounds.items() if np.isfinite(ends).any()},
+        bounds={what: _pairs(*ends) for what, ends in near.items() if np.isfinite(ends).any()},
         exceeded=tuple(
             Exceeded(item.what, item.joint, item.time, item.value)
             for item in violations

@@ -13,7 +13,7 @@ from derive.handouts.notation.notation import Notation
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
 from derive.motion.simulation import Run
-from derive.motion.violations import Violation
+from derive.motion.violations import Bounds, Violation
 
 WIDTH = 460.0
 """Width of the plot [pt]."""
@@ -57,9 +57,6 @@ COLORS = ("#1b4f9c", "#c2571a", "#2d7d46", "#8a3a8f", "#a8861a", "#4d5560", "#b0
 BEYOND = "#b3121d"
 """Of a band along what exceeds a limit, and of a ring where it does so most."""
 
-NEAR = 0.5
-"""Limits are drawn that are less than this part of a panel's range away from its curves."""
-
 SETTINGS = {
     "font.size": 8.0,
     "axes.linewidth": 0.6,
@@ -100,10 +97,11 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
         panels = figure.subplots(count, len(kinds), squeeze=False, sharex=True)
         wanted, simulated = _wanted(motion), _simulated(run)
         violations = motion.violations if run is None else motion.violations_of(run)
+        limits = motion.near_bounds(run), violations
         for column, kind in enumerate(kinds):
             joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is kind]
             for row in range(count):
-                _panel(panels[row][column], motion, row, joints, wanted, simulated, violations)
+                _panel(panels[row][column], motion, row, joints, wanted, simulated, limits)
             panels[-1][column].set_xlabel("time [s]")
             _name_points(panels[0][column], motion)
         lines = [line for axes in panels[0] for line in axes.get_lines() if not line.get_label().startswith("_")]
@@ -171,7 +169,7 @@ def _panel(
     joints: Sequence[int],
     wanted: tuple[Array, list[Array]],
     simulated: tuple[Array, list[Array | None]],
-    violations: Sequence[Violation],
+    limits: tuple[Bounds, Sequence[Violation]],
 ) -> None:
     """One quantity of the joints of one kind."""
     robot = motion.plan.robot
@@ -179,7 +177,7 @@ def _panel(
     name, of_angle, of_slide = ROWS[row]
     revolute = robot.joints[joints[0]].is_revolute
     axes.set_ylabel(f"{'force' if name == 'torque' and not revolute else name} [{of_angle if revolute else of_slide}]")
-    marked = [item for item in violations if item.what == name]
+    marked = [item for item in limits[1] if item.what == name]
     for j in joints:
         latex = notation.glyph(robot.joints[j].variable).box.tex.strip()
         times, values = wanted[0], wanted[1][row]
@@ -191,7 +189,7 @@ def _panel(
         low, high = (bound[j] for bound in motion.bounds[name])
         if (beyond := (values[:, j] > high) | (values[:, j] < low)).any() and any(item.joint == j for item in marked):
             axes.plot(times, np.where(beyond, values[:, j], np.nan), color=BEYOND, linewidth=5.0, alpha=0.3, zorder=1)
-    _draw_limits(axes, motion, name, joints)
+    _draw_limits(axes, limits[0], name, joints)
     for item in marked:
         if item.joint in joints:
             axes.plot([item.time], [item.value], marker="o", markersize=7.0, fillstyle="none", color=BEYOND)
@@ -206,13 +204,11 @@ def _panel(
     axes.tick_params(width=0.5, length=2.5)
 
 
-def _draw_limits(axes: Any, motion: Motion, name: str, joints: Sequence[int]) -> None:
-    """Dotted lines where the curves come near their limits; the panel makes room for them."""
-    low, high = axes.dataLim.intervaly
-    room = NEAR * (high - low)
-    for bound in motion.bounds[name]:
+def _draw_limits(axes: Any, near: Bounds, name: str, joints: Sequence[int]) -> None:
+    """Dotted lines; the panel makes room for them."""
+    for bound in near.get(name, ()):
         for j in joints:
-            if low - room <= bound[j] <= high + room:
+            if np.isfinite(bound[j]):
                 axes.axhline(bound[j], color=COLORS[j % len(COLORS)], linestyle=(0, (1, 2)), linewidth=0.8, zorder=0.5)
 
 

@@ -19,6 +19,9 @@ Bound = tuple[Array, Array]
 Function = Callable[[Array], Array]
 """Values at times, (...) to (..., n)."""
 
+NEAR = 0.35
+"""A motion comes near a limit that is closer than this part of half the way between both limits, or of the only one."""
+
 Bounds = Mapping[str, Bound]
 """By `position`, `speed`, `acceleration`, `torque` the lowest and highest values, (n,) each, or infinite."""
 
@@ -85,3 +88,28 @@ def _most(times: Array, rows: Array, bound: Bound, function: Function | None) ->
 def _excess(values: Array, bound: Bound) -> Array:
     low, high = bound
     return np.maximum(values - high, low - values)
+
+
+def nearby(values: Mapping[str, Array], bounds: Bounds, kinds: Array) -> Bounds:
+    """Limits that are worth a line in a plot: what moves comes near them, and they are not far outside the picture.
+
+    Args:
+        values: What is compared, by the names of the bounds, (rows, n) each.
+        bounds: What is allowed.
+        kinds: Of each joint whether it turns, (n,): angles and slides have plots of their own.
+
+    Returns:
+        The bounds of these names, infinite where a limit is not near.
+    """
+    found = {}
+    for what, rows in values.items():
+        low, high = bounds[what]
+        least, most = rows.min(axis=0), rows.max(axis=0)
+        picture = np.array([np.ptp(rows[:, kinds == kind]) for kind in kinds])
+        both = np.isfinite(low) & np.isfinite(high)
+        half = np.where(
+            both, (high - np.where(both, low, 0.0)) / 2, np.where(np.isfinite(high), np.abs(high), np.abs(low))
+        )
+        room = np.minimum(NEAR * half, picture)
+        found[what] = np.where(least <= low + room, low, -np.inf), np.where(most >= high - room, high, np.inf)
+    return found

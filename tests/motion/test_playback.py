@@ -92,7 +92,7 @@ def test_of_a_simulation_the_rows_are_played_and_its_excess_is_told() -> None:
     assert made.run is not None
     assert made.run.times == tuple(run.t.tolist())
     assert np.array(made.run.q) == pytest.approx(run.q, rel=1e-11)
-    assert made.bounds == {"speed": ((-1.0, 1.0),)}
+    assert made.bounds == {"speed": ((None, 1.0),)}
     (found,) = made.exceeded
     assert (found.quantity, found.joint, found.value) == ("speed", 0, pytest.approx(np.abs(run.qd).max()))
     assert made.ranges[0][0] == pytest.approx(run.q.min())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.motion.violations import Violation, exceeded
+from derive.motion.violations import Violation, exceeded, nearby
 
 TIMES = np.array([0.0, 1.0, 2.0, 3.0])
 SPEEDS = np.array([[0.0, 1.0], [2.0, -3.0], [2.5, -2.0], [0.0, 0.5]])
@@ -27,3 +27,11 @@ def test_of_a_lower_and_an_upper_limit_the_one_that_is_exceeded_more_is_told() -
 def test_rounding_exceeds_nothing() -> None:
     bounds = {"speed": (np.array([-9.0, -9.0]), np.array([2.5 * (1 - 1e-12), 1.0]))}
     assert exceeded(TIMES, {"speed": SPEEDS}, bounds) == ()
+
+
+def test_limits_are_near_where_what_moves_is_close_to_them_and_they_fit_the_picture() -> None:
+    """Two angles that go up to 2.5 and down to -3 rad/s, and a slide that hardly moves beside its limit."""
+    rows = np.hstack([SPEEDS, [[2.0], [2.01], [2.0], [2.0]]])
+    low, high = np.array([-4.0, -4.0, -9.0]), np.array([3.0, np.inf, 2.5])
+    near = nearby({"speed": rows}, {"speed": (low, high)}, np.array([True, True, False]))
+    assert [bound.tolist() for bound in near["speed"]] == [[-np.inf, -4, -np.inf], [3, np.inf, np.inf]]
