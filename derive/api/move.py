@@ -47,6 +47,12 @@ def _page(motion: Motion, run: Run | None, _ending: str) -> bytes:
     return motion_page(motion, run).encode()
 
 
+def _part(motion: Motion, _run: Run | None, ending: str) -> bytes:
+    from derive.motion.page import motion_sheet
+
+    return motion_sheet(motion, ending)
+
+
 def _plot(motion: Motion, run: Run | None, ending: str) -> bytes:
     from derive.motion.plot import plot_bytes
 
@@ -76,6 +82,7 @@ FORMS = {
     "csv": Form((), lambda: None, lambda motion, run, _: csv_bytes(motion, run)),
     "plot": Form((".pdf", ".svg", ".png"), _needs_figures, _plot),
     "html": Form((".html", ".htm"), lambda: None, _page),
+    "part": Form((".tex", ".pdf"), lambda: None, _part),
     "gif": Form((".gif",), _needs_pictures, _film),
     "mp4": Form((".mp4",), _needs_films, _film),
 }
@@ -106,6 +113,7 @@ def move(
     gif: str | Path | None = None,
     mp4: str | Path | None = None,
     html: str | Path | None = None,
+    part: str | Path | None = None,
     language: str | None = None,
 ) -> Moved:
     """Compute a motion and write its files, as ``derive move`` does.
@@ -118,7 +126,8 @@ def move(
         gif: Film of the arm.
         mp4: Film of the arm.
         html: Web page on which the arm plays the motion.
-        language: Code of the page's language; None for that of the robot file.
+        part: The handout's part about the plan as a sheet: .tex, which stands alone, or .pdf.
+        language: Code of the language of page and sheet; None for that of the robot file.
 
     Returns:
         The motion, its simulation, and the files, which are overwritten; either all are complete or none is touched.
@@ -129,7 +138,7 @@ def move(
         TargetError: Matplotlib, Pillow or ffmpeg is missing.
         OutputError: A file cannot be written.
     """
-    asked = {"csv": csv, "plot": plot, "gif": gif, "mp4": mp4, "html": html}
+    asked = {"csv": csv, "plot": plot, "gif": gif, "mp4": mp4, "html": html, "part": part}
     wanted = [(FORMS[name], Path(path)) for name, path in asked.items() if path is not None]
     for form, path in wanted:
         if form.endings and path.suffix.lower() not in form.endings:

@@ -37,13 +37,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("plan", metavar="PLAN", help="motion plan, or the name of a built-in one")
     add("--simulate", action="store_true", help="run the arm under the plan's control law; files then show that")
+    add("--joints", action="store_true", help="print a row for each joint, with RMS of torque, power and work")
     add("--show", action="store_true", help="print q(t) of every joint and segment instead of the table")
     add("--hand", action="store_true", help="print the curve of the hand, and how far each joint moves it, instead")
     add("--increments", metavar="N", type=positive, help="go to each point by N displacements of the hand with J^+")
     add("--format", choices=("text", "latex"), default="text", help="form of --show and --hand (default text)")
     add("--json", action="store_true", help="machine-readable output")
     add("--html", metavar="FILE", type=Path, help="write a web page on which the arm plays the motion")
-    add("--lang", metavar="CODE", help="language of the page: en, it, pt (default: that of the robot file)")
+    add("--part", metavar="FILE", type=Path, help="write the handout's part about the plan as a sheet: .tex or .pdf")
+    add("--lang", metavar="CODE", help="language of page and sheet: en, it, pt (default: that of the robot file)")
     add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample; - prints them")
     add("--plot", metavar="FILE", type=Path, help="draw q, qd, qdd and tau with their peaks: .pdf, .svg or .png")
     add("--gif", metavar="FILE", type=Path, help="write a film of the arm")
@@ -70,12 +72,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.format != "text" and not (arguments.show or arguments.hand):
         raise DeriveError(f"--format {arguments.format} without --show", remedy="add --show")
-    if arguments.lang and not arguments.html:
-        raise DeriveError("--lang without --html", remedy="add --html page.html")
+    if arguments.lang and not (arguments.html or arguments.part):
+        raise DeriveError("--lang without --html or --part", remedy="add --html page.html")
     for name in ("name", "force"):
         if getattr(arguments, name) and not arguments.out:
             raise DeriveError(f"--{name} without --out", remedy="add --out DIR")
-    for name in ("show", "hand", "increments"):
+    for name in ("show", "hand", "increments", "joints"):
         if getattr(arguments, name) and arguments.json:
             raise DeriveError(f"--{name} with --json", remedy="leave one out")
     rows_alone = arguments.csv == STDOUT
@@ -117,7 +119,15 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> No
     from derive.motion.hand_curve import printed_hand, printed_weights
     from derive.motion.incremental import printed_increments
     from derive.motion.polynomials import printed
-    from derive.motion.table import HEADER, SIMULATED_HEADER, simulated_table, table, violations
+    from derive.motion.table import (
+        HEADER,
+        JOINT_HEADER,
+        SIMULATED_HEADER,
+        joint_table,
+        simulated_table,
+        table,
+        violations,
+    )
 
     as_latex = arguments.format == "latex"
     if arguments.show or arguments.hand or arguments.increments:
@@ -128,8 +138,8 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> No
         if arguments.increments:
             print(*printed_increments(motion, arguments.increments), sep="\n")
         return
-    rows = table(motion)
-    print_columns(rows, HEADER[: len(rows[0])])
+    rows, header = (joint_table(motion), JOINT_HEADER) if arguments.joints else (table(motion), HEADER)
+    print_columns(rows, header[: len(rows[0])])
     for line in violations(motion):
         print(line)
     if run is not None:

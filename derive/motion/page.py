@@ -1,13 +1,17 @@
-"""The web page of a motion: the arm that plays it, and the handout's part about the plan."""
+"""The web page of a motion: the arm that plays it; and the handout's part about the plan, as a sheet on paper."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from derive.handouts.assemble import context_of, section_of
 from derive.handouts.context import Context
 from derive.handouts.document import Section
+from derive.handouts.latex_writer import latex
 from derive.handouts.page.viewer import FUNCTIONS, viewer
 from derive.handouts.page.writer import page
 from derive.handouts.parts.plan import (
+    PlannedCurves,
     PlannedJoint,
     PlannedMotion,
     PlannedPiece,
@@ -15,8 +19,9 @@ from derive.handouts.parts.plan import (
     plan_section,
     plan_sheet,
 )
+from derive.handouts.pdf import compile_latex
 from derive.motion.hermite import basis
-from derive.motion.motion import Motion
+from derive.motion.motion import Motion, SegmentPeaks
 from derive.motion.plane import motion_normal
 from derive.motion.playback import playback
 from derive.motion.polynomials import formula
@@ -28,6 +33,9 @@ from derive.programs.search_policy import Effort
 
 MOST_PIECES = 8
 """Formulas of a joint in a segment that are printed."""
+
+DRAWN = 361
+"""Times at which curves are drawn on paper."""
 
 PARTS = ("table", "parameters")
 """What of the robot's own handout stands on the page."""
@@ -63,12 +71,36 @@ def motion_page(motion: Motion, run: Run | None = None) -> str:
     return page(sheet, text, figure).replace("<!DOCTYPE html>", mark, 1)
 
 
-def plan_part(motion: Motion, context: Context) -> Section:
+def motion_sheet(motion: Motion, suffix: str) -> bytes:
+    """The handout's part about a plan as a sheet.
+
+    Args:
+        motion: The motion; the language is that of its robot's handout.
+        suffix: ``.tex`` for LaTeX that stands alone, ``.pdf``.
+
+    Returns:
+        The contents of a file.
+
+    Raises:
+        TargetError: There is no such language.
+        LatexError: LaTeX is missing, or refused the document.
+    """
+    robot = motion.plan.robot
+    context = context_of(robot)
+    sections = (plan_part(motion, context, drawn=True), *(section_of(context, name) for name in PARTS))
+    title = motion.plan.title or robot.title or robot.name
+    sheet = plan_sheet(context, title, motion.plan.digest, tuple(section for section in sections if section))
+    tex = latex(sheet, context.text)
+    return tex.encode() if suffix == ".tex" else compile_latex(tex, robot.name).pdf
+
+
+def plan_part(motion: Motion, context: Context, *, drawn: bool = False) -> Section:
     """The handout's part about a plan.
 
     Args:
         motion: The motion.
         context: The handout of its robot.
+        drawn: Whether what the joints do is drawn, too.
 
     Returns:
         Its section.
@@ -83,7 +115,7 @@ def plan_part(motion: Motion, context: Context) -> Section:
                     len(peaks.segment.joints[j]),
                     peaks.speeds[j].value,
                     peaks.accelerations[j].value,
-                    peaks.loads[j].peak if peaks.loads else None,
+                    *_load(peaks, j),
                 )
                 for j in range(motion.plan.robot.n)
             ),
@@ -95,7 +127,22 @@ def plan_part(motion: Motion, context: Context) -> Section:
     coefficients = {
         str(profile): basis(VALUES[profile])[VALUES[profile]] if profile in VALUES else () for profile in profiles
     }
-    return plan_section(context, PlannedMotion(segments, coefficients))
+    return plan_section(context, PlannedMotion(segments, coefficients, _curves(motion) if drawn else None))
+
+
+def _curves(motion: Motion) -> PlannedCurves:
+    """What the joints do, at so many times that curves look smooth."""
+    times = np.linspace(0.0, motion.duration, DRAWN)
+    torques = (motion.torques(times),) if motion.has_torques else ()
+    return PlannedCurves(times, (*motion(times), *torques))
+
+
+def _load(peaks: SegmentPeaks, joint: int) -> tuple[float | None, ...]:
+    """Torque, RMS, power and work of a joint."""
+    if not peaks.loads:
+        return (None,) * 4
+    load = peaks.loads[joint]
+    return load.peak, load.rms, load.power, load.work
 
 
 def _pieces(segment: Segment, joint: int) -> tuple[PlannedPiece, ...]:

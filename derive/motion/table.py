@@ -17,6 +17,8 @@ from derive.robot.robot import Robot
 
 HEADER = ("segment", "time", "peak speed", "peak acceleration", "peak torque", "work")
 
+JOINT_HEADER = ("segment", "joint", "peak speed", "peak acceleration", "peak torque", "RMS", "peak power", "work")
+
 SIMULATED_HEADER = ("simulated", "largest error", "peak torque", "work", "lost to friction")
 
 
@@ -46,6 +48,31 @@ def _row(robot: Robot, peaks: SegmentPeaks) -> tuple[str, ...]:
     most = sum(abs(other.power) for other in peaks.loads) * float(peaks.segment.duration)
     work = peaks.work if abs(peaks.work) > ROUNDING * most else 0.0
     return (*cells, _torque(robot, at, load.peak, load.time), f"{work:.4g} J")
+
+
+def joint_table(motion: Motion) -> list[tuple[str, ...]]:
+    """A row for each segment and joint: what the joint does.
+
+    Args:
+        motion: The motion.
+
+    Returns:
+        Cells as `JOINT_HEADER` names them; those from the torque on only where the robot has dynamics.
+    """
+    rows, robot = [], motion.plan.robot
+    for peaks in motion.peaks:
+        name = peaks.segment.name
+        for j, joint in enumerate(robot.joints):
+            unit, force = ("rad", "N m") if joint.is_revolute else ("m", "N")
+            cells = [name, joint.variable, f"{_number(peaks.speeds[j].value)} {unit}/s"]
+            cells.append(f"{_number(peaks.accelerations[j].value)} {unit}/s^2")
+            if peaks.loads:
+                load = peaks.loads[j]
+                cells += [f"{load.peak:.4g} {force} at {load.time:.4g} s", f"{load.rms:.4g} {force}"]
+                cells += [f"{load.power:.4g} W", f"{load.work:.4g} J"]
+            rows.append(tuple(cells))
+            name = ""
+    return rows
 
 
 def _torque(robot: Robot, joint: int, value: float, time: float) -> str:

@@ -31,6 +31,7 @@ _LATEX = {
     "\N{MICRO SIGN}": r"\ensuremath{\mu}",
     "\N{DEGREE SIGN}": r"\ensuremath{{}^\circ}",
     "\N{MULTIPLICATION SIGN}": r"\ensuremath{\times}",
+    "\N{RIGHTWARDS ARROW}": r"\ensuremath{\rightarrow}",
     "\N{EN DASH}": "--",
     "\N{EM DASH}": "---",
     "\N{LATIN SMALL LETTER SHARP S}": r"\ss{}",

@@ -151,6 +151,18 @@ def test_rows_go_to_a_pipe(tmp_path: Path) -> None:
     assert not (tmp_path / "-").exists()
 
 
+def test_the_part_of_the_handout_is_a_sheet_in_a_language(tmp_path: Path) -> None:
+    plan = written(PENDULUM, tmp_path)
+    done = derive("move", plan, "--part", "sheet.tex", "--lang", "it", "--joints", folder=tmp_path)
+    assert done.status == 0, done.stderr
+    assert "RMS" in done.stdout.splitlines()[0]
+    text = (tmp_path / "sheet.tex").read_text()
+    assert "valore efficace" in text
+    assert r"a \ensuremath{\rightarrow} b" in text
+    assert text.count(r"\begin{picture}") == 1
+    assert derive("move", plan, "--part", "sheet.doc", folder=tmp_path).status == 2
+
+
 def test_json_names_the_files_that_were_written(tmp_path: Path) -> None:
     plan = written(PENDULUM, tmp_path)
     done = derive("move", plan, "--json", "--simulate", "--csv", "run.csv", folder=tmp_path)

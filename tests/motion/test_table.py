@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.motion.motion import Motion
-from derive.motion.table import csv_bytes, samples, simulated_table, table, violations
+from derive.motion.table import JOINT_HEADER, csv_bytes, joint_table, samples, simulated_table, table, violations
 from tests.motion.plans import PICK_AND_PLACE
 
 LIMITED = """\
@@ -28,6 +28,17 @@ def test_each_segment_has_a_row_with_the_joint_that_has_most_to_do() -> None:
         "17.98 J",
     )
     assert rows[1][2] == "q3 5/4 = 1.25 m/s"
+
+
+def test_each_joint_has_a_row_with_its_root_mean_square_its_power_and_its_work() -> None:
+    motion = Motion.from_text(PICK_AND_PLACE)
+    rows = joint_table(motion)
+    assert len(rows) == 5 * 4
+    load = motion.peaks[0].loads[1]
+    assert rows[1][:3] == ("", "q2", "5*pi/16 = 0.9817 rad/s")
+    assert rows[1][5:] == (f"{load.rms:.4g} N m", f"{load.power:.4g} W", f"{load.work:.4g} J")
+    assert (rows[6][2], rows[6][4]) == ("5/4 = 1.25 m/s", "-70.94 N at 5.493 s")
+    assert all(len(row) == len(JOINT_HEADER) for row in rows)
 
 
 def test_nothing_that_moves_is_said_so() -> None:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 from sympy import Expr, Float, Integer, Matrix, Poly, Rational, Symbol, ff, latex
 
 from derive.handouts.context import Context
-from derive.handouts.document import Block, Document, Paragraph, Rows, Section, Steps, Table
+from derive.handouts.document import Block, Document, Figure, Paragraph, Rows, Section, Steps, Table
+from derive.handouts.figure.drawing import Array, Drawing
+from derive.handouts.figure.panels import Panel, Panels
 from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate
 from derive.handouts.notation.printer import LatexPrinter
@@ -18,6 +21,14 @@ UNIT = Symbol("u")
 
 _DERIVATIVES = ("s", "s'", "s''", "s'''")
 """The way from 0 to 1 in unit time, and its derivatives by that."""
+
+_QUANTITIES = (
+    ("q", "\\mathrm{rad}", "\\mathrm{m}"),
+    ("\\dot{q}", "\\mathrm{rad/s}", "\\mathrm{m/s}"),
+    ("\\ddot{q}", "\\mathrm{rad/s}^2", "\\mathrm{m/s}^2"),
+    ("\\tau", "\\mathrm{N\\,m}", "\\mathrm{N}"),
+)
+"""What is drawn from the top, with the units of revolute and of prismatic joints."""
 
 _LONGEST_EXACT = 48
 """Letters of LaTeX of an exact value that stands beside its decimals."""
@@ -49,7 +60,10 @@ class PlannedJoint:
         count: How many there are.
         speed: Its largest velocity with its sign, exact where that is known [rad/s or m/s].
         acceleration: Its largest acceleration.
-        torque: Its largest torque with its sign [N m or N]; None where the robot has no dynamics.
+        torque: Its largest torque with its sign [N m or N]; None where the robot has no dynamics, as below.
+        rms: Root of the mean of its square.
+        power: Its largest power with its sign [W].
+        work: Its mechanical work [J].
     """
 
     pieces: tuple[PlannedPiece, ...]
@@ -57,6 +71,9 @@ class PlannedJoint:
     speed: Expr
     acceleration: Expr
     torque: float | None
+    rms: float | None = None
+    power: float | None = None
+    work: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +99,19 @@ class PlannedSegment:
 
 
 @dataclass(frozen=True, slots=True)
+class PlannedCurves:
+    """What joints do over time.
+
+    Attributes:
+        times: [s], (k,).
+        values: Positions, velocities, accelerations and, where they are known, torques, (k, n) each.
+    """
+
+    times: Array
+    values: tuple[Array, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class PlannedMotion:
     """A motion in formulas and numbers.
 
@@ -89,10 +119,12 @@ class PlannedMotion:
         segments: One after the other.
         profiles: Names of the profiles that occur; of those that are polynomials from rest to rest the coefficients in
             unit time, from the constant on, else nothing.
+        curves: What is drawn; None for nothing.
     """
 
     segments: tuple[PlannedSegment, ...]
     profiles: Mapping[str, Sequence[int]]
+    curves: PlannedCurves | None = None
 
 
 def plan_section(context: Context, motion: PlannedMotion) -> Section:
@@ -144,8 +176,14 @@ def _blocks(context: Context, motion: PlannedMotion) -> Iterator[Block]:
     )
     yield _speeds(context, motion)
     if any(segment.work is not None for segment in motion.segments):
-        yield Paragraph(_("Largest torques [N m] and forces [N] at the samples, and the work of all joints [J]:"))
+        yield Paragraph(_("Largest torques [N m] and forces [N], and the work of all joints [J]:"))
         yield _torques(context, motion)
+        yield Paragraph(
+            _("Of each joint the root mean square of the torque or force, the largest power, and the work:")
+        )
+        yield _powers(context, motion)
+    if motion.curves is not None:
+        yield Figure(_plots(context, motion, motion.curves), _("What the joints do over time."))
     others = _other_profiles(context)
     for profile, coefficients in motion.profiles.items():
         if coefficients:
@@ -185,6 +223,41 @@ def _torques(context: Context, motion: PlannedMotion) -> Block:
         for segment in motion.segments
     )
     return Table((_("segment"), *symbols, _("work")), rows, long=len(rows) > 30)
+
+
+def _powers(context: Context, motion: PlannedMotion) -> Block:
+    _ = context.text
+    rows = []
+    for segment in motion.segments:
+        title = segment.title
+        for i, joint in enumerate(segment.joints, 1):
+            symbol = context.symbols.torque(i).tex
+            numbers = (f"${_decimal(context, number or 0.0)}$" for number in (joint.rms, joint.power, joint.work))
+            rows.append((title, f"${symbol}$", *numbers))
+            title = ""
+    header = (_("segment"), "", _("root mean square"), _("power [W]"), _("work [J]"))
+    return Table(header, tuple(rows), long=len(rows) > 30)
+
+
+def _plots(context: Context, motion: PlannedMotion, curves: PlannedCurves) -> Drawing:
+    """Panels of positions, velocities, accelerations and torques, of angles and of slides beside each other."""
+    joints = context.robot.joints
+    kinds = [[j for j, joint in enumerate(joints) if joint.is_revolute is kind] for kind in (True, False)]
+    rows = []
+    for values, (letter, *units) in zip(curves.values, _QUANTITIES, strict=False):
+        panels = (
+            Panel(f"{letter}\\,[{unit}]", tuple((j, values[:, j]) for j in kind))
+            for kind, unit in zip(kinds, units, strict=True)
+            if kind
+        )
+        rows.append(tuple(panels))
+    ends = np.cumsum([float(segment.duration) for segment in motion.segments])
+    names = tuple(context.notation.glyph(joint.variable).box.tex for joint in joints)
+    write = LatexPrinter(replace(context.notation, decimals=True)).latex
+    figure = Panels(
+        curves.times, tuple(rows), tuple(map(float, ends[:-1])), names, lambda x: write(Rational(f"{x:.6g}"))
+    )
+    return figure.drawing(context.text("What the joints do over time."))
 
 
 def _derivation(context: Context, coefficients: Sequence[int]) -> Iterator[Block]:

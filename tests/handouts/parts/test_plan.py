@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from sympy import Float, Integer, Rational, Symbol, pi
 
 from derive.handouts.assemble import context_of
 from derive.handouts.context import Context
-from derive.handouts.document import Paragraph, Rows, Section, Steps, Table
+from derive.handouts.document import Figure, Paragraph, Rows, Section, Steps, Table
+from derive.handouts.figure.drawing import Label
 from derive.handouts.latex_writer import latex
 from derive.handouts.parts.plan import (
+    PlannedCurves,
     PlannedJoint,
     PlannedMotion,
     PlannedPiece,
@@ -84,3 +87,19 @@ def test_the_sheet_can_be_printed(context: Context) -> None:
     tex = latex(sheet, context.text)
     assert "10 u^{3} - 15 u^{4}" in tex
     assert "abababab" in tex
+
+
+def test_curves_are_drawn_in_panels_by_unit_and_each_joint_has_its_power(context: Context) -> None:
+    times = np.linspace(0, 4, 9)
+    values = tuple(np.stack([np.sin(k * times), times], axis=1) for k in (1, 2, 3, 4))
+    joint = PlannedJoint((), 1, Integer(0), Integer(0), -3.0, 1.5, -2.5, 0.25)
+    motion = PlannedMotion(
+        (PlannedSegment("a -> b", Integer(4), (joint, joint), 0.5),), {}, PlannedCurves(times, values)
+    )
+    section = plan_section(context, motion)
+    (figure,) = (block for block in section.blocks if isinstance(block, Figure))
+    labels = [item.latex for item in figure.drawing.items if isinstance(item, Label)]
+    assert sum("mathrm{rad" in label for label in labels) == 3
+    assert sum("N\\,m" in label for label in labels) == 1
+    powers = [block for block in section.blocks if isinstance(block, Table)][-1]
+    assert powers.rows[0] == ("a \N{RIGHTWARDS ARROW} b", "$\\tau_{1}$", "$1.5$", "$-2.5$", "$0.25$")
