@@ -178,9 +178,9 @@ def _blocks(context: Context, motion: PlannedMotion) -> Iterator[Block]:
     if any(segment.work is not None for segment in motion.segments):
         yield Paragraph(_("Largest torques [N m] and forces [N], and the work of all joints [J]:"))
         yield _torques(context, motion)
-        yield Paragraph(
-            _("Of each joint the root mean square of the torque or force, the largest power, and the work:")
-        )
+    if any(joint.rms is not None for segment in motion.segments for joint in segment.joints):
+        words = _("Of each joint the root mean square of the torque or force, the largest power, and the work:")
+        yield Paragraph(words)
         yield _powers(context, motion)
     if motion.curves is not None:
         yield Figure(_plots(context, motion, motion.curves), _("What the joints do over time."))
