@@ -11,6 +11,7 @@ from derive.handouts.latex_writer import latex
 from derive.handouts.page.viewer import FUNCTIONS, viewer
 from derive.handouts.page.writer import page
 from derive.handouts.parts.plan import (
+    HAND_SPLINE,
     PlannedCurves,
     PlannedJoint,
     PlannedMotion,
@@ -123,9 +124,10 @@ def plan_part(motion: Motion, context: Context, *, drawn: bool = False) -> Secti
         )
         for peaks in motion.peaks
     )
-    profiles = dict.fromkeys(step.profile for step in motion.plan.steps)
+    steps = motion.plan.steps
+    profiles = {HAND_SPLINE if step.by_hand else str(step.profile): step.profile for step in steps}
     coefficients = {
-        str(profile): basis(VALUES[profile])[VALUES[profile]] if profile in VALUES else () for profile in profiles
+        name: basis(VALUES[profile])[VALUES[profile]] if profile in VALUES else () for name, profile in profiles.items()
     }
     return plan_section(context, PlannedMotion(segments, coefficients, _curves(motion) if drawn else None))
 

@@ -8,9 +8,11 @@ from scipy.interpolate import CubicSpline
 from sympy import Integer
 
 from derive.errors import DeriveError
+from derive.handouts.assemble import context_of
 from derive.motion.hand_curve import HandCurve
 from derive.motion.hand_spline import angular_motion, spline_way
 from derive.motion.motion import Motion
+from derive.motion.page import plan_part
 from derive.motion.poses import rotation_of
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
@@ -58,6 +60,13 @@ def test_slide_31_the_hand_goes_through_its_points_on_the_spline_of_scipy(via: M
     p, v = HandCurve(via)(t)
     assert p[:, :2] == pytest.approx(expected(t), abs=1e-9)
     assert v[:, :2] == pytest.approx(expected(t, 1), abs=1e-7)
+
+
+def test_the_plan_in_print_says_that_the_hand_is_on_the_spline(via: Motion) -> None:
+    motion, context = via, context_of(via.plan.robot)
+    assert "rotation vector" in repr(plan_part(motion, context))
+    joints = Motion.from_text(VIA.replace("spline: hand\n", ""))
+    assert "rotation vector" not in repr(plan_part(joints, context))
 
 
 def test_joints_are_continuous_with_their_accelerations_at_the_points(via: Motion) -> None:

@@ -19,6 +19,9 @@ from derive.handouts.notation.printer import LatexPrinter
 UNIT = Symbol("u")
 """Time since a piece began, in units of its length."""
 
+HAND_SPLINE = "spline of the hand"
+"""What a spline of the end effector is called among the profiles."""
+
 _DERIVATIVES = ("s", "s'", "s''", "s'''")
 """The way from 0 to 1 in unit time, and its derivatives by that."""
 
@@ -313,10 +316,17 @@ def _other_profiles(context: Context) -> dict[str, Steps]:
         "Cubic polynomials between the points, with intervals of lengths $h_j$ and slopes $\\sigma_j$. Accelerations "
         "are continuous where the velocities $v_j$ at the points, zero at both ends, satisfy"
     )
+    following = _(
+        "The three coordinates of the end effector and the three components of its rotation vector are such splines. "
+        "The joints follow by the inverse kinematics, with the linear and angular velocity $\\nu$ of the end effector:"
+    )
+    rates = ("\\dot{q} = J^{-1}\\,\\nu,\\quad \\ddot{q} = J^{-1} \\left(\\dot{\\nu} - \\dot{J}\\,\\dot{q}\\right)",)
+    spline = (Paragraph(points), Rows(continuity))
     return {
         "trapezoidal": Steps(_("Trapezoids of velocity"), (Paragraph(speeding), Rows(blend))),
         "harmonic": Steps(_("Harmonic motion"), (Paragraph(unit), Rows(cosine))),
-        "spline": Steps(_("How the spline is found"), (Paragraph(points), Rows(continuity))),
+        "spline": Steps(_("How the spline is found"), spline),
+        HAND_SPLINE: Steps(_("How the spline is found"), (*spline, Paragraph(following), Rows(rates))),
     }
 
 
