@@ -371,7 +371,8 @@ class Motion:
             raise QuantityError("an arm whose base moves is not simulated", remedy=remedy)
         plan, trajectory = self.plan, self.trajectory
         stages = stages_of(plan, trajectory, self.values, calls)
-        return simulate(stages, trajectory(0.0)[:2], self.times, self._period(), sticks=plan.friction == "exact")
+        start, sticks = trajectory(0.0)[:2], plan.friction == "exact"
+        return simulate(stages, start, self.times, self._period(), sticks=sticks, jumps=trajectory.jumps)
 
     def _period(self) -> float | None:
         """Time between two samples of the controller [s]; None for a continuous one."""

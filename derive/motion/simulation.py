@@ -67,7 +67,13 @@ class Stage:
 
 
 def simulate(
-    stages: Sequence[Stage], start: tuple[Array, Array], times: Array, period: float | None, *, sticks: bool
+    stages: Sequence[Stage],
+    start: tuple[Array, Array],
+    times: Array,
+    period: float | None,
+    *,
+    sticks: bool,
+    jumps: Sequence[float] = (),
 ) -> Run:
     """A motion.
 
@@ -77,12 +83,14 @@ def simulate(
         times: Times of the samples [s], ascending.
         period: Time between two looks of a controller that holds its torques in between [s]; None for a continuous one.
         sticks: Whether dry friction is exact.
+        jumps: Times at which what a continuous controller wants jumps; no integration goes across them [s].
 
     Returns:
         The motion; up to where it diverges.
     """
     n = start[0].size
-    edges = _edges(times, [stage.start for stage in stages], period)
+    begins = [stage.start for stage in stages]
+    edges = _edges(times, [*begins, *jumps] if period is None else begins, period)
     state, stage, divergence = np.concatenate([*start, [0.0, 0.0]]), stages[0], None
     held = stage.law(float(times[0]), *start)
     parts = [_Part(times[:1], state[None], held[None], stage.plant)]
@@ -92,7 +100,7 @@ def simulate(
             state, stage = _taken_up(state, stage.plant, now.plant), now
         if looks:
             held = stage.law(a, state[:n], state[n : 2 * n])
-        law = stage.law if period is None else _holding(held)
+        law = _before(stage.law, b) if period is None else _holding(held)
         inside = times[(times > a) & (times <= b)]
         wanted = inside if inside.size and inside[-1] == b else np.append(inside, b)
         rows, divergence = (exact if sticks else smooth)(stage.plant, law, state, (a, b), wanted)
@@ -127,6 +135,12 @@ def _edges(times: Array, begins: Sequence[float], period: float | None) -> list[
         elif t < end - SAME:
             merged.append((t, look))
     return [*merged, (end, False)]
+
+
+def _before(law: Law, end: float) -> Law:
+    """A controller that does not see what is wanted from an end on, where that jumps."""
+    last = float(np.nextafter(end, -np.inf))
+    return lambda t, q, qd: law(min(t, last), q, qd)
 
 
 def _holding(held: Array) -> Law:

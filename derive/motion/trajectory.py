@@ -22,6 +22,9 @@ Corner = tuple[Expr, ...]
 
 ONE = Integer(1)
 
+JUMP = 1e-6
+"""Of the largest acceleration of a joint: what is a jump, and no rounding."""
+
 
 @dataclass(frozen=True, slots=True)
 class Segment:
@@ -80,6 +83,16 @@ class Trajectory:
         found = np.stack([track(flat) for track in self._tracks], axis=-1)
         q, qd, qdd = found.reshape(3, *times.shape, len(self._tracks))
         return q, qd, qdd
+
+    @cached_property
+    def jumps(self) -> tuple[float, ...]:
+        """Times between start and end at which an acceleration jumps [s], by more than `JUMP` of the largest."""
+        starts = np.unique(np.concatenate([track.starts for track in self._tracks]))
+        inner = starts[(starts > starts[0]) & (starts < float(self.duration))]
+        after = self(inner)[2]
+        gaps = np.abs(after - self(np.nextafter(inner, -np.inf))[2])
+        largest = np.abs(after).max(axis=0, initial=0) + gaps.max(axis=0, initial=0)
+        return tuple(inner[(gaps > JUMP * largest).any(axis=1)].tolist())
 
     @cached_property
     def _tracks(self) -> tuple[_Track, ...]:

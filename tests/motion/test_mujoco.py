@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,22 +12,19 @@ import pytest
 from derive.motion.functions import Functions
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
-from derive.robot.description import Inertia, Link
-from derive.robot.evaluate import parameter_values
-from derive.robot.expression import Expression, number
+from derive.robot.description import Inertia
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import ZERO, number
 from derive.robot.load import catalogue_names
-from derive.robot.names import free_symbols, robot_symbols
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from tests.motion.mjcf import mjcf
+from tests.motion.random_links import decimal, numbered
 
 mujoco = pytest.importorskip("mujoco")
 
 TIME = 10.0
 STEP = 1e-3
-
-
-def decimal(value: float) -> Expression:
-    return number(Fraction(round(value * 10000), 10000))
 
 
 def possible_puma() -> Robot:
@@ -43,27 +41,26 @@ def possible_puma() -> Robot:
     return replace(robot, links=tuple(links))
 
 
-def numbered(name: str) -> Robot:
-    """A robot of the catalogue with numbers for its symbols, and links of random possible bodies without rotors.
+def possible_scara() -> Robot:
+    """The SCARA of document 004 with the same dynamics, and a link 2 that exists: it turns about z alone."""
+    robot = Robot.load("scara-matlab")
+    links = list(robot.links)
+    links[1] = replace(links[1], inertia=replace(links[1].inertia, xx=decimal(0.15), yy=decimal(0.15)))
+    return replace(robot, links=tuple(links))
 
-    Friction grows with what a joint carries: long chains without it are chaotic, and no two methods agree for 10 s.
-    """
-    robot, random = Robot.load(name), np.random.default_rng(len(name))
 
-    def link(carried: int) -> Link:
-        spread = random.normal(size=(3, 3)) / 5
-        second = spread @ spread.T + 0.01 * np.eye(3)
-        moments = np.trace(second) * np.eye(3) - second
-        cells = (decimal(moments[at]) for at in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
-        com = tuple(decimal(c) for c in random.uniform(-0.2, 0.2, 3))
-        armature, viscous = decimal(random.uniform(0.2, 0.4)), decimal(carried * random.uniform(1, 3))
-        mass = decimal(random.uniform(1, 3))
-        return Link(mass, com, Inertia(*cells), armature=armature, viscous=viscous)  # type: ignore[arg-type]
-
-    gravity = (decimal(0.3), decimal(-9.1), decimal(-2.7))
-    dressed = replace(robot, links=tuple(link(robot.n - i) for i in range(robot.n)), gravity=gravity)
-    symbols = {symbol: decimal(random.uniform(0.3, 0.9)) for symbol in robot_symbols(dressed)}
-    return replace(dressed, parameters=tuple(symbols.items()), runtime=())
+def spins(robot: Robot) -> list[tuple[float, list[float]]]:
+    """Of an arm whose axes are all vertical: inertia of each rotor, and its speed by those of the joints."""
+    values, up, found = values_of(robot), 1.0, []
+    for i, (joint, link) in enumerate(zip(robot.joints, robot.links, strict=True)):
+        assert link.motor is not None
+        carried = [up if other.is_revolute else 0.0 for other in robot.joints[:i]]
+        ratio = evaluate(link.motor.ratio, values)
+        found.append((evaluate(link.motor.inertia, values), [*carried, ratio]))
+        if joint.alpha != ZERO:
+            assert i == 1, "axes point down from frame 2 on"
+            up = -up
+    return found
 
 
 def values_of(robot: Robot) -> dict[str, float]:
@@ -71,8 +68,8 @@ def values_of(robot: Robot) -> dict[str, float]:
     return {name: float(value) for name, value in parameter_values(robot).items()}
 
 
-def accelerations_agree(ours: Robot, theirs: Robot) -> None:
-    model = mujoco.MjModel.from_xml_string(mjcf(theirs, values_of(theirs), STEP))
+def accelerations_agree(ours: Robot, theirs: Robot, rotors: Sequence[tuple[float, list[float]]] = ()) -> None:
+    model = mujoco.MjModel.from_xml_string(mjcf(theirs, values_of(theirs), STEP, rotors))
     data = mujoco.MjData(model)
     functions = Functions(ours, frozenset({"forward_dynamics"}), values_of(ours))
     random = np.random.default_rng(1)
@@ -115,6 +112,23 @@ def test_puma_accelerates_and_moves_for_ten_seconds_as_in_mujoco() -> None:
 def test_an_arm_with_a_slide_accelerates_as_in_mujoco() -> None:
     robot = numbered("stanford-deluca")
     accelerations_agree(robot, robot)
+
+
+def test_the_scara_of_document_004_accelerates_with_its_motors_as_in_mujoco() -> None:
+    ours, theirs = Robot.load("scara-matlab"), possible_scara()
+    accelerations_agree(ours, theirs, spins(theirs))
+
+
+def test_bodies_that_do_not_exist_are_refused_by_mujoco() -> None:
+    """All other robots of the catalogue leave their masses open."""
+    numbers = {
+        name for name in catalogue_names() if (robot := Robot.load(name)).has_dynamics and not free_symbols(robot)
+    }
+    assert numbers == {"puma560-corke", "scara-matlab"}
+    for name, reason in (("puma560-corke", r"positive eigenvalues"), ("scara-matlab", r"A \+ B >= C")):
+        robot = Robot.load(name)
+        with pytest.raises(ValueError, match=reason):
+            mujoco.MjModel.from_xml_string(mjcf(robot, values_of(robot), STEP))
 
 
 @pytest.mark.sweep

@@ -150,3 +150,9 @@ def test_what_has_no_time_is_refused_with_its_place(text: str, message: str) -> 
         _ = motion(text).trajectory
     assert re.search(message, str(caught.value))
     assert caught.value.exit_status == 2
+
+
+def test_accelerations_jump_where_trapezoids_and_cubics_begin_and_end() -> None:
+    """A trapezoid of 3 s from 1 s on speeds up and slows down for 1 s each; quintics go on without a jump."""
+    path = "[a, {to: b, time: 1}, {to: c, time: 3, profile: trapezoidal}, {to: d, time: 1}, {to: a, time: 1}]"
+    assert motion(f"path: {path}\n").trajectory.jumps == (1, 2, 3, 4)

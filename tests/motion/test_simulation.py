@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -12,8 +13,15 @@ from derive.errors import RobotFileError, TargetError
 from derive.motion.control import NEEDS
 from derive.motion.motion import Motion
 from derive.motion.plan_schema import Law
+from derive.motion.points import Payload
+from derive.motion.profile import Profile
 from derive.motion.simulation import Run
+from derive.motion.stages import stages_of
+from derive.robot.expression import number
+from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE
+from tests.motion.random_arms import simulated
+from tests.motion.random_links import decimal, numbered
 
 PENDULUM = """\
 robot: {name: pendulum, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}],
@@ -21,6 +29,29 @@ robot: {name: pendulum, convention: standard, gravity: [0, -9.81, 0], joints: [{
 points: {a: [START], b: [START]}
 path: [a, {to: b, time: 2}]
 """
+
+
+TEN = [
+    *("scara-matlab", "puma560-laschi", "stanford-deluca", "thumb", "kuka-lwr4", "skeleton-root", "spherical-arm"),
+    *("anthropomorphic-wrist", "scara-bajd", "planar-3r"),
+]
+
+
+def dressed(name: str, path: str, law: str, profile: Profile) -> Motion:
+    """A robot of the catalogue with random links, between two random points, without dry friction."""
+    text = f"robot: wheel.yaml\npoints: {{a: [0], b: [0]}}\npath: {path}\nsample: 0.05\nfriction: none\n"
+    wheel = "{name: wheel, convention: standard, joints: [{type: revolute, a: 1}]}"
+    plan = Motion.from_text(text.replace("wheel.yaml", wheel)).plan
+    robot, random = numbered(name), np.random.default_rng(3)
+    places = {
+        point: replace(plan.points[point], q=tuple(decimal(value) for value in random.uniform(-1, 1, robot.n)))
+        for point in "ab"
+    }
+    control = replace(plan.control, law=law, kp=(number(400),) * robot.n, kd=(number(60),) * robot.n)
+    steps = tuple(replace(step, profile=profile) for step in plan.steps)
+    nothing = (None,) * robot.n
+    limits = {"speed": nothing, "acceleration": nothing, "torque": nothing}
+    return Motion(replace(plan, robot=robot, points=places, control=control, steps=steps, **limits))
 
 
 def pendulum(start: str, friction: str = "{}", extra: str = "") -> Motion:
@@ -65,6 +96,18 @@ def test_computed_torque_follows_from_a_perfect_start() -> None:
     run = motion.simulate()
     assert np.abs(run.q - motion(run.t)[0]).max() < 1e-8
     assert run.energy_error < 1e-6
+
+
+def test_a_trapezoid_is_followed_across_the_jumps_of_its_acceleration() -> None:
+    text = (
+        PENDULUM.replace("START", "0", 1)
+        .replace("START", "1")
+        .replace("FRICTION", "{}")
+        .replace("time: 2", "time: 1.3")
+    )
+    motion = Motion.from_text(text + "profile: trapezoidal\ncontrol: {law: computed-torque, kp: 100, kd: 20}\n")
+    run = motion.simulate()
+    assert np.abs(run.q - motion(run.t)[0]).max() < 5e-12
 
 
 def test_pd_with_gravity_settles_where_it_should() -> None:
@@ -130,3 +173,42 @@ def test_without_scipy_one_message_says_what_to_install(monkeypatch: pytest.Monk
 def test_a_controller_that_looks_a_thousand_million_times_is_refused() -> None:
     with pytest.raises(RobotFileError, match=r"control, period: 1e\+09 samples of the controller in 2 s; allowed"):
         pendulum("0", extra="control: {law: pd, kp: 1, kd: 1, period: 2e-9}\n")
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(50))
+def test_the_ledger_closes_for_every_law_friction_load_push_and_plant(seed: int) -> None:
+    motion = Motion.from_text(simulated(np.random.default_rng(seed)))
+    run = motion.simulate()
+    turned_over = max(1.0, float(np.ptp(run.energy)), float(np.abs(run.work).max()))
+    assert run.reached or motion.plan.control.period, "a slow look may drive an arm away"
+    assert run.energy_error <= 1e-8 * turned_over
+    assert (np.diff(run.lost) >= -1e-12).all()
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", TEN)
+@pytest.mark.parametrize("profile", [Profile.TRAPEZOIDAL, Profile.QUINTIC])
+def test_computed_torque_follows_on_ten_robots(name: str, profile: Profile) -> None:
+    motion = dressed(name, "[a, {to: b, time: 1}, {to: a, time: 1}]", "computed-torque", profile)
+    run = motion.simulate()
+    assert np.abs(run.q - motion(run.t)[0]).max() <= 1e-8
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", TEN)
+@pytest.mark.parametrize("law", ["pd", "pd-gravity"])
+def test_ten_robots_settle_where_gains_hold_what_gravity_leaves(name: str, law: str) -> None:
+    """Kp e = g(q) of the plant, with its load, less what the controller takes off; by potential energies."""
+    motion = dressed(name, "[a, {to: a, time: 30}]", law, Profile.QUINTIC)
+    motion = Motion(replace(motion.plan, plant_payload=Payload(number(1), (number(0),) * 3, (number(0),) * 3)))
+    run = motion.simulate()
+    q, step = run.q[-1], 1e-6
+    plant = stages_of(motion.plan, motion.trajectory, motion.values, None)[0].plant
+    lifted = [plant.functions("potential_energy", q + s * step * np.eye(q.size)) for s in (1, -1)]
+    left = (lifted[0] - lifted[1]) / (2 * step)
+    if law == "pd-gravity":
+        left = left - Oracle.of(motion.plan.robot).evaluate("gravity_vector", q)
+    assert np.abs(run.qd[-1]).max() < 1e-9
+    assert 400 * (motion(0.0)[0] - q) == pytest.approx(left, abs=1e-6)
+    assert np.abs(left).max() > 1
