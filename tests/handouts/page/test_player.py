@@ -44,7 +44,7 @@ ROWS = [{"label": f"<i>q</i><sub>{j}</sub>", "name": f"q{j}", "place": j} for j 
 def test_the_script_gets_plain_data() -> None:
     plain = json.loads(json.dumps(MOTION.configuration))
     assert plain["tracks"] == [[["cosine", 0.0, 2.0, 0.0, 4.0]], [["curve", 0.0, 2.0, "t", 1.0, 0.0]]]
-    assert plain["segments"] == [["a -> <b>", 0.0, [[3, 0.5]]]]
+    assert plain["segments"] == [["a -> <b>", 0.0, [[3, 0.5]], 0]]
 
 
 def test_polynomials_that_meet_are_told_by_their_values_at_the_times_of_a_grid() -> None:
