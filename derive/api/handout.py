@@ -6,15 +6,19 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from derive.api.robots import RobotLike, configuration, load
-from derive.errors import TargetError, listed
+from derive.errors import DeriveError, TargetError, listed
 from derive.handouts.fragment import fragment_text
-from derive.handouts.render import Format, handout_files
+from derive.handouts.render import Addition, Format, handout_files
 from derive.publish.atomic_folder import write_files
 from derive.robot.handout_options import Derivation, chosen_notation, chosen_pages, chosen_parts
 from derive.robot.robot import Robot
 from derive.robot.style import Style, choice_named
+
+if TYPE_CHECKING:
+    from derive.motion.motion import Motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +80,7 @@ def handout(
     force: bool = False,
     progress: Callable[[str, str], None] | None = None,
     pages: int | None = None,
+    plan: Motion | str | Path | None = None,
 ) -> HandoutResult:
     """Write the equations of a robot as a sheet to hand out, as ``derive handout`` does.
 
@@ -96,6 +101,8 @@ def handout(
         progress: Called with the robot's name and the stage that it has reached.
         pages: Most pages on paper, 20 where neither this nor the file says; 0 for any number. What is least useful is
             left out first.
+        plan: A motion of this robot, the path of its plan, or the name of a built-in one: a part about it comes last,
+            and the arm of the web page plays it.
 
     Returns:
         Paths, sizes and pages of the files, parts, seconds.
@@ -103,6 +110,7 @@ def handout(
     Raises:
         RobotFileError: The file does not describe a robot.
         QuantityError: An unknown part, notation or style, or a number of pages that is none.
+        DeriveError: A plan of another robot, or an exercise with a plan.
         TargetError: An unknown format or language, or a package for the web page is missing.
         LatexError: LaTeX is missing or refused the document.
         OutputError: A file is there that derive did not write, or the system refused to write.
@@ -117,10 +125,31 @@ def handout(
     if pages is not None:
         shown = replace(shown, handout=replace(shown.handout, pages=chosen_pages(str(pages))))
     forms = [form for form in Format if form in wanted]
-    made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress)
+    addition = None
+    if plan is not None:
+        if exercise:
+            raise DeriveError("an exercise with a motion plan", remedy="leave one out")
+        addition = _motion_of(plan, shown, drawn=wanted != {Format.HTML})
+    made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress, addition=addition)
     paths = write_files(made.files, Path(out), force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)
     return HandoutResult(shown.name, files, made.parts, time.perf_counter() - started, made.shortened)
+
+
+def _motion_of(plan: Motion | str | Path, robot: Robot, *, drawn: bool) -> Addition:
+    """A motion in the handout of its robot; drawn on paper, while the page has plots of its own."""
+    from derive.motion.motion import Motion
+    from derive.motion.page import motion_figure, plan_part
+
+    motion = plan if isinstance(plan, Motion) else Motion.load(plan)
+    moved = motion.plan.robot
+    if (moved.name, moved.joints) != (robot.name, robot.joints):
+        raise DeriveError(f"the plan moves {moved.name}, not {robot.name}", remedy=f"derive handout {moved.name}")
+    alike = replace(moved, handout=robot.handout, style=robot.style, figure=robot.figure)
+    shown = Motion(replace(motion.plan, robot=alike))
+    return Addition(
+        lambda context: plan_part(shown, context, drawn=drawn), lambda context: motion_figure(shown, context)
+    )
 
 
 def fragment(

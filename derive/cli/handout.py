@@ -51,6 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     pages = "most pages on paper, the least useful left out (default: 20; 0: all)"
     add("--pages", metavar="N", type=_reader(chosen_pages), help=pages)
     add("--exercise", action="store_true", help="an exercise with room for answers, and its solutions")
+    add("--plan", metavar="PLAN", help="a motion plan of this robot: a part about it, and the arm of the page plays it")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
     add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
     add("-o", dest="fragment_file", metavar="FILE", type=Path, help="write the fragment to FILE instead")
@@ -100,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.publish.atomic_folder import write_files
 
     formats = [form for form in ("tex", "pdf", "html") if getattr(arguments, form)]
-    of_handouts = [*formats, *(name for name in ("exercise", "json") if getattr(arguments, name))]
+    of_handouts = [*formats, *(name for name in ("exercise", "json", "plan") if getattr(arguments, name))]
     if arguments.fragment is None and arguments.fragment_file is not None:
         raise OutputError("-o without --fragment", remedy="name a folder with --out")
     if arguments.fragment is None and arguments.width is not None:
@@ -128,7 +129,7 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             write_files({target.name: text.encode()}, target.parent, force=arguments.force)
         return 0
-    flags = {"exercise": arguments.exercise, "force": arguments.force, "pages": arguments.pages}
+    flags = {name: getattr(arguments, name) for name in ("exercise", "force", "pages", "plan")}
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:
         result = handout(robot, arguments.out, formats=formats, **options, **flags, progress=tell)
     if arguments.json:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from derive.handouts.assemble import context_of, document
 from derive.handouts.budget import within
 from derive.handouts.context import Context
-from derive.handouts.document import Document
+from derive.handouts.document import Document, Section
 from derive.handouts.exercise import exercise, solutions
 from derive.handouts.latex_writer import latex
 from derive.handouts.pdf import compile_latex
@@ -17,6 +18,9 @@ from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
 from derive.robot.handout_options import HandoutOptions
 from derive.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from derive.handouts.page.viewer import Viewer
 
 
 class Format(StrEnum):
@@ -44,6 +48,19 @@ class Handout:
     shortened: bool = False
 
 
+@dataclass(frozen=True)
+class Addition:
+    """What stands in a handout beside the parts of its robot.
+
+    Attributes:
+        section: A part after all others.
+        figure: The arm of the web page, which moves in another way than by the sliders alone.
+    """
+
+    section: Callable[[Context], Section]
+    figure: Callable[[Context], Viewer]
+
+
 def handout_files(
     robot: Robot,
     options: HandoutOptions,
@@ -51,6 +68,7 @@ def handout_files(
     *,
     exercise_sheets: bool = False,
     progress: Callable[[str, str], None] | None = None,
+    addition: Addition | None = None,
 ) -> Handout:
     """Makes the files of a handout, in memory.
 
@@ -60,6 +78,7 @@ def handout_files(
         formats: Which forms.
         exercise_sheets: Whether an exercise and its solutions are made instead of one sheet.
         progress: Called with the robot's name and the stage that is reached.
+        addition: What stands in it besides; None for nothing.
 
     Returns:
         The files, named after the robot.
@@ -72,6 +91,8 @@ def handout_files(
     tell(robot.name, "formulas")
     context = context_of(robot, options)
     whole = document(context)
+    if addition is not None:
+        whole = replace(whole, sections=(*whole.sections, addition.section(context)))
     paper = within(whole, options.pages, context.text)
     sheets: dict[str, Callable[[Document], Document]] = {robot.name: lambda sheet: sheet}
     if exercise_sheets:
@@ -99,30 +120,36 @@ def handout_files(
         files.update(printed)
         if Format.HTML in formats:
             tell(robot.name, "web page")
-            files[f"{name}.html"] = _page(made_from(whole), context).encode()
+            files[f"{name}.html"] = _page(made_from(whole), context, addition).encode()
     return Handout(files, pages, tuple(section.part for section in whole.sections), shortened)
 
 
-def _page(sheet: Document, context: Context) -> str:
-    """The web page of a sheet, with the arm to move where it can be drawn."""
+def _page(sheet: Document, context: Context, addition: Addition | None) -> str:
+    """The web page of a sheet, with its arm."""
+    from derive.handouts.page.writer import page
+
+    figure = addition.figure(context) if addition else _arm(context)
+    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+    return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
+
+
+def _arm(context: Context) -> Viewer | None:
+    """The arm to move where it can be drawn."""
     from derive.handouts.figure.planar import plane_normal
     from derive.handouts.figure.scene import arm_scene
     from derive.handouts.page.target import dragging
     from derive.handouts.page.viewer import FUNCTIONS, symbol_values, viewer
-    from derive.handouts.page.writer import page
 
-    figure = None
-    if context.poses is not None:
-        assumed = {name: value for name, value, _ in context.poses.assumed}
-        robot = context.robot
-        dragged = dragging(robot, symbol_values(robot, (), assumed))
-        asked = robot if dragged is None else replace(robot, inverse=dragged.task)
-        program = build_program(asked, Effort.QUICK, names=FUNCTIONS, inverse=dragged is not None)
-        normal = plane_normal([arm_scene(robot, context.poses.frames(context.poses.zero))])
-        notation = context.notation
-        figure = viewer(robot, program, assumed, context.text, notation=notation, dragged=dragged, normal=normal)
-    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
-    return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
+    if context.poses is None:
+        return None
+    assumed = {name: value for name, value, _ in context.poses.assumed}
+    robot = context.robot
+    dragged = dragging(robot, symbol_values(robot, (), assumed))
+    asked = robot if dragged is None else replace(robot, inverse=dragged.task)
+    program = build_program(asked, Effort.QUICK, names=FUNCTIONS, inverse=dragged is not None)
+    normal = plane_normal([arm_scene(robot, context.poses.frames(context.poses.zero))])
+    notation = context.notation
+    return viewer(robot, program, assumed, context.text, notation=notation, dragged=dragged, normal=normal)
 
 
 def generated_sheet(robot: Robot) -> dict[str, str]:

@@ -8,7 +8,7 @@ from derive.handouts.assemble import context_of, section_of
 from derive.handouts.context import Context
 from derive.handouts.document import Section
 from derive.handouts.latex_writer import latex
-from derive.handouts.page.viewer import FUNCTIONS, viewer
+from derive.handouts.page.viewer import FUNCTIONS, Viewer, viewer
 from derive.handouts.page.writer import page
 from derive.handouts.parts.plan import (
     HAND_SPLINE,
@@ -62,14 +62,28 @@ def motion_page(motion: Motion, run: Run | None = None) -> str:
     sections = (plan_part(motion, context), *(section_of(context, name) for name in PARTS))
     title = motion.plan.title or robot.title or robot.name
     sheet = plan_sheet(context, title, motion.plan.digest, tuple(section for section in sections if section))
+    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+    return page(sheet, text, motion_figure(motion, context, run)).replace("<!DOCTYPE html>", mark, 1)
+
+
+def motion_figure(motion: Motion, context: Context, run: Run | None = None) -> Viewer:
+    """The arm that plays the motion, with its plots, for a page.
+
+    Args:
+        motion: The motion.
+        context: The handout of its robot.
+        run: A simulation of it, which the arm then plays.
+
+    Returns:
+        The figure.
+    """
+    robot = motion.plan.robot
     values = {name: value for name, value, _ in context.poses.assumed} if context.poses else {}
     values |= {name: motion.values[name] for name in motion.plan.values}
     played = playback(motion, run)
     program = build_program(robot, Effort.QUICK, names={*FUNCTIONS, *played.functions})
     normal = motion_normal(motion) if context.poses else None
-    figure = viewer(robot, program, values, text, notation=context.notation, playback=played, normal=normal)
-    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
-    return page(sheet, text, figure).replace("<!DOCTYPE html>", mark, 1)
+    return viewer(robot, program, values, context.text, notation=context.notation, playback=played, normal=normal)
 
 
 def motion_sheet(motion: Motion, suffix: str) -> bytes:

@@ -8,7 +8,7 @@ import pytest
 
 from derive.api.handout import fragment, handout, with_options
 from derive.api.robots import load
-from derive.errors import OutputError, QuantityError, TargetError
+from derive.errors import DeriveError, OutputError, QuantityError, TargetError
 from derive.robot.handout_options import PARTS
 
 
@@ -44,6 +44,8 @@ def test_a_fragment_is_latex_for_other_notes() -> None:
         ({"notation": {"angel": "q"}}, QuantityError, "did you mean 'angle'"),
         ({"notation": {"angle": "phi"}}, QuantityError, "unknown value of angle 'phi'"),
         ({"formats": ["docx"]}, TargetError, "tex, pdf, html"),
+        ({"plan": "skeleton-reach"}, DeriveError, "the plan moves skeleton-root, not thumb"),
+        ({"plan": "skeleton-reach", "exercise": True}, DeriveError, "an exercise with a motion plan"),
     ],
 )
 def test_an_unknown_option_is_refused_before_anything_is_written(
@@ -52,6 +54,17 @@ def test_an_unknown_option_is_refused_before_anything_is_written(
     with pytest.raises(error, match=message):
         handout("thumb", tmp_path / "out", **options)  # type: ignore[arg-type]
     assert not (tmp_path / "out").exists()
+
+
+def test_a_plan_is_a_part_of_the_sheet_and_moves_the_arm_of_the_page(tmp_path: Path) -> None:
+    """In the language and with the parts that the handout has."""
+    options = {"formats": ["tex", "html"], "parts": ["table"], "language": "it", "plan": "skeleton-reach"}
+    result = handout("skeleton-root", tmp_path, **options)  # type: ignore[arg-type]
+    assert result.parts == ("table", "plan")
+    tex, page = ((tmp_path / f"skeleton-root.{ending}").read_text() for ending in ("tex", "html"))
+    assert "Piano di moto" in tex
+    assert "Tabella di Denavit-Hartenberg" in page
+    assert '"playback": {"tracks": ' in page
 
 
 def test_foreign_files_are_not_overwritten(tmp_path: Path) -> None:

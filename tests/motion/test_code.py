@@ -36,6 +36,38 @@ points: {a: [0.3, 0.5], b: [0.3001, 0.5002]}\npath: [a, {to: b, time: 1.5, line:
 }
 
 
+LONG = {
+    "fastest": """robot: puma560-corke
+profile: fastest
+torque: [56.6, 100, 56.6, 10, 10, 10]
+points: {a: [0, 45, -90, 0, 30, 0], b: [90, 90, -180, 40, -30, 90], c: [20, 120, -120, 10, 30, 20]}
+path: [a, {to: b, via: pass}, {to: c, payload: 1.5}]\n""",
+    "arc": """robot: {name: arm, convention: standard, inverse: {task: [x, y]},
+  joints: [{type: revolute, a: 1}, {type: revolute, a: 0.8}]}
+points: {a: [0.3, 0.5], b: [0.7, 0.9], c: [0.4, 1.4]}
+path: [a, {to: b, time: 1.5, line: yes}, {to: a, time: 2, through: c}]\n""",
+    "recorded": "robot: planar-3r\nrecorded: minute.csv\n",
+}
+
+
+@pytest.mark.sweep
+@needs_compiler
+@pytest.mark.parametrize("name", LONG)
+def test_code_of_many_pieces_is_right_strict_and_not_large(name: str, tmp_path: Path) -> None:
+    """At most 200 bytes for each polynomial beside what every file has."""
+    t = np.arange(2001) / 100
+    rows = np.stack([t, np.sin(t), np.cos(t / 2), np.sin(t / 9)], axis=1).tolist()
+    (tmp_path / "minute.csv").write_text("\n".join(["t,q1,q2,q3", *(",".join(map(repr, row)) for row in rows)]))
+    motion = Motion.from_text(LONG[name], str(tmp_path / "plan.yaml"))
+    assert write_code(motion, tmp_path / "code").worst < 1e-11
+    count = sum(len(pieces) for segment in motion.trajectory.segments for pieces in segment.joints)
+    assert (tmp_path / "code/motion.c").stat().st_size < 4000 + 200 * count
+    compiler = find_compiler()
+    assert compiler is not None
+    options = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror", "-c", "motion.c"]
+    subprocess.run([*compiler, *options], cwd=tmp_path / "code", check=True)
+
+
 @needs_compiler
 @pytest.mark.parametrize("name", PLANS)
 def test_generated_code_is_as_python_computes(name: str) -> None:
