@@ -6,6 +6,7 @@ import argparse
 
 from bench import operations, timings
 from bench.inverse.run import write_inverse
+from bench.motion import write_motion
 from bench.plot import write_plot
 from bench.report import PLOT, write_pages, write_readme
 from bench.results import read_json, write_json
@@ -19,6 +20,7 @@ def main() -> int:
     write_json("operations", operations.run(options.quick))
     write_json("timings", timings.run(options.quick))
     print(write_inverse(options.quick), end="")
+    print(write_motion(options.quick), end="")
     write_pages()
     write_readme()
     write_plot(read_json("timings"), PLOT)

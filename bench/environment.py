@@ -18,9 +18,11 @@ PACKAGES = (
     "pin",
     "py-ikgeo-kinematics",
     "roboticstoolbox-python",
+    "scipy",
     "skidy",
     "ssik",
     "sympy",
+    "toppra",
     "urdf2casadi",
 )
 

@@ -16,6 +16,24 @@ from derive.motion.hermite import Array
 Reference = Callable[[float], tuple[Array, Array, Array]]
 """Position, velocity and acceleration that are wanted at a time."""
 
+
+def looked_up(reference: Callable[[Array], tuple[Array, Array, Array]], period: float, duration: float) -> Reference:
+    """What is wanted at the looks of a sampled controller, computed for all of them at once.
+
+    Args:
+        reference: What is wanted at many times.
+        period: Time between two looks [s].
+        duration: How long the motion lasts [s].
+    """
+    q, qd, qdd = reference(period * np.arange(np.ceil(duration / period) + 1))
+
+    def _at(t: float) -> tuple[Array, Array, Array]:
+        k = round(t / period)
+        return q[k], qd[k], qdd[k]
+
+    return _at
+
+
 NEEDS: dict[str, frozenset[str]] = {
     "none": frozenset(),
     "pd": frozenset(),

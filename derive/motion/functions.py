@@ -52,8 +52,8 @@ class Functions:
         calls: float = 0,
         inverse: bool = False,
     ) -> None:
-        bare = replace(robot, title="", digest="", source="", remarks=())
-        program = _program(bare, names, inverse=inverse)
+        bare = bare_robot(robot)
+        program = program_of(bare, names, inverse=inverse)
         operations = max(sum(counts.values()) for counts in program.operations.values())
         compiled = calls * operations * SAVED > COMPILING
         self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
@@ -122,8 +122,24 @@ class Functions:
         return chosen
 
 
+def bare_robot(robot: Robot) -> Robot:
+    """A robot without what its functions do not depend on.
+
+    Args:
+        robot: The robot.
+    """
+    return replace(robot, title="", digest="", source="", remarks=())
+
+
 @lru_cache(KEPT)
-def _program(robot: Robot, names: frozenset[str], *, inverse: bool) -> Program:
+def program_of(robot: Robot, names: frozenset[str], *, inverse: bool = False) -> Program:
+    """Functions of a robot, found quickly and kept.
+
+    Args:
+        robot: Of `bare_robot`.
+        names: Which functions.
+        inverse: Whether inverse kinematics is wanted, too.
+    """
     return build_program(robot, Effort.QUICK, names=names, inverse=inverse)
 
 
@@ -131,7 +147,7 @@ def _program(robot: Robot, names: frozenset[str], *, inverse: bool) -> Program:
 def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: bool) -> tuple[Any, Any]:
     """The module of a target, written and imported, and the folder that holds it as long as it is kept."""
     temporary = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
-    folder, source = Path(temporary.name), Source(robot, _program(robot, names, inverse=inverse), __version__)
+    folder, source = Path(temporary.name), Source(robot, program_of(robot, names, inverse=inverse), __version__)
     compiler = find_compiler() if compiled else None
     targets = [numpy.TARGET]
     if compiler:

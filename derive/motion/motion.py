@@ -375,9 +375,11 @@ class Motion:
         return simulate(stages, start, self.times, self._period(), sticks=sticks, jumps=trajectory.jumps)
 
     def _period(self) -> float | None:
-        """Time between two samples of the controller [s]; None for a continuous one."""
-        cell = self.plan.control.period
-        period = None if cell is None else self._number(cell)
+        """Time between two looks of the controller [s]; None for a continuous one, infinite without control."""
+        control = self.plan.control
+        if control.law == "none":
+            return float(np.inf)
+        period = None if control.period is None else self._number(control.period)
         if period is not None and self.duration / period > MOST_SAMPLES:
             found = f"control, period: {self.duration / period:.4g} samples of the controller in {self.duration:.6g} s"
             allowed, remedy = f"allowed: at most {MOST_SAMPLES}", f"write period: {self.duration / 1e4:.2g} [s]"

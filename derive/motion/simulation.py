@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -81,7 +81,8 @@ def simulate(
         stages: One after the other, the first at the first time.
         start: Positions and velocities at the first time, (n,) each.
         times: Times of the samples [s], ascending.
-        period: Time between two looks of a controller that holds its torques in between [s]; None for a continuous one.
+        period: Time between two looks of a controller that holds its torques in between [s]; None for a continuous one,
+            infinite where nothing is controlled.
         sticks: Whether dry friction is exact.
         jumps: Times at which what a continuous controller wants jumps; no integration goes across them [s].
 
@@ -101,9 +102,13 @@ def simulate(
         if looks:
             held = stage.law(a, state[:n], state[n : 2 * n])
         law = _before(stage.law, b) if period is None else _holding(held)
-        inside = times[(times > a) & (times <= b)]
+        inside = times[slice(*np.searchsorted(times, (a, b), side="right"))]
         wanted = inside if inside.size and inside[-1] == b else np.append(inside, b)
-        rows, divergence = (exact if sticks else smooth)(stage.plant, law, state, (a, b), wanted)
+        if stage.plant.held:
+            rows, divergence = stage.plant.held(stage.plant, held, state, (a, b), wanted)
+        else:
+            step = exact if sticks and stage.plant.coulomb.any() else smooth
+            rows, divergence = step(stage.plant, law, state, (a, b), wanted)
         kept = rows[: inside.size]
         tau = [law(float(t), row[:n], row[n : 2 * n]) for t, row in zip(inside, kept, strict=False)]
         parts.append(_Part(inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant))
@@ -160,7 +165,13 @@ def _taken_up(state: Array, before: Plant, after: Plant) -> Array:
 def _run(parts: Sequence[_Part], divergence: Divergence | None) -> Run:
     n = parts[0].tau.shape[1]
     states = np.concatenate([part.states for part in parts])
-    energies = [part.plant.energy(part.states[:, :n], part.states[:, n : 2 * n]) for part in parts if len(part.t)]
+    energies = []
+    for _, same in groupby(
+        (part for part in parts if part.t.size), key=lambda part: id(part.plant)
+    ):  # one call for all samples of a plant
+        first, *others = same
+        rows = np.concatenate([first.states, *(part.states for part in others)])
+        energies.append(first.plant.energy(rows[:, :n], rows[:, n : 2 * n]))
     return Run(
         t=np.concatenate([part.t for part in parts]),
         q=states[:, :n].copy(),

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from derive.motion.bodies import Body, OpenLink
-from derive.motion.control import NEEDS, Controller
+from derive.motion.control import NEEDS, Controller, looked_up
 from derive.motion.functions import Functions
+from derive.motion.held import held_arm
 from derive.motion.plan import Plan
 from derive.motion.points import Payload
 from derive.motion.simulation import Stage
@@ -45,26 +46,32 @@ def stages_of(plan: Plan, trajectory: Trajectory, values: Mapping[str, float], c
     bare = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), parameters=numbers)
     loaded = plan.plant_payload or any(step.payload for step in plan.steps)
     link = OpenLink.of(bare) if loaded else None
-    rate = max(RATES[plan.friction], CALLS_PER_LOOK / evaluate(control.period, values) if control.period else 0.0)
+    period = evaluate(control.period, values) if control.period and control.law != "none" else None
+    reference = looked_up(trajectory, period, float(trajectory.duration)) if period else trajectory
+    rate = max(RATES[plan.friction], CALLS_PER_LOOK / period if period else 0.0)
     expected = rate * float(trajectory.duration) if calls is None else calls
     needed = PLANT | NEEDS[control.law]
     known = {**values, **(link.values(Body.last_link(bare, values)) if link else {})}
-    functions = Functions(link.robot if link else bare, needed, known, calls=expected)
     true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
     viscous, coulomb = (
         np.array([evaluate(getattr(each, kind), true) for each in robot.links]) for kind in ("viscous", "coulomb")
     )
     if plan.friction == "none":
         coulomb = np.zeros_like(coulomb)
+    arm = link.robot if link else bare
+    slides = not coulomb.any()
+    keeps = (period or control.law == "none") and (slides or (period and plan.friction == "smooth"))
+    held = held_arm(arm, known, expected) if keeps else None
+    functions = Functions(arm, needed, known, calls=expected / (CALLS_PER_LOOK if held and calls is None else 1))
     kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
 
-    def _given(numbers: Mapping[str, float], payloads: Sequence[Payload | None]) -> Functions:
+    def _numbers(numbers: Mapping[str, float], payloads: Sequence[Payload | None]) -> Mapping[str, float]:
         if link is None:
-            return functions.given(numbers)
+            return numbers
         body = Body.last_link(bare, numbers)
         for payload in filter(None, payloads):
             body += Body.payload(bare, payload, numbers)
-        return functions.given({**numbers, **link.values(body)})
+        return {**numbers, **link.values(body)}
 
     stages = []
     for start in _changes(plan, trajectory, values):
@@ -73,9 +80,10 @@ def stages_of(plan: Plan, trajectory: Trajectory, values: Mapping[str, float], c
         for each in plan.disturbances:
             if evaluate(each.start, values) <= start < evaluate(each.end, values):
                 push[each.joint] += evaluate(each.torque, values)
-        plant = Plant(_given(true, (carried, plan.plant_payload)), viscous, coulomb, push)
-        model = _given(values, (carried,)) if NEEDS[control.law] else None
-        stages.append(Stage(start, plant, Controller(control.law, kp, kd, trajectory, model)))
+        actual = _numbers(true, (carried, plan.plant_payload))
+        plant = Plant(functions.given(actual), viscous, coulomb, push, held.given(actual) if held else None)
+        model = functions.given(_numbers(values, (carried,))) if NEEDS[control.law] else None
+        stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model)))
     return stages
 
 

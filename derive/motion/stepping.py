@@ -36,12 +36,14 @@ class Plant:
         viscous: Coefficients of friction by velocity, which the functions hold.
         coulomb: Coefficients of dry friction, which they do not.
         push: What acts on the joints besides motors and friction [N m or N].
+        held: Its steps in C while the motors hold their torques; None where that is not worth a compiler.
     """
 
     functions: Functions
     viscous: Array
     coulomb: Array
     push: Array
+    held: Held | None = None
 
     def energy(self, q: Array, qd: Array) -> Array:
         """Kinetic and potential energy [J].
@@ -79,6 +81,8 @@ Steps = tuple[Array, Divergence | None]
 A state holds positions, velocities, the work of motors and pushes, and what friction took, in one vector.
 """
 
+Held = Callable[[Plant, Array, Array, tuple[float, float], Array], Steps]
+"""Steps of an arm, from torques of the motors, a state, start and end, to the times that are wanted."""
 
 Change = tuple[float, Array]
 """Time and state at which something else begins."""
