@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.motion.extremes import highest
+from derive.motion.extremes import Peak, highest
 from derive.motion.hermite import Array
+from derive.motion.trajectory import Segment
 
 LEAST_INTERVALS = 64
 """Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule."""
@@ -31,6 +32,28 @@ class Load:
     rms: float
     power: float
     work: float
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentPeaks:
+    """The largest values of every joint in a segment.
+
+    Attributes:
+        segment: Its name and times.
+        speeds: Largest velocities, exact where the profile allows.
+        accelerations: Largest accelerations.
+        loads: Torques; empty where the robot has no dynamics.
+    """
+
+    segment: Segment
+    speeds: tuple[Peak, ...]
+    accelerations: tuple[Peak, ...]
+    loads: tuple[Load, ...]
+
+    @property
+    def work(self) -> float:
+        """Of all joints [J]."""
+        return float(sum(load.work for load in self.loads))
 
 
 def mean_weights(count: int) -> Array:

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from textwrap import shorten
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from sympy import Expr, Symbol
 
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.base_torques import BaseTorques
 from derive.motion.bodies import Body
-from derive.motion.extremes import Peak
 from derive.motion.formulas_of_time import followed
 from derive.motion.functions import Functions
 from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array, Indices
-from derive.motion.loads import LEAST_INTERVALS, Load, loads
+from derive.motion.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
 from derive.motion.moving_base import PATHS, BaseCurve
-from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes
+from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes, plan_from_dict
 from derive.motion.plan_cells import TIME as TIME_NAME
 from derive.motion.recording import read_recording
 from derive.motion.segments import trajectory_of
@@ -35,28 +37,6 @@ from derive.robot.names import free_symbols
 
 MOST_SAMPLES = 1_000_000
 """Of a motion: a thousand seconds at a kilohertz."""
-
-
-@dataclass(frozen=True, slots=True)
-class SegmentPeaks:
-    """The largest values of every joint in a segment.
-
-    Attributes:
-        segment: Its name and times.
-        speeds: Largest velocities, exact where the profile allows.
-        accelerations: Largest accelerations.
-        loads: Torques; empty where the robot has no dynamics.
-    """
-
-    segment: Segment
-    speeds: tuple[Peak, ...]
-    accelerations: tuple[Peak, ...]
-    loads: tuple[Load, ...]
-
-    @property
-    def work(self) -> float:
-        """Of all joints [J]."""
-        return float(sum(load.work for load in self.loads))
 
 
 @dataclass(frozen=True)
@@ -121,6 +101,55 @@ class Motion:
         """
         return cls.of(plan_from_bytes(text.encode("utf-8", "surrogatepass"), source))
 
+    @classmethod
+    def from_dict(cls, keys: Mapping[str, Any], source: str = "<plan>") -> Motion:
+        """A plan as data: the keys of its file, with numbers, texts of cells such as ``pi/2``, lists and arrays.
+
+        Args:
+            keys: ``{"robot": "scara-matlab", "points": {...}, "path": [...]}``, in the units of the robot file.
+            source: Name for messages; the path of a robot is relative to its folder.
+
+        Returns:
+            The motion.
+
+        Raises:
+            RobotFileError: These are no plan.
+        """
+        return cls.of(plan_from_dict(keys, source))
+
+    @classmethod
+    def through(cls, robot: str, points: ArrayLike, times: ArrayLike | None = None, **keys: Any) -> Motion:
+        """A motion through configurations.
+
+        Args:
+            robot: A built-in name, or the path of a robot file.
+            points: One row a configuration, (points, n), in the units of the robot file.
+            times: Of the segments [s], (points - 1,), or one for all; None where limits decide.
+            **keys: Further keys of a plan, such as ``profile="septic"``, ``via="pass"``, ``speed=[...]``.
+
+        Returns:
+            The motion.
+
+        Raises:
+            RobotFileError: The arm cannot move so.
+            ValueError: The points are no rows, or there is another number of times.
+        """
+        rows = np.asarray(points).tolist()
+        if np.ndim(points) != 2 or len(rows) < 2:
+            raise ValueError(f"points: two rows at least, not an array of shape {np.shape(points)}")
+        steps: list[dict[str, Any]] = [{"to": f"p{k}"} for k in range(1, len(rows))]
+        if times is not None:
+            if np.size(times) not in (1, len(steps)):
+                raise ValueError(f"times: one, or {len(steps)} for {len(rows)} points, not {np.size(times)}")
+            for step, time in zip(steps, np.broadcast_to(np.ravel(times), len(steps)).tolist(), strict=True):
+                step["time"] = time
+        named = {f"p{k}": row for k, row in enumerate(rows)}
+        return cls.from_dict({"robot": robot, "points": named, "path": ["p0", *steps], **keys})
+
+    def __repr__(self) -> str:
+        names = ", ".join(segment.name for segment in self.trajectory.segments)
+        return f"Motion of {self.plan.robot.name}, {self.duration:.6g} s: {shorten(names, 200, placeholder=' ...')}"
+
     @cached_property
     def trajectory(self) -> Trajectory:
         """Joint variables as functions of time, exact."""
@@ -177,6 +206,25 @@ class Motion:
             q, qd, qdd, (..., n) each [rad or m, per s, per s^2].
         """
         return self.trajectory(t)
+
+    def poses(self, t: float | Array) -> Array:
+        """Poses of the end effector in the world frame.
+
+        Args:
+            t: Times [s], (...).
+
+        Returns:
+            (..., 4, 4).
+
+        Raises:
+            QuantityError: A symbol has no number.
+        """
+        times = np.asarray(t, dtype=float)
+        robot = replace(self.plan.robot, links=(), gravity=None)
+        arm = Functions(robot, frozenset({"forward_kinematics"}), self.values)("forward_kinematics", self(times)[0])
+        if self.base is None:
+            return arm
+        return np.asarray(self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm)
 
     @property
     def times(self) -> Array:

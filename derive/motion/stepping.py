@@ -17,6 +17,16 @@ TOLERANCE = 2e-11
 STICTION_SPEED = 1e-4
 """Speed at which smooth friction has three quarters of its value [rad/s or m/s]: f tanh(qd/1e-4)."""
 
+STIFF = 5000.0
+"""Rate of decay from which on an implicit solver takes fewer steps than an explicit one [1/s]; light links under large
+gains have it."""
+
+SHORT = 0.1
+"""Time in which no solver takes many steps [s]."""
+
+ASIDE = 1e-6
+"""By how much a state is moved to see how its rates change."""
+
 DIVERGED = 1e4
 """Speed beyond which a simulation is given up [rad/s or m/s]."""
 
@@ -147,7 +157,7 @@ def integrated(
 
 
 def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
-    """With friction f tanh(qd/v0): LSODA, or DOP853 where there is no dry friction.
+    """With friction f tanh(qd/v0): LSODA, or DOP853 where there is no dry friction and no fast decay.
 
     Args:
         plant: The arm.
@@ -175,5 +185,18 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
         rates[-2], rates[-1] = tau @ qd, (slip + viscous * qd) @ qd
         return rates
 
-    got, _, divergence = integrated(_rates, state, span, times, "LSODA" if rough else "DOP853")
+    stiff = rough or (span[1] - span[0] > SHORT and _fastest_decay(_rates, span[0], state) > STIFF)
+    got, _, divergence = integrated(_rates, state, span, times, "LSODA" if stiff else "DOP853")
     return got, divergence
+
+
+def _fastest_decay(rates: Callable[[float, Array], Array], t: float, state: Array) -> float:
+    """The largest eigenvalue of the linear motion about a state, in magnitude [1/s]."""
+    count = state.size - 2
+    columns = []
+    for k in range(count):
+        aside = np.zeros_like(state)
+        aside[k] = ASIDE
+        columns.append((rates(t, state + aside) - rates(t, state - aside))[:count] / (2 * ASIDE))
+    system = np.array(columns).T
+    return float(np.abs(np.linalg.eigvals(system)).max()) if np.isfinite(system).all() else 0.0

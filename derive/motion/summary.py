@@ -8,7 +8,8 @@ from typing import Any
 from sympy import sstr
 
 from derive.motion.extremes import Peak
-from derive.motion.motion import Motion, SegmentPeaks
+from derive.motion.loads import SegmentPeaks
+from derive.motion.motion import Motion
 from derive.motion.simulation import Run
 from derive.motion.violations import Violation
 from derive.robot.robot import Robot

@@ -9,7 +9,8 @@ import numpy as np
 
 from derive.motion.extremes import Peak
 from derive.motion.hermite import Array
-from derive.motion.motion import Motion, SegmentPeaks
+from derive.motion.loads import SegmentPeaks
+from derive.motion.motion import Motion
 from derive.motion.simulation import Run
 from derive.motion.violations import ROUNDING
 from derive.robot.names import acceleration_name, velocity_name

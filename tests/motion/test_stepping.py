@@ -63,3 +63,27 @@ def test_an_integration_ends_where_something_else_begins() -> None:
     assert change[0] == pytest.approx(np.sqrt(2 / 9.81), rel=1e-12)
     assert change[1][:2] == pytest.approx([-1, -np.sqrt(2 * 9.81)], rel=1e-12)
     assert len(got) == 4
+
+
+def test_large_gains_of_a_light_joint_take_few_steps() -> None:
+    """Velocities that decay within microseconds hold explicit solvers up: a hundred thousand calls and more."""
+    text = (
+        "robot: {name: p, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 0.1}],\n"
+        "  links: [{mass: 0.01}]}\n"
+        "points: {a: [0], b: [1]}\n"
+        "path: [a, {to: b, time: 0.3}]\n"
+        "control: {law: pd, kp: 400, kd: 20}\n"
+    )
+    motion = Motion.from_text(text)
+    (stage,) = stages_of(motion.plan, motion.trajectory, {}, None)
+    calls = 0
+
+    def counted(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
+        nonlocal calls
+        calls += 1
+        return stage.law(t, q, qd)
+
+    (end,), divergence = smooth(stage.plant, counted, np.zeros(4), (0.0, 0.3), np.array([0.3]))
+    assert divergence is None
+    assert calls < 5000
+    assert end[0] == pytest.approx(1, abs=1e-3)
