@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,16 +23,17 @@ from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array, Indices
 from derive.motion.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
 from derive.motion.moving_base import PATHS, BaseCurve
-from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes, plan_from_dict
+from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes
 from derive.motion.plan_cells import TIME as TIME_NAME
+from derive.motion.plan_data import plan_text, waypoints
 from derive.motion.recording import read_recording
 from derive.motion.segments import trajectory_of
 from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of
-from derive.motion.violations import Bounds, Function, Violation, exceeded, nearby
+from derive.motion.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import Expression, names
+from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
 
 MOST_SAMPLES = 1_000_000
@@ -115,7 +116,7 @@ class Motion:
         Raises:
             RobotFileError: These are no plan.
         """
-        return cls.of(plan_from_dict(keys, source))
+        return cls.from_text(plan_text(keys), source)
 
     @classmethod
     def through(cls, robot: str, points: ArrayLike, times: ArrayLike | None = None, **keys: Any) -> Motion:
@@ -134,17 +135,7 @@ class Motion:
             RobotFileError: The arm cannot move so.
             ValueError: The points are no rows, or there is another number of times.
         """
-        rows = np.asarray(points).tolist()
-        if np.ndim(points) != 2 or len(rows) < 2:
-            raise ValueError(f"points: two rows at least, not an array of shape {np.shape(points)}")
-        steps: list[dict[str, Any]] = [{"to": f"p{k}"} for k in range(1, len(rows))]
-        if times is not None:
-            if np.size(times) not in (1, len(steps)):
-                raise ValueError(f"times: one, or {len(steps)} for {len(rows)} points, not {np.size(times)}")
-            for step, time in zip(steps, np.broadcast_to(np.ravel(times), len(steps)).tolist(), strict=True):
-                step["time"] = time
-        named = {f"p{k}": row for k, row in enumerate(rows)}
-        return cls.from_dict({"robot": robot, "points": named, "path": ["p0", *steps], **keys})
+        return cls.from_dict({"robot": robot, **waypoints(points, times), **keys})
 
     def __repr__(self) -> str:
         names = ", ".join(segment.name for segment in self.trajectory.segments)
@@ -331,26 +322,7 @@ class Motion:
 
         Arrays (n,), infinite where nothing limits; symbols without a number do not limit either.
         """
-        plan, joints = self.plan, self.plan.robot.joints
-
-        def _least(*rows: Sequence[Expression | None]) -> Array:
-            of_joints = zip(*rows, strict=True)
-            return np.array(
-                [min((_known(most) for most in found if most is not None), default=np.inf) for found in of_joints]
-            )
-
-        def _known(most: Expression, unknown: float = np.inf) -> float:
-            return self._number(most) if all(name in self.values for name in names(most)) else unknown
-
-        most = {
-            "speed": _least(plan.speed, [joint.speed for joint in joints]),
-            "acceleration": _least(plan.acceleration),
-            "torque": _least(plan.torque, [joint.torque for joint in joints]),
-        }
-        ends = [joint.limits for joint in joints]
-        low = np.array([_known(end[0], -np.inf) if end else -np.inf for end in ends])
-        high = np.array([_known(end[1]) if end else np.inf for end in ends])
-        return {"position": (low, high), **{what: (-value, value) for what, value in most.items()}}
+        return bounds_of(self.plan, self.values)
 
     @cached_property
     def violations(self) -> tuple[Violation, ...]:

@@ -22,7 +22,8 @@ from derive.handouts.parts.plan import (
 )
 from derive.handouts.pdf import compile_latex
 from derive.motion.hermite import basis
-from derive.motion.motion import Motion, SegmentPeaks
+from derive.motion.loads import SegmentPeaks
+from derive.motion.motion import Motion
 from derive.motion.plane import motion_normal
 from derive.motion.playback import playback
 from derive.motion.polynomials import formula

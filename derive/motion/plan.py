@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
 from derive.motion.catalogue import plan_bytes
@@ -187,35 +183,6 @@ def _with_values(robot: Robot, values: Mapping[str, Expression]) -> Robot:
         robot,
         parameters=tuple((name, substitute(values.get(name, value), own)) for name, value in robot.parameters),
     )
-
-
-def plan_from_dict(keys: Mapping[str, Any], source: str) -> Plan:
-    """Read a plan from the keys of its file as data.
-
-    Args:
-        keys: Numbers, texts of cells, lists, arrays and mappings.
-        source: Name for messages; the path of a robot is relative to its folder.
-
-    Returns:
-        The plan.
-
-    Raises:
-        RobotFileError: These are no plan.
-    """
-    return plan_from_bytes(json.dumps(_plain(keys), indent=1, ensure_ascii=False).encode(), source)
-
-
-def _plain(value: object) -> object:
-    """What stands in a file for a value."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items() if entry is not None}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return value if isinstance(value, int | float | str) else str(value)
 
 
 def _robot(document: Document, data: bytes) -> Robot:

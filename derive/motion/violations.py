@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from derive.motion.extremes import highest
 from derive.motion.hermite import Array
+from derive.motion.plan import Plan
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression, names
 
 ROUNDING = 1e-9
 """What exceeds a limit by less, relative to it, does not exceed it."""
@@ -48,6 +51,38 @@ class Violation:
     def excess(self) -> float:
         """By how much [of the same unit]."""
         return abs(self.value - self.limit)
+
+
+def bounds_of(plan: Plan, values: Mapping[str, float]) -> Bounds:
+    """What robot and plan allow.
+
+    Args:
+        plan: The plan.
+        values: Numbers of symbols; a limit with another symbol does not limit.
+
+    Returns:
+        Of position, speed, acceleration and torque.
+    """
+    joints = plan.robot.joints
+
+    def _least(*rows: Sequence[Expression | None]) -> Array:
+        of_joints = zip(*rows, strict=True)
+        return np.array(
+            [min((_known(most) for most in found if most is not None), default=np.inf) for found in of_joints]
+        )
+
+    def _known(most: Expression, unknown: float = np.inf) -> float:
+        return evaluate(most, values) if all(name in values for name in names(most)) else unknown
+
+    most = {
+        "speed": _least(plan.speed, [joint.speed for joint in joints]),
+        "acceleration": _least(plan.acceleration),
+        "torque": _least(plan.torque, [joint.torque for joint in joints]),
+    }
+    ends = [joint.limits for joint in joints]
+    low = np.array([_known(end[0], -np.inf) if end else -np.inf for end in ends])
+    high = np.array([_known(end[1]) if end else np.inf for end in ends])
+    return {"position": (low, high), **{what: (-value, value) for what, value in most.items()}}
 
 
 def exceeded(
