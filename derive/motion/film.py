@@ -86,7 +86,7 @@ class Film:
 
     Attributes:
         motion: The motion.
-        run: A simulation of it, which is shown instead.
+        run: A simulation of it, which is shown instead; the way that is wanted is faint.
     """
 
     motion: Motion
@@ -122,14 +122,17 @@ class Film:
         scenes = [arm_scene(self.motion.plan.robot, frames) for frames in self._poses]
         normal = motion_normal(self.motion)
         view = arm_view(scenes[len(scenes) // 2]) if normal is None else view_along(normal, scenes[0].up)
-        flat = np.concatenate([view.project(scene.places)[:, :2] for scene in scenes])
+        trace = view.project(self._poses[:, -1, :3, 3])[:, :2]
+        wanted = trace
+        if self.run is not None:
+            wanted = view.project(frames_of(self.motion, self.times, self.motion(self.times)[0])[:, -1, :3, 3])[:, :2]
+        flat = np.concatenate([wanted, *(view.project(scene.places)[:, :2] for scene in scenes)])
         low, high = flat.min(axis=0), flat.max(axis=0)
         room = np.array((WIDTH, HEIGHT), dtype=float) - 2 * MARGIN
         scale = float(min(room / np.maximum(high - low, 1e-9)))
         gaps = sorted(segment.length * scale for segment in scenes[0].segments)
         sizes = Sizes(float(np.clip(gaps[len(gaps) // 3] / 62.0, 0.55, 1.0)) if gaps else 1.0)
-        trace = view.project(self._poses[:, -1, :3, 3])[:, :2]
-        return _Stage(tuple(scenes), view, scale, (low + high) / 2, sizes, trace)
+        return _Stage(tuple(scenes), view, scale, (low + high) / 2, sizes, trace, wanted)
 
     def frames(self) -> Iterator[Any]:
         """The pictures, as ``PIL.Image`` each."""
@@ -187,7 +190,7 @@ class Film:
 
 @dataclass(frozen=True, eq=False)
 class _Stage:
-    """Where everything of a film is drawn."""
+    """Where everything of a film is drawn: the trace of the hand, and the way that is wanted of it."""
 
     scenes: tuple[Scene, ...]
     view: View
@@ -195,6 +198,7 @@ class _Stage:
     middle: Array
     sizes: Sizes
     trace: Array
+    wanted: Array
 
     def draw(self, pen: Any, k: int) -> None:
         """One frame.
@@ -205,8 +209,9 @@ class _Stage:
         """
         right, up = self.middle * self.scale
         page = FINE * np.array(((1.0, 0.0, WIDTH / 2 - right), (0.0, -1.0, HEIGHT / 2 + up)))
-        line = (self.trace * self.scale @ page[:, :2].T + page[:, 2]).ravel().tolist()
-        pen.line(line, fill=_GHOST, width=2 * FINE)
+        lines = (self.trace, self.wanted)
+        line, wanted = ((way * self.scale @ page[:, :2].T + page[:, 2]).ravel().tolist() for way in lines)
+        pen.line(wanted, fill=_GHOST, width=2 * FINE)
         faces, _ = solid_faces(self.scenes[k], self.scale, self.sizes)
         for corners, color, solid in seen(faces, self.view, page):
             pen.polygon(corners, fill=_rgb(color), outline=_rgb(OUTLINE) if solid.edge else None)

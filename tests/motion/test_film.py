@@ -56,6 +56,23 @@ def test_the_arm_stays_in_the_picture_and_its_hand_draws_a_trace(short: Film) ->
     assert all(after > before for before, after in pairwise(red[1:]))
 
 
+def test_of_a_simulation_the_way_that_is_wanted_is_faint() -> None:
+    """A pendulum on a weak spring: at the end the trace covers what happened, and not what was wanted."""
+    motion = Motion.from_text("""robot: {name: p, convention: standard, gravity: [0, -9.81, 0],
+  joints: [{type: revolute, a: 1}], links: [{mass: 1}]}
+points: {a: [0], b: [1]}
+path: [a, {to: b, time: 0.3}]
+control: {law: pd, kp: 3, kd: 1}
+""")
+
+    def ghost(film: Film) -> int:
+        last = list(film.frames())[-1]
+        return sum(count for count, color in last.getcolors(1 << 20) if color == (214, 222, 236))
+
+    assert ghost(Film(motion)) < 20
+    assert ghost(Film(motion, motion.simulate())) > 100
+
+
 def test_mp4_is_what_ffmpeg_makes_of_the_frames(short: Film, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A program in its place counts the bytes that it is given."""
     program = tmp_path / "ffmpeg"

@@ -283,6 +283,24 @@ def test_who_wants_less_motion_sees_a_picture_each_half_second(shown: Shown) -> 
     assert shown_time[0] == pytest.approx(shown.motion(steps)[0], abs=1e-12)
 
 
+@pytest.mark.sweep
+def test_of_a_simulation_that_diverges_its_rows_are_played(browser: Any, tmp_path: Path) -> None:
+    plan = f"robot: {ARM}\npoints: {{a: [0, 0.1], b: [1, 0.5]}}\npath: [a, {{to: b, time: 1}}, {{to: a, time: 1}}]\n"
+    law = "control: {law: pd, kp: 90000, kd: 900, period: 0.05}\n"
+    made = Shown(browser, tmp_path, plan + law, simulate=True)
+    assert made.run is not None
+    assert not made.run.reached
+    end = made.page.evaluate("deriveViewer.motion.duration")
+    assert end == made.run.t[-1] < 1
+    assert made.page.evaluate("Math.max(...deriveViewer.motion.times(10))") == end
+    assert made.page.locator(".player-segment option").count() == 1
+    assert "The simulation diverges after 0." in made.page.locator(".player-notes").inner_text()
+    test_the_page_is_accessible(made, "light")
+    test_the_page_is_accessible(made, "dark")
+    made.page.context.close()
+    assert made.trouble == []
+
+
 TIMED = """(() => {
   const ask = window.requestAnimationFrame.bind(window);
   window.frames_ = [];
