@@ -60,6 +60,7 @@ verify-generated: $(READY)
 # Operation counts and times side by side with other tools, in an environment of their own: about ten minutes.
 # `make bench QUICK=--quick` leaves out the slow ones. Solvers of inverse kinematics that have no wheel here are named as not installed.
 bench: $(BENCH)/.ready
+	$(BENCH)/bin/python -m bench.trajectories
 	$(BENCH)/bin/python -m bench $(QUICK)
 
 $(BENCH)/.ready: pyproject.toml constraints.txt

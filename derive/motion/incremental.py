@@ -1,7 +1,8 @@
 """Incremental inverse kinematics: many small displacements of the hand, J^+ for each (document 001, slide 32).
 
-Near a singular configuration J^+ is damped: a singular value s counts as s/(s^2 + d^2), with d growing from zero as the
-smallest one falls (Nakamura and Hanafusa, 1986; Siciliano et al., Robotics, 2009, 3.5.2).
+Near a singular configuration J^+ is damped: a small singular value s counts as s/(s^2 + d^2), with d growing from zero
+as it falls, and other directions are left alone (Nakamura and Hanafusa, 1986; Chiaverini, 1997; Siciliano et al.,
+Robotics, 2009, 3.5.2).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from derive.motion.motion import Motion
 from derive.robot.robot import Robot
 
 NEAR = 0.05
-"""Smallest singular value of J, relative to the largest, below which J^+ is damped."""
+"""Singular value of J, relative to the largest, below which its direction is damped."""
 
 DAMPING = 0.05
 """Damping at a singular configuration, relative to the largest singular value."""
@@ -47,7 +48,8 @@ class Increments:
         corrections: Steps of J^+ towards the target after that.
         closed: Distance from the target then [m].
         damped: How many steps were damped.
-        factor: The factor of det J that was smallest where J^+ was damped most; empty where nothing was.
+        factor: The factor of det J that was smallest where the arm came nearest to a singular configuration, also while
+            it was corrected; empty where it came near none.
     """
 
     q: Array
@@ -101,9 +103,11 @@ class Walker:
         error, corrections = float(np.linalg.norm(target - self.place(q))), 0
         left = error
         while left > CLOSED * (1 + float(np.linalg.norm(way))) and corrections < CORRECTIONS:
-            q = q + self._pseudoinverse(q, left)[0] @ (target - self.place(q))
+            inverse, ratio = self._pseudoinverse(q, left)
+            worst = min(worst, (ratio, q), key=lambda pair: pair[0])
+            q = q + inverse @ (target - self.place(q))
             left, corrections = float(np.linalg.norm(target - self.place(q))), corrections + 1
-        factor = self._smallest_factor(worst[1]) if damped else ""
+        factor = self._smallest_factor(worst[1]) if worst[0] < NEAR else ""
         return Increments(np.array([*rows[:-1], q]), error, corrections, left, int(damped), factor)
 
     def _pseudoinverse(self, q: Array, most: float = np.inf) -> tuple[Array, float]:
@@ -112,11 +116,11 @@ class Walker:
         Corrections damp by no more than the distance that is left: they converge faster and faster where J is regular.
         """
         left, values, right = np.linalg.svd(self._functions("jacobian", q)[:3], full_matrices=False)
-        largest, ratio = values[0], values[self._rank - 1] / values[0] if self._rank else 1.0
-        squared = min(DAMPING**2 * max(1 - (ratio / NEAR) ** 2, 0) * largest**2, most**2)
         kept = slice(0, self._rank)
+        ratios = values[kept] / (values[0] or 1.0)
+        squared = np.minimum(DAMPING**2 * np.maximum(1 - (ratios / NEAR) ** 2, 0) * values[0] ** 2, most**2)
         gains = values[kept] / (values[kept] ** 2 + squared)
-        return np.asarray(right[kept].T @ (gains[:, None] * left[:, kept].T)), float(ratio)
+        return np.asarray(right[kept].T @ (gains[:, None] * left[:, kept].T)), float(ratios[-1]) if self._rank else 1.0
 
     @cached_property
     def _rank(self) -> int:
@@ -174,4 +178,5 @@ def printed_increments(motion: Motion, steps: int) -> Iterator[str]:
         errors = f"{ours.error:.3g} m after {steps} steps, {finer.error:.3g} m after {2 * steps}"
         closed = "closed to 1e-9 m" if ours.closed <= 1e-9 else f"not closed: {ours.closed:.3g} m left"
         near = f"; damped in {ours.damped} steps, near {ours.factor} = 0" if ours.damped else ""
+        near = near or (f"; ends near {ours.factor} = 0" if ours.factor else "")
         yield f"{segment.name}: {errors}; {closed} by {ours.corrections} corrections{near}"

@@ -80,3 +80,16 @@ def test_a_hand_that_no_joint_moves_stays_where_it_is(recwarn: pytest.WarningsRe
     assert found.error == 0
     assert not found.damped
     assert not recwarn.list
+
+
+def test_near_a_singular_configuration_other_directions_are_exact_and_an_end_there_is_named() -> None:
+    """C to D goes down where sin(q2) = 0, and A to C ends there (document 004)."""
+    found = increments_of(Motion.from_text(PICK_AND_PLACE), 20)
+    to_c, down = found[3], found[4]
+    assert down.error < 1e-12
+    assert (down.damped, down.factor) == (20, "sin(q2)")
+    assert to_c.damped == 0
+    assert to_c.factor == "sin(q2)"
+    assert to_c.closed <= 1e-9
+    lines = list(printed_increments(Motion.from_text(PICK_AND_PLACE), 20))
+    assert lines[3].endswith("; ends near sin(q2) = 0")

@@ -182,21 +182,3 @@ class TestToolbox:
             assert found[1, :, j] == pytest.approx(qd, abs=1e-12)
             inside = (np.abs(t - blend) > 1e-9) & (np.abs(t - tf + blend) > 1e-9)
             assert found[2, inside, j] == pytest.approx(qdd[inside], abs=1e-12 * abs(a))
-
-    def test_these_formulas_are_the_toolboxs(self) -> None:
-        """Of the bench extra: the package itself gives what the formulas here give."""
-        package = pytest.importorskip("roboticstoolbox.tools.trajectory")
-        t = np.linspace(0, 3, 301)
-        quintics = self.ours(lambda a, b: rest_to_rest(Profile.QUINTIC, ZERO, Integer(3), a, b), Integer(3), t)
-        trapezoids = self.ours(
-            lambda a, b: trapezoid(ZERO, Integer(3), a, b, Rational(1, 2) * abs(b - a)), Integer(3), t
-        )
-        for made, ours in (
-            (package.jtraj(self.START, self.END, t), quintics),
-            (package.mtraj(package.quintic, self.START, self.END, t), quintics),
-            (package.mtraj(package.trapezoidal, self.START, self.END, t), trapezoids),
-        ):
-            inside = np.full(t.size, True) if ours is quintics else (np.abs(t - 1) > 1e-9) & (np.abs(t - 2) > 1e-9)
-            assert np.abs(made.q - ours[0]).max() <= 1e-12
-            assert np.abs(made.qd - ours[1]).max() <= 1e-12
-            assert np.abs(made.qdd - ours[2])[inside].max() <= 1e-12 * np.abs(made.qdd).max()
