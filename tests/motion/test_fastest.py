@@ -12,6 +12,9 @@ from derive.errors import DeriveError
 from derive.motion.fastest import FastestMotion
 from derive.motion.motion import Motion
 from derive.motion.paths import grid_of, smooth_path
+from derive.robot.evaluate import evaluate
+from tests.motion.random_arms import arm as arm_of
+from tests.motion.random_arms import points
 
 WHEEL = """\
 robot: {name: wheel, convention: standard, gravity: [0, 0, 0], joints: [{type: revolute, a: 1}],
@@ -209,3 +212,99 @@ def test_without_toppra_one_message_says_what_to_install(monkeypatch: pytest.Mon
         DeriveError, match=r"needs toppra, which is not installed; pip install 'derive-robot\[motion\]'"
     ):
         _ = wheel("torque: [8]\n").trajectory
+
+
+PLANAR = """\
+robot: {name: arm, convention: standard, gravity: [0, -9.81, 0], inverse: {task: [x, y]},
+  joints: [{type: revolute, a: FIRST}, {type: revolute, a: SECOND}],
+  links: [{mass: 2, com: [-0.3, 0, 0], inertia: {zz: 0.2}, friction: FRICTION}, {mass: 1, friction: FRICTION}]}
+points: {a: [0.3, 1.2], b: [1.0, 0.9], c: [0.6, 1.4]}
+"""
+WAYS = [
+    "[a, b]",
+    "[a, {to: b, via: pass}, c]",
+    "[a, {to: b, via: pass, payload: 0.8}, {to: c, via: pass}, a]",
+    "[a, b, c]",
+]
+IN_SPACE = ["[a, {to: b, line: yes}]", "[a, {to: b, through: c}]", "[a, {to: b, through: c, payload: 1.5}]"]
+
+
+def random_plan(seed: int) -> tuple[str, dict[str, np.ndarray]]:
+    """A robot, its way, and limits of which some are close to what gravity asks for."""
+    random = np.random.default_rng(seed)
+    rough = seed % 3 == 0
+    if in_space := seed % 5 == 4:
+        first, second = random.uniform(0.5, 1, 2).tolist()
+        text = PLANAR.replace("FIRST", repr(first)).replace("SECOND", repr(second))
+        text, n = text.replace("FRICTION", "{viscous: 1, coulomb: 0.7}" if rough else "{}"), 2
+    else:
+        n = int(random.integers(2, 8))
+        text = arm_of(random, n, rough=rough) + points(random, n, "abc")
+    way = str(random.choice(IN_SPACE if in_space else WAYS))
+    timed = re.sub(r"\{to: (\w)", r"{to: \1, time: 1", re.sub(r", (\w)(?=[,\]])", r", {to: \1}", way))
+    slow = Motion.from_text(text + f"path: {timed}\n")
+    q, qd, _ = slow(t := np.linspace(0, slow.duration, 300))
+    index = np.full(len(t), len(slow.plan.steps) - 1)
+    standing = np.maximum(*(np.abs(slow._loaded(i, q, 0 * q, 0 * q)).max(axis=0) for i in (index, 0 * index)))
+    moving = np.abs(slow.torques(t)).max(axis=0)
+    most = {
+        "torque": standing * random.uniform(1.1, 3, n) + 0.5 * moving + 2 * rough,
+        "acceleration": random.uniform(2, 20, n),
+        "speed": np.maximum(np.abs(qd).max(axis=0) * random.uniform(0.5, 3, n), 0.1),
+    }
+    chosen = [key for key in most if random.random() < 0.6] or ["torque"]
+    if chosen == ["speed"]:
+        chosen.append("acceleration")
+    most = {key: np.round(most[key], 6) for key in chosen}
+    lines = [f"{key}: [{', '.join(repr(float(value)) for value in most[key])}]\n" for key in chosen]
+    return text + "profile: fastest\n" + "".join(lines) + f"path: {way}\n", most
+
+
+def toppras_time(motion: FastestMotion) -> float:
+    """By toppra's own constraints on a uniform grid."""
+    from toppra import algorithm, constraint
+    from toppra.interpolator import AbstractGeometricPath
+
+    class Geometric(AbstractGeometricPath):  # type: ignore[misc]
+        dof = motion.path(0.0)[0].size
+        path_interval = np.array([0.0, 1.0])
+
+        def __call__(self, s: np.ndarray, order: int = 0) -> np.ndarray:
+            return motion.path(np.clip(s, 0, 1))[order]
+
+    speed, acceleration, torque = (np.minimum(most, 1e8) for most in motion.bounds)
+
+    def inverse(q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+        return motion.torques(motion.steps[:1], q[None], qd[None], qdd[None])[0]
+
+    rows = [
+        constraint.JointVelocityConstraint(np.stack([-speed, speed], axis=1)),
+        constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
+    ]
+    if (torque < 1e8).any():
+        zero = np.zeros(len(torque))
+        rows.append(constraint.JointTorqueConstraint(inverse, np.stack([-torque, torque], axis=1), zero))
+    grid = np.linspace(0, 1, 1501)
+    rates = algorithm.TOPPRA(rows, Geometric(), gridpoints=grid).compute_parameterization(0, 0)[1]
+    return float(np.sum(2 * np.diff(grid) / (rates[1:] + rates[:-1])))
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(60))
+def test_random_motions_keep_to_their_limits_and_take_toppras_time(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    solved: list[FastestMotion] = []
+    solve = FastestMotion.solve
+    monkeypatch.setattr(FastestMotion, "solve", lambda self: (solved.append(self), solve(self))[1])
+    text, most = random_plan(seed)
+    motion = Motion.from_text(text)
+    starts = [float(p.start) for s in motion.trajectory.segments for p in max(s.joints, key=len)]
+    edges = np.unique([*starts, motion.duration])
+    t = (edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0, 1, 241)).ravel()
+    _, qd, qdd = motion(t)
+    values = {"speed": qd, "acceleration": qdd, "torque": motion.torques(t)}
+    for key, limit in most.items():
+        assert (np.abs(values[key]) - limit).max() <= 1e-9, key
+    frictionless = not any(evaluate(link.coulomb, {}) for link in motion.plan.robot.links)
+    if frictionless and "payload" not in text:
+        expected = sum(map(toppras_time, solved))
+        assert motion.duration == pytest.approx(expected, rel=0.01)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from derive.motion.motion import Motion
 from derive.motion.segments import trajectory_of
 from derive.motion.trajectory import Corner
 from derive.robot.expression import Expression
+from tests.motion.random_arms import cells, points
 
 ARM = "robot: {name: arm, convention: standard, joints: [{type: revolute, a: 1SPEED}, {type: revolute, a: 1}]}\n"
 POINTS = "points: {a: [0, 0], b: [pi, 1], c: [2, -1], d: [1, 1/2]}\n"
@@ -156,3 +158,38 @@ def test_accelerations_jump_where_trapezoids_and_cubics_begin_and_end() -> None:
     """A trapezoid of 3 s from 1 s on speeds up and slows down for 1 s each; quintics go on without a jump."""
     path = "[a, {to: b, time: 1}, {to: c, time: 3, profile: trapezoidal}, {to: d, time: 1}, {to: a, time: 1}]"
     assert motion(f"path: {path}\n").trajectory.jumps == (1, 2, 3, 4)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(200))
+def test_random_plans_reach_a_limit_exceed_none_and_pass_without_a_gap(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    n, count = int(random.integers(1, 5)), int(random.integers(2, 6))
+    profile = str(random.choice(["trapezoidal", "cubic", "quintic", "septic", "harmonic", "spline"]))
+    passes = profile == "spline" or (profile in {"cubic", "quintic", "septic"} and random.random() < 0.5)
+    bounds = [np.round(random.uniform(0.3, 3, n), 6), np.round(random.uniform(0.5, 20, n), 6)]
+    given = [True, random.random() < 0.8] if random.random() < 0.8 else [False, True]
+    joints = ", ".join(f"{{type: {random.choice(['revolute', 'prismatic'])}}}" for _ in range(n))
+    lines = [
+        f"{key}: [{cells(b)}]\n" for key, b, has in zip(("speed", "acceleration"), bounds, given, strict=True) if has
+    ]
+    text = (
+        f"robot: {{name: arm, convention: standard, joints: [{joints}]}}\n"
+        + points(random, n, "abcdef"[:count])
+        + f"profile: {profile}\n{'via: pass' if passes and profile != 'spline' else 'sample: 0.01'}\n"
+        + f"path: [{', '.join('abcdef'[:count])}]\n"
+        + "".join(lines)
+    )
+    found = Motion.from_text(text)
+    segments = found.trajectory.segments
+    for run in [segments] if passes else [(segment,) for segment in segments]:
+        start, end = float(run[0].start), float(run[-1].start + run[-1].duration)
+        edges = np.unique([float(piece.start) for s in run for track in s.joints for piece in track])
+        t = np.concatenate([np.linspace(start, end, 10001), edges + 1e-9, edges - 1e-9])
+        _, qd, qdd = found(t[(t > start) & (t < end)])
+        used = [np.abs(v / b).max() for v, b, has in zip((qd, qdd), bounds, given, strict=True) if has]
+        assert max(used) == pytest.approx(1, abs=5e-3)
+        assert max(used) <= 1 + 1e-9
+    for before, after in pairwise(segments):
+        for first, second in zip(before.joints, after.joints, strict=True):
+            assert first[-1].values[1] == second[0].values[0]  # type: ignore[union-attr]
