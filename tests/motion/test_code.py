@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -179,6 +180,25 @@ def test_the_same_plan_gives_the_same_bytes() -> None:
 def test_titles_cannot_leave_their_comments(tmp_path: Path) -> None:
     title = 'title: "*/ \\"\\"\\" \\\\ ??/"\n'
     assert write_code(Motion.from_text(title + PLANS["standing"]), tmp_path).worst == 0
+
+
+@needs_compiler
+def test_the_program_of_the_page_about_c_prints_the_motion(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs/native.md").read_text()
+    plan = re.search(r"```yaml file=lift.yaml\n(.*?)```", page, re.DOTALL)
+    program = re.search(r"```c\n(/\* main.c; cc (.*?) \*/.*?)```", page, re.DOTALL)
+    assert plan
+    assert program
+    motion = Motion.from_text(plan[1])
+    write_code(motion, tmp_path / "lifting")
+    (tmp_path / "main.c").write_text(program[1])
+    compiler = find_compiler()
+    assert compiler is not None
+    subprocess.run([*compiler, *program[2].split(), "-o", "main"], cwd=tmp_path, check=True)
+    printed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    t, *q = np.array([[float(cell) for cell in line.split()] for line in printed.splitlines()]).T
+    assert t.size == 51
+    assert pytest.approx(motion(t)[0].T, abs=1e-14) == np.array(q)
 
 
 @needs_compiler
