@@ -27,6 +27,8 @@ class Run:
         tau: Torques of the motors, (samples, n).
         energy: Kinetic and potential energy [J], (samples,).
         work: Of the motors and disturbances up to then, and what bodies brought that were taken up [J], (samples,).
+        brought: What of this work bodies brought that were taken up, less what those took that were put down [J],
+            (samples,).
         lost: To friction up to then [J], (samples,).
         divergence: Where it was given up, with the samples up to then; None where the end was reached.
     """
@@ -37,6 +39,7 @@ class Run:
     tau: Array
     energy: Array
     work: Array
+    brought: Array
     lost: Array
     divergence: Divergence | None
 
@@ -92,13 +95,14 @@ def simulate(
     n = start[0].size
     begins = [stage.start for stage in stages]
     edges = _edges(times, [*begins, *jumps] if period is None else begins, period)
-    state, stage, divergence = np.concatenate([*start, [0.0, 0.0]]), stages[0], None
+    state, stage, brought, divergence = np.concatenate([*start, [0.0, 0.0]]), stages[0], 0.0, None
     held = stage.law(float(times[0]), *start)
-    parts = [_Part(times[:1], state[None], held[None], stage.plant)]
+    parts = [_Part(times[:1], state[None], held[None], stage.plant, 0.0)]
     for (a, looks), (b, _) in pairwise(edges):
         now = [other for other in stages if other.start <= a + SAME][-1]
         if now is not stage:
-            state, stage = _taken_up(state, stage.plant, now.plant), now
+            before, state = state, _taken_up(state, stage.plant, now.plant)
+            brought, stage = brought + float(state[2 * n] - before[2 * n]), now
         if looks:
             held = stage.law(a, state[:n], state[n : 2 * n])
         law = _before(stage.law, b) if period is None else _holding(held)
@@ -111,7 +115,7 @@ def simulate(
             rows, divergence = step(stage.plant, law, state, (a, b), wanted)
         kept = rows[: inside.size]
         tau = [law(float(t), row[:n], row[n : 2 * n]) for t, row in zip(inside, kept, strict=False)]
-        parts.append(_Part(inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant))
+        parts.append(_Part(inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant, brought))
         if divergence is not None:
             break
         state = rows[-1]
@@ -120,12 +124,13 @@ def simulate(
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Samples between two edges: times, states, torques, and the arm."""
+    """Samples between two edges: times, states, torques, the arm, and what bodies brought [J]."""
 
     t: Array
     states: Array
     tau: Array
     plant: Plant
+    brought: float
 
 
 def _edges(times: Array, begins: Sequence[float], period: float | None) -> list[tuple[float, bool]]:
@@ -179,6 +184,7 @@ def _run(parts: Sequence[_Part], divergence: Divergence | None) -> Run:
         tau=np.concatenate([part.tau for part in parts]),
         energy=np.concatenate(energies),
         work=states[:, 2 * n],
+        brought=np.concatenate([np.full(len(part.t), part.brought) for part in parts]),
         lost=states[:, 2 * n + 1],
         divergence=divergence,
     )

@@ -81,6 +81,7 @@ def _simulation(motion: Motion, run: Run) -> dict[str, Any]:
         "largest_errors": dict(zip([j.variable for j in motion.plan.robot.joints], errors.tolist(), strict=True)),
         "end": {"q": run.q[-1].tolist(), "qd": run.qd[-1].tolist()},
         "work": float(run.work[-1]),
+        "brought": float(run.brought[-1]),
         "lost": float(run.lost[-1]),
         "energy_error": run.energy_error,
         "violations": _violations(motion.plan.robot, motion.violations_of(run)),

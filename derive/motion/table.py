@@ -94,7 +94,7 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
     """
     robot = motion.plan.robot
     rows: list[tuple[str, ...]] = []
-    errors = run.q - motion(run.t)[0]
+    errors, moved = run.q - motion(run.t)[0], run.work - run.brought
     for segment in motion.trajectory.segments:
         start, end = float(segment.start), float(segment.start + segment.duration)
         (inside,) = np.nonzero((run.t >= start) & (run.t <= end))
@@ -107,7 +107,7 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
                 segment.name,
                 _worst(robot, errors[inside], run.t[inside]),
                 _torque(robot, int(joint), float(run.tau[inside][at, joint]), float(run.t[inside][at])),
-                f"{run.work[last] - run.work[first]:.4g} J",
+                f"{moved[last] - moved[first]:.4g} J",
                 f"{run.lost[last] - run.lost[first]:.4g} J",
             )
         )

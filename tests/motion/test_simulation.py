@@ -159,7 +159,17 @@ def test_every_law_of_a_plan_is_known_to_the_controller() -> None:
 def test_the_ledger_is_what_the_start_had_and_the_motors_brought() -> None:
     t = np.arange(3.0)
     rows = np.zeros((3, 1))
-    run = Run(t, rows, rows, rows, np.array([5.0, 6.5, 4.0]), np.array([0, 2.0, 2.0]), np.array([0, 0.5, 2.5]), None)
+    run = Run(
+        t,
+        rows,
+        rows,
+        rows,
+        np.array([5.0, 6.5, 4.0]),
+        np.array([0, 2.0, 2.0]),
+        np.zeros(3),
+        np.array([0, 0.5, 2.5]),
+        None,
+    )
     assert run.energy_error == 0.5
     assert run.reached
 

@@ -120,3 +120,10 @@ def test_a_simulation_has_a_row_for_each_segment_that_it_reached() -> None:
     assert rows[1][3] == f"{run.work[-1] - run.work[half]:.4g} J"
     worst = np.abs(run.q - motion(run.t)[0])[: half + 1].max()
     assert f"{worst:.1e}" in rows[0][1]
+
+
+def test_work_of_a_simulation_is_that_of_its_motors_also_where_a_body_is_taken_up() -> None:
+    text = LIMITED.replace("speed: SPEED, torque: TORQUE", "").replace("time: 3}", "time: 3, payload: 2}")
+    motion = Motion.from_text(text + "control: {law: computed-torque, kp: 100, kd: 20}\n")
+    planned = [row[-1] for row in table(motion)]
+    assert [row[3] for row in simulated_table(motion, motion.simulate())] == planned
