@@ -8,7 +8,7 @@ recursions has none of them: it depends on time, position and velocity alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -122,12 +122,13 @@ class BaseTorques:
     base: BaseCurve
     duration: float
 
-    def _carrying(self, payload: Payload | None) -> tuple[Robot, Mapping[str, float]]:
+    def _carrying(self, *payloads: Payload | None) -> tuple[Robot, Mapping[str, float]]:
         """The robot whose last link is as heavy as with what the tool carries."""
-        if payload is None:
+        if not any(payloads):
             return self.robot, self.values
-        link = OpenLink.of(self.robot)
-        carried = Body.last_link(self.robot, self.values) + Body.payload(self.robot, payload, self.values)
+        link, carried = OpenLink.of(self.robot), Body.last_link(self.robot, self.values)
+        for payload in filter(None, payloads):
+            carried += Body.payload(self.robot, payload, self.values)
         return link.robot, {**self.values, **link.values(carried)}
 
     def __call__(self, t: Array, q: Array, qd: Array, payload: Payload | None = None) -> Array:
@@ -153,6 +154,29 @@ class BaseTorques:
         torques = added_torques(chain, tuple(np.moveaxis(qd, -1, 0)), frames, gravity)
         return np.stack([np.broadcast_to(torque, t.shape) for torque in torques], axis=-1)
 
+    def single(self, *payloads: Payload | None) -> Callable[[float, Array, Array], Array]:
+        """The same at one time, without the cost of arrays.
+
+        Args:
+            *payloads: What the tool carries.
+
+        Returns:
+            A function of the time [s], joint variables and velocities, (n,) each.
+        """
+        robot, values = self._carrying(*payloads)
+
+        def _at(t: float, q: Array, qd: Array) -> Array:
+            domain = FloatDomain(robot, q.tolist(), values)
+            inside = min(max(t, 0.0), self.duration)
+            pose, *rates = self.base.single(inside)
+            if inside != t:
+                rates = [[[0.0] * 4] * 4] * 2
+            frames = [_frame(rows) for rows in (pose, *rates)]
+            gravity = constant_vector(robot.gravity, domain) if robot.gravity else (0.0, 0.0, 0.0)
+            return np.array(added_torques(build_chain(robot, domain), qd.tolist(), frames, gravity))
+
+        return _at
+
     def tape(self, payload: Payload | None = None) -> Tape:
         """The same as a program with the arguments ``q``, ``qd`` and `BASE`.
 
@@ -175,5 +199,5 @@ class BaseTorques:
 
 def _frame(rows: Sequence[Sequence[Any]]) -> Frame[Any]:
     """Three rows of four entries as a frame; of a derivative no transform, and yet of that form."""
-    a, b, c = ((row[0], row[1], row[2]) for row in rows)
+    a, b, c = ((row[0], row[1], row[2]) for row in rows[:3])
     return Frame((a, b, c), (rows[0][3], rows[1][3], rows[2][3]))

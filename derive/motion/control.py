@@ -53,6 +53,7 @@ class Controller:
         kd: Gains of the velocity, (n,).
         reference: What is wanted.
         functions: The model that the controller knows, without dry friction; None where the law needs none.
+        inertial: What that model says that a base that moves adds; None where it stands.
     """
 
     law: str
@@ -60,6 +61,7 @@ class Controller:
     kd: Array
     reference: Reference
     functions: Functions | None
+    inertial: Callable[[float, Array, Array], Array] | None = None
 
     def __call__(self, t: float, q: Array, qd: Array) -> Array:
         """Torques of the motors.
@@ -82,6 +84,7 @@ class Controller:
         tau: Array = self.kp * (wanted - q) + self.kd * (velocity - qd)
         if self.functions is None:
             return tau
+        inertial = 0.0 if self.inertial is None else self.inertial(t, q, qd)
         if self.law == "pd-gravity":
-            return tau + self.functions("gravity_vector", q)
-        return self.functions("inverse_dynamics", q, qd, acceleration + tau)
+            return tau + self.functions("gravity_vector", q) + inertial
+        return self.functions("inverse_dynamics", q, qd, acceleration + tau) + inertial

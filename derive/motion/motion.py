@@ -386,11 +386,8 @@ class Motion:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
         self._check_dynamics()
-        if self.plan.base is not None:
-            remedy = "give the robot joints for what its base does, as skeleton-root has"
-            raise QuantityError("an arm whose base moves is not simulated", remedy=remedy)
         plan, trajectory = self.plan, self.trajectory
-        stages = stages_of(plan, trajectory, self.values, calls)
+        stages = stages_of(plan, trajectory, self.values, calls, self.base_torques)
         start, sticks = trajectory(0.0)[:2], plan.friction == "exact"
         return simulate(stages, start, self.times, self._period(), sticks=sticks, jumps=trajectory.jumps)
 

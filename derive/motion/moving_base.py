@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from sympy import Expr, Integer, Matrix, cos, eye, sin
@@ -13,6 +14,9 @@ from derive.motion.plan_cells import PlanCells
 from derive.motion.profile import Curve
 from derive.robot.document import Document, KeyPath
 from derive.robot.expression import Expression
+
+KEPT = 8
+"""Single times whose transforms are kept: plant and controller ask for the same."""
 
 PATHS: dict[str, KeyPath] = {
     **{key: ("base", key) for key in ("x", "y", "z")},
@@ -93,6 +97,11 @@ class BaseCurve:
             (times, 4, 4).
         """
         return np.stack([curve.sampled(t, order) for curve in self._curves], axis=-1).reshape(-1, 4, 4)
+
+    @cached_property
+    def single(self) -> Callable[[float], tuple[list[list[float]], ...]]:
+        """Transform, rate and second derivative at one time, as rows; what was asked last is kept."""
+        return lru_cache(KEPT)(lambda t: tuple(self(np.array([t]), order)[0].tolist() for order in range(3)))
 
     @cached_property
     def _curves(self) -> list[Curve]:

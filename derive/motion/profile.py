@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from itertools import pairwise
 from math import prod
 
@@ -36,6 +37,9 @@ from sympy import (
 from derive.motion.hermite import TIME, Array, Piece, joined
 
 ZERO = Integer(0)
+
+KEPT = 4096
+"""How many parts of formulas a process keeps as functions."""
 
 
 class Profile(StrEnum):
@@ -115,7 +119,7 @@ class Curve:
         Returns:
             The values, (points,).
         """
-        return np.broadcast_to(_on_array(self.formulas[order], t), t.shape)
+        return np.broadcast_to(_on_array(self.formulas[order])(t), t.shape)
 
 
 AnyPiece = Piece | Cosine | Curve
@@ -134,16 +138,20 @@ _FUNCTIONS: dict[type[Expr], Callable[..., Array]] = {
 }
 
 
-def _on_array(formula: Expr, t: Array) -> Array:
-    """The number of a formula at many times; nothing but what the grammar of cells and its derivatives know."""
+@lru_cache(KEPT)
+def _on_array(formula: Expr) -> Callable[[Array], Array]:
+    """A formula at many times; nothing but what the grammar of cells and its derivatives know."""
     if formula == TIME:
-        return t
+        return lambda t: t
     if not formula.has(TIME):
-        return np.array(float(formula))
-    values = [_on_array(argument, t) for argument in formula.args]
+        constant = np.array(float(formula))
+        return lambda _: constant
+    arguments = tuple(map(_on_array, formula.args))
     if isinstance(formula, Pow) and formula.exp.is_Integer:
-        return np.asarray(values[0] ** int(formula.exp))
-    return np.asarray(_FUNCTIONS[formula.func](*values))
+        base, exponent = arguments[0], int(formula.exp)
+        return lambda t: np.asarray(base(t) ** exponent)
+    operation = _FUNCTIONS[formula.func]
+    return lambda t: np.asarray(operation(*[argument(t) for argument in arguments]))
 
 
 def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Expr) -> tuple[AnyPiece, ...]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from derive.motion.base_torques import BaseTorques
 from derive.motion.bodies import Body, OpenLink
 from derive.motion.control import NEEDS, Controller, looked_up
 from derive.motion.functions import Functions
@@ -26,17 +27,24 @@ CALLS_PER_LOOK = 30.0
 """Calls from one look of a sampled controller to the next, about."""
 
 
-def stages_of(plan: Plan, trajectory: Trajectory, values: Mapping[str, float], calls: float | None) -> list[Stage]:
+def stages_of(
+    plan: Plan,
+    trajectory: Trajectory,
+    values: Mapping[str, float],
+    calls: float | None,
+    added: BaseTorques | None = None,
+) -> list[Stage]:
     """The stages of a simulation.
 
-    The controller knows the robot and what the path says that the tool carries; it knows nothing of disturbances and
-    of what stands under ``plant``.
+    The controller knows the robot, how its base moves and what the path says that the tool carries; it knows nothing of
+    disturbances and of what stands under ``plant``.
 
     Args:
         plan: The plan, of a robot with dynamics.
         trajectory: Its motion.
         values: Numbers of all symbols.
         calls: How often functions will be called; None for an estimate.
+        added: What the motion of the base adds to the torques; None where it stands.
 
     Returns:
         One stage for each time between two changes of load or disturbance.
@@ -61,7 +69,7 @@ def stages_of(plan: Plan, trajectory: Trajectory, values: Mapping[str, float], c
     arm = link.robot if link else bare
     slides = not coulomb.any()
     keeps = (period or control.law == "none") and (slides or (period and plan.friction == "smooth"))
-    held = held_arm(arm, known, expected) if keeps else None
+    held = held_arm(arm, known, expected) if keeps and added is None else None
     functions = Functions(arm, needed, known, calls=expected / (CALLS_PER_LOOK if held and calls is None else 1))
     kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
 
@@ -81,9 +89,12 @@ def stages_of(plan: Plan, trajectory: Trajectory, values: Mapping[str, float], c
             if evaluate(each.start, values) <= start < evaluate(each.end, values):
                 push[each.joint] += evaluate(each.torque, values)
         actual = _numbers(true, (carried, plan.plant_payload))
-        plant = Plant(functions.given(actual), viscous, coulomb, push, held.given(actual) if held else None)
+        inertial = replace(added, values=true).single(carried, plan.plant_payload) if added else None
+        steps = held.given(actual) if held else None
+        plant = Plant(functions.given(actual), viscous, coulomb, push, steps, inertial)
         model = functions.given(_numbers(values, (carried,))) if NEEDS[control.law] else None
-        stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model)))
+        known_inertial = added.single(carried) if added else None
+        stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model, known_inertial)))
     return stages
 
 

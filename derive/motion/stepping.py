@@ -47,6 +47,7 @@ class Plant:
         coulomb: Coefficients of dry friction, which they do not.
         push: What acts on the joints besides motors and friction [N m or N].
         held: Its steps in C while the motors hold their torques; None where that is not worth a compiler.
+        inertial: What the motion of the base adds to the torques; None where it stands.
     """
 
     functions: Functions
@@ -54,6 +55,17 @@ class Plant:
     coulomb: Array
     push: Array
     held: Held | None = None
+    inertial: Law | None = None
+
+    def pushed(self, t: float, q: Array, qd: Array) -> Array:
+        """What acts on the joints besides motors and friction, the motion of the base included [N m or N].
+
+        Args:
+            t: Time [s].
+            q: Joint variables, (n,).
+            qd: Velocities, (n,).
+        """
+        return self.push if self.inertial is None else self.push - self.inertial(t, q, qd)
 
     def energy(self, q: Array, qd: Array) -> Array:
         """Kinetic and potential energy [J].
@@ -170,14 +182,14 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
         A row for each time.
     """
     n = plant.coulomb.size
-    dry, viscous, push = plant.coulomb, plant.viscous, plant.push
+    dry, viscous = plant.coulomb, plant.viscous
     frozen, rough, nothing = np.zeros_like(state), bool(dry.any()), np.zeros(n)
 
     def _rates(t: float, state: Array) -> Array:
         q, qd = state[:n], state[n : 2 * n]
         if not qd @ qd < 4 * n * DIVERGED**2:
             return frozen
-        tau = law(t, q, qd) + push
+        tau = law(t, q, qd) + plant.pushed(t, q, qd)
         slip = dry * np.tanh(qd / STICTION_SPEED) if rough else nothing
         rates = np.empty_like(state)
         rates[:n] = qd

@@ -64,7 +64,7 @@ class Contact:
         dry = plant.coulomb
         way, open_ = np.where(dry > 0, np.sign(qd), 0.0), (dry > 0) & (qd == 0)
         if open_.any():
-            free = plant.functions("forward_dynamics", q, qd, law(t, q, qd) + plant.push - dry * way)
+            free = plant.functions("forward_dynamics", q, qd, law(t, q, qd) + plant.pushed(t, q, qd) - dry * way)
             held = _complementary(_mobility(plant, q), free, np.where(open_, dry, 0.0))[1]
             way = np.where(open_ & (np.abs(held) >= dry), np.sign(held), way)
         for _ in range(4 * dry.size):
@@ -110,7 +110,7 @@ class Contact:
             Torques of motors and pushes, accelerations, and dry friction: f sign(qd) of joints that slip, what it takes
             to hold those that stand, (n,) each.
         """
-        plant, tau = self.plant, self.law(t, q, qd) + self.plant.push
+        plant, tau = self.plant, self.law(t, q, qd) + self.plant.pushed(t, q, qd)
         friction = self.slip
         qdd = plant.functions("forward_dynamics", q, qd, tau - friction)
         if self.any_stands:
@@ -233,7 +233,7 @@ def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], tim
         steps = max(int(np.ceil((wanted - t) / STEP - 1e-9)), 1)
         h = float(wanted - t) / steps
         for _ in range(steps):
-            tau = law(t, q, qd) + plant.push
+            tau = law(t, q, qd) + plant.pushed(t, q, qd)
             free = qd + h * plant.functions("forward_dynamics", q, qd, tau)
             after, impulse = _complementary(_mobility(plant, q), free, h * plant.coulomb)
             mean = (qd + after) / 2

@@ -146,3 +146,52 @@ def test_cells_are_read_at_many_configurations() -> None:
     cosine, sine = domain.joint_cosine_sine(0, robot.joints[0])
     assert cosine == pytest.approx([np.sqrt(3) / 2, 0], abs=1e-15)
     assert sine == pytest.approx([0.5, 1])
+
+
+PENDULUM = """robot: {name: arm, convention: standard, gravity: [GX, -9.81, 0],
+  joints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}],
+  links: [{mass: 2, com: [-0.2, 0, 0], inertia: {xx: 0, yy: 0.1, zz: 0.1}, friction: {coulomb: DRY, viscous: 0.1}},
+    {mass: 1, com: [-0.1, 0, 0], inertia: {xx: 0, yy: 0.05, zz: 0.05}}]}
+points: {a: [0.2, 0.4]}
+path: [a, {to: a, time: 1}]
+sample: 0.05
+friction: KIND
+"""
+
+
+@pytest.mark.parametrize(("kind", "dry"), [("none", "0"), pytest.param("exact", "0.8", marks=pytest.mark.sweep)])
+def test_an_arm_on_an_accelerated_base_falls_as_in_a_tilted_world(kind: str, dry: str) -> None:
+    """x = t^2 is a weight of 2 m/s^2 to the other side, in torques, in simulations, and in the ledger of energy."""
+    text = PENDULUM.replace("KIND", kind).replace("DRY", dry)
+    moving = Motion.from_text(text.replace("GX", "0") + "base: {x: t**2}\n").simulate()
+    tilted = Motion.from_text(text.replace("GX", "-2")).simulate()
+    assert moving.reached
+    assert moving.q == pytest.approx(tilted.q, abs=1e-8)
+    assert np.ptp(moving.q[:, 0]) > 0.5
+    assert moving.energy_error < 1e-6
+
+
+def turning_base() -> Motion:
+    text = PENDULUM.replace("KIND", "none").replace("DRY", "0").replace("GX", "0")
+    text = text.replace("[0.2, 0.4]}", "[0.2, 0.4], b: [1, -0.3]}").replace("to: a", "to: b, payload: 0.5")
+    control = "control: {law: computed-torque, kp: 100, kd: 20}\n"
+    return Motion.from_text(f"{text}{control}base: {{x: t**2, z: sin(t), rpy: [t, t**2/2, 0.3]}}\n")
+
+
+def test_what_one_time_gives_is_what_many_give_before_and_after_the_motion_too() -> None:
+    motion = turning_base()
+    added, load = motion.base_torques, motion.plan.steps[0].payload
+    assert added is not None
+    t = np.linspace(-0.1, 1.1, 13)
+    q, qd, _ = motion(t)
+    single = added.single(load)
+    one = [single(*each) for each in zip(t.tolist(), q, qd, strict=True)]
+    assert np.array(one) == pytest.approx(added(t, q, qd, load), abs=1e-11)
+
+
+@pytest.mark.sweep
+def test_computed_torque_follows_on_a_base_that_turns() -> None:
+    motion = turning_base()
+    run = motion.simulate()
+    assert run.q == pytest.approx(motion(run.t)[0], abs=1e-8)
+    assert run.energy_error < 1e-6

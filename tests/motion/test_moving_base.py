@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sympy import Rational, cos, pi, sin
 
-from derive.errors import DeriveError, QuantityError
+from derive.errors import DeriveError
 from derive.motion.hermite import TIME
 from derive.motion.motion import Motion
 from derive.motion.moving_base import BaseCurve
@@ -36,13 +36,11 @@ def test_second_derivatives_are_exact_too() -> None:
     assert base(t, 2) == pytest.approx((base(t + h, 1) - base(t - h, 1)) / (2 * h), abs=1e-8)
 
 
-def test_an_arm_whose_base_moves_has_torques_and_is_not_simulated() -> None:
+def test_an_arm_whose_base_moves_has_torques() -> None:
     text = REACH.replace("skeleton", "scara-matlab").partition("values:")[0]
     motion = Motion.from_text(text)
     assert motion.has_torques
     assert all(len(found.loads) == 4 for found in motion.peaks)
-    with pytest.raises(QuantityError, match=r"base moves is not simulated.*skeleton-root"):
-        motion.simulate()
 
 
 def test_the_fastest_motion_under_torques_does_not_know_a_base_that_moves() -> None:
