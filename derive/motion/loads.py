@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -72,7 +73,13 @@ def mean_weights(count: int) -> Array:
     return np.asarray(weights / count)
 
 
-def loads(start: float, end: float, samples: int, state: Callable[[Array], tuple[Array, Array]]) -> tuple[Load, ...]:
+def loads(
+    start: float,
+    end: float,
+    samples: int,
+    state: Callable[[Array], tuple[Array, Array]],
+    corners: Iterable[float] = (),
+) -> tuple[Load, ...]:
     """What each joint does in a segment.
 
     Args:
@@ -80,16 +87,21 @@ def loads(start: float, end: float, samples: int, state: Callable[[Array], tuple
         end: When it ends, and the next one begins [s].
         samples: How many intervals between rows of a table it has.
         state: Torques and velocities at times, (...) to (..., n) each.
+        corners: Times in between at which torques may jump [s].
 
     Returns:
         One for each joint; integrals by `mean_weights`.
     """
-    count = max(2 * samples, LEAST_INTERVALS)
-    times = start + (end - start) * np.arange(count + 1) / count
-    times = np.minimum(times, np.nextafter(end, start))  # what this segment carries and does, not the next one
+    count, length = max(2 * samples, LEAST_INTERVALS), end - start
+    places, parts = [], []
+    for a, b in pairwise(sorted({start, *corners, end})):
+        inner = count if b - a == length else 4 * max(2, int(np.ceil(count * (b - a) / length / 4)))
+        # what comes before a jump, and what this segment carries and does, not the next one
+        places.append(np.minimum(a + (b - a) * np.arange(inner + 1) / inner, np.nextafter(b, a)))
+        parts.append(mean_weights(inner) * ((b - a) / length))
+    times, weights = np.concatenate(places), np.concatenate(parts)
     tau, qd = state(times)
     power = tau * qd
-    weights = mean_weights(count)
     work = weights @ power * (end - start)
     rms = np.sqrt(weights @ tau**2)
 

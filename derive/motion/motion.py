@@ -411,7 +411,9 @@ class Motion:
         def _state(times: Array) -> tuple[Array, Array]:
             return self.torques(times), self.trajectory(times)[1]
 
-        return loads(float(segment.start), float(segment.start + segment.duration), count, _state)
+        end = float(segment.start + segment.duration)
+        corners = segment.corners if len(segment.corners) <= LEAST_INTERVALS else ()
+        return loads(float(segment.start), end, count, _state, corners)
 
     def _exact(self, values: tuple[Expression, ...]) -> tuple[Expr, ...]:
         """Cells with the numbers of their symbols."""

@@ -42,6 +42,11 @@ class Segment:
     duration: Expr
     joints: Joints
 
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Times within it at which a piece of a joint begins, so that accelerations may jump [s]."""
+        return tuple(sorted({float(piece.start) for pieces in self.joints for piece in pieces[1:]}))
+
     def peaks(self, order: int) -> tuple[Peak, ...]:
         """The largest velocity or acceleration of each joint.
 

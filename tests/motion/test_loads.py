@@ -31,3 +31,16 @@ def test_peaks_lie_between_samples_and_integrals_are_exact(samples: int) -> None
 def test_what_the_next_segment_carries_does_not_count() -> None:
     (load,) = loads(0.0, 1.0, 10, lambda t: (np.where(t < 1, 1.0, 9.0)[..., None], np.ones((*t.shape, 1))))
     assert (load.peak, load.power, load.rms) == (1.0, 1.0, pytest.approx(1.0))
+
+
+def test_integrals_stop_at_corners() -> None:
+    """A torque of 1 that jumps to 3 at a third of the time: work 7/3, mean square 19/3."""
+
+    def jumping(t: Array) -> tuple[Array, Array]:
+        return np.where(t < 1 / 3, 1.0, 3.0)[..., None], np.ones((*t.shape, 1))
+
+    (load,) = loads(0.0, 1.0, 10, jumping, [1 / 3])
+    assert load.work == pytest.approx(7 / 3, rel=1e-12)
+    assert load.rms == pytest.approx(np.sqrt(19 / 3), rel=1e-12)
+    assert (load.peak, load.power) == (3, 3)
+    assert load.time == pytest.approx(1 / 3)
