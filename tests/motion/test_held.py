@@ -9,6 +9,7 @@ from derive.motion import functions, held
 from derive.motion.held import held_arm
 from derive.motion.motion import Motion
 from derive.motion.simulation import Run
+from derive.motion.stages import stages_of
 from derive.targets.compiler import find_compiler
 
 ARM = """\
@@ -65,6 +66,18 @@ def test_what_diverges_says_where_and_keeps_the_rows_so_far() -> None:
     assert np.abs(ours.divergence.qd).max() >= 1e4
     assert 1 <= ours.t.size == theirs.t.size
     assert np.isfinite(ours.q).all()
+
+
+def test_a_time_as_near_as_rounding_is_reached() -> None:
+    motion = Motion.from_text(ARM + "friction: none\n")
+    plant = stages_of(motion.plan, motion.trajectory, motion.values, 1e9)[0].plant
+    assert plant.held is not None
+    state = np.array([0.4, 0.1, 1.0, -0.5, 0.0, 0.0])
+    for start in (0.5, 7.0, 1e5):
+        end = np.nextafter(start, np.inf)
+        rows, divergence = plant.held(plant, np.zeros(2), state, (start, end), np.array([end]))
+        assert divergence is None
+        assert rows[0] == pytest.approx(state, abs=1e-9)
 
 
 def test_few_evaluations_are_not_worth_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
