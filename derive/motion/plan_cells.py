@@ -36,7 +36,7 @@ class PlanCells:
     def __init__(self, document: Document, robot: Robot) -> None:
         self._document = document
         self._robot = robot
-        self.cells = Cells(document, robot.units)
+        self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))
         self.values: Mapping[str, Expression] = {name: self._value(name) for name in self.keys(("values",))}
 
     def _value(self, name: str) -> Expression:

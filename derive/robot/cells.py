@@ -47,12 +47,13 @@ class MixedUnitsError(ValueError):
     """pi stands in an angle cell whose plain numbers are degrees."""
 
 
-def angle_in_radians(expression: Expression, units: FileUnits) -> Expression:
+def angle_in_radians(expression: Expression, units: FileUnits, unitless: frozenset[str] = frozenset()) -> Expression:
     """An angle cell in radians.
 
     Args:
         expression: The cell as written.
         units: Units of its plain numbers.
+        unitless: Names that have no unit of their own, as the time in a formula: terms of them alone are plain numbers.
 
     Returns:
         The angle [rad].
@@ -64,21 +65,22 @@ def angle_in_radians(expression: Expression, units: FileUnits) -> Expression:
         return expression
     if contains_pi(expression):
         raise MixedUnitsError
-    return _scaled(plain_number(expression, units), _DEGREE)
+    return _scaled(plain_number(expression, units), _DEGREE, unitless)
 
 
-def length_in_metres(expression: Expression, units: FileUnits) -> Expression:
+def length_in_metres(expression: Expression, units: FileUnits, unitless: frozenset[str] = frozenset()) -> Expression:
     """A length cell in metres.
 
     Args:
         expression: The cell as written.
         units: Units of its plain numbers.
+        unitless: Names that have no unit of their own, as the time in a formula: terms of them alone are plain numbers.
 
     Returns:
         The length [m].
     """
     converted = plain_number(expression, units)
-    return _scaled(converted, _MILLIMETRE) if units.millimetres else converted
+    return _scaled(converted, _MILLIMETRE, unitless) if units.millimetres else converted
 
 
 def plain_number(expression: Expression, units: FileUnits) -> Expression:
@@ -100,12 +102,12 @@ def plain_number(expression: Expression, units: FileUnits) -> Expression:
     return converted
 
 
-def _scaled(expression: Expression, unit: Expression) -> Expression:
+def _scaled(expression: Expression, unit: Expression, unitless: frozenset[str] = frozenset()) -> Expression:
     """The expression with every plain number multiplied by ``unit``."""
-    pairs = linear_terms(expression)
-    if not any(is_constant(term) for _, term in pairs):
+    pairs = [(c, term, unitless.issuperset(names(term))) for c, term in linear_terms(expression)]
+    if not any(is_plain for _, _, is_plain in pairs):
         return expression
-    return add(*(multiply(number(c), term, unit if is_constant(term) else number(1)) for c, term in pairs))
+    return add(*(multiply(number(c), term, unit if is_plain else number(1)) for c, term, is_plain in pairs))
 
 
 def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, ...]:
@@ -228,11 +230,13 @@ class Cells:
         document: The file.
         units: Units of plain numbers.
         first_use: Every name that was read, with the place where it appears first; filled while reading.
+        unitless: Names that have no unit of their own.
     """
 
     document: Document
     units: FileUnits
     first_use: dict[str, Location] = field(default_factory=dict)
+    unitless: frozenset[str] = frozenset()
 
     def angle(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """An angle.
@@ -263,7 +267,7 @@ class Cells:
         Raises:
             ExpressionError: Outside the grammar.
         """
-        return length_in_metres(self.raw(path, default), self.units)
+        return length_in_metres(self.raw(path, default), self.units, self.unitless)
 
     def plain(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """A quantity that is always in SI units, such as a mass.
@@ -314,7 +318,7 @@ class Cells:
             RobotFileError: pi in a file whose angles are degrees.
         """
         try:
-            return angle_in_radians(expression, self.units)
+            return angle_in_radians(expression, self.units, self.unitless)
         except MixedUnitsError:
             raise self.document.error(
                 path,

@@ -39,6 +39,24 @@ def test_angles(text: str, units: FileUnits, value: float) -> None:
     assert evaluate(angle_in_radians(cell(text), units), VALUES) == pytest.approx(value, rel=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("text", "radians"),
+    [
+        ("30*t", "pi*t/6"),
+        ("30 + 10*t", "pi/6 + pi*t/18"),
+        ("45*sin(2*t)", "pi/4*sin(2*t)"),
+        ("a + 90*t", "a + pi/2*t"),
+        ("a*t", "a*t"),
+    ],
+)
+def test_terms_of_names_without_a_unit_are_in_the_units_of_the_file(text: str, radians: str) -> None:
+    """The time in a formula is such a name."""
+    found = angle_in_radians(cell(text), DEGREES, frozenset({"t"}))
+    for t in (0.0, 0.7, 2.0):
+        values = {"t": t, "a": 0.4}
+        assert evaluate(found, values) == pytest.approx(evaluate(cell(radians), values), rel=1e-15)
+
+
 def test_pi_among_degrees_is_refused() -> None:
     with pytest.raises(MixedUnitsError):
         angle_in_radians(cell("pi/2"), DEGREES)
