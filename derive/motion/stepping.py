@@ -197,9 +197,21 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
         rates[-2], rates[-1] = tau @ qd, (slip + viscous * qd) @ qd
         return rates
 
-    stiff = rough or (span[1] - span[0] > SHORT and _fastest_decay(_rates, span[0], state) > STIFF)
-    got, _, divergence = integrated(_rates, state, span, times, "LSODA" if stiff else "DOP853")
+    method = "LSODA" if rough else solver(_rates, state, span)
+    got, _, divergence = integrated(_rates, state, span, times, method)
     return got, divergence
+
+
+def solver(rates: Callable[[float, Array], Array], state: Array, span: tuple[float, float]) -> str:
+    """Which of scipy's solvers takes few steps: an implicit one where something decays fast.
+
+    Args:
+        rates: Derivatives of a state.
+        state: At the start.
+        span: Start and end [s].
+    """
+    stiff = span[1] - span[0] > SHORT and _fastest_decay(rates, span[0], state) > STIFF
+    return "LSODA" if stiff else "DOP853"
 
 
 def _fastest_decay(rates: Callable[[float, Array], Array], t: float, state: Array) -> float:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from derive.motion.hermite import Array, Flags
-from derive.motion.stepping import DIVERGED, Divergence, Law, Plant, Steps, integrated
+from derive.motion.stepping import DIVERGED, Divergence, Law, Plant, Steps, integrated, solver
 
 LONGEST = 2e-2
 """Longest step: changes of slip and stick are looked for at its end [s]."""
@@ -164,7 +164,7 @@ class Contact:
 def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
     """With Coulomb friction that sticks: |qd| is zero, not small, below the torque of breakaway.
 
-    DOP853 leads to the time at which a joint that slips comes to rest, or one that stands needs more than its friction;
+    A solver leads to the time at which a joint that slips comes to rest, or one that stands needs more than friction;
     there it is decided anew which of them slip (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems,
     2008, chapter 8). Where changes follow one another without end, time steps of `stepped` lead across them.
 
@@ -197,9 +197,8 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
             rows += [state] if end == times[len(rows)] else []
             continue
         wanted = times[len(rows) :]
-        got, change, divergence = integrated(
-            contact.rates, state, (t, span[1]), wanted, "DOP853", contact.margin, LONGEST
-        )
+        span, method = (t, span[1]), solver(contact.rates, state, (t, span[1]))
+        got, change, divergence = integrated(contact.rates, state, span, wanted, method, contact.margin, LONGEST)
         rows += list(got)
         if divergence is not None:
             return _so_far(), divergence

@@ -114,6 +114,22 @@ def test_a_torque_that_is_breakaway_itself_moves_nothing() -> None:
     assert not end.any()
 
 
+def test_large_gains_of_a_light_link_do_not_stop_a_simulation() -> None:
+    """20 N m s/rad on 0.0004 kg m^2 decay at 50,000/s; an explicit solver would take as many steps."""
+    text = ARM.replace("[-0.2, 0, 0], friction", "[0, 0, 0], friction").replace("mass: 1,", "mass: 0.001,")
+    plant, calls = plant_of(text.replace("a: 0.5", "a: 0.1")), 0
+
+    def stiff(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
+        nonlocal calls
+        calls += 1
+        return -60 * q - 20 * qd
+
+    (end,), divergence = exact(plant, stiff, np.array([0.3, 0.2, 0.5, 0, 0, 0, 0, 0]), (0.0, 0.5), np.array([0.5]))
+    assert divergence is None
+    assert calls < 20_000
+    assert np.abs(end[:3]).max() < 0.5
+
+
 def test_chatter_does_not_stop_a_simulation() -> None:
     """A motor that pushes against the velocity with more than breakaway: no way of slipping lasts."""
     plant = replace(plant_of(SLIDES.replace("FIRST", "7")), coulomb=np.array([1.0, 1]), push=np.zeros(2))
