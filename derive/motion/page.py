@@ -26,15 +26,12 @@ from derive.motion.loads import SegmentPeaks
 from derive.motion.motion import Motion
 from derive.motion.plane import motion_normal
 from derive.motion.playback import playback
-from derive.motion.polynomials import formula
+from derive.motion.polynomials import MOST_PIECES, formula
 from derive.motion.profile import VALUES
 from derive.motion.simulation import Run
 from derive.motion.trajectory import Segment
 from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
-
-MOST_PIECES = 8
-"""Formulas of a joint in a segment that are printed."""
 
 DRAWN = 361
 """Times at which curves are drawn on paper."""
