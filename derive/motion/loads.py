@@ -100,20 +100,18 @@ def loads(
         places.append(np.minimum(a + (b - a) * np.arange(inner + 1) / inner, np.nextafter(b, a)))
         parts.append(mean_weights(inner) * ((b - a) / length))
     times, weights = np.concatenate(places), np.concatenate(parts)
-    tau, qd = state(times)
-    power = tau * qd
+
+    def _both(at: Array) -> Array:
+        """Torques, then powers, (..., 2 n)."""
+        torque, velocity = state(at)
+        return np.concatenate([torque, torque * velocity], axis=-1)
+
+    values = _both(times)
+    tau, power = np.split(values, 2, axis=1)
     work = weights @ power * (end - start)
     rms = np.sqrt(weights @ tau**2)
-
-    def _torque(at: Array) -> Array:
-        return state(at)[0]
-
-    def _power(at: Array) -> Array:
-        torque, velocity = state(at)
-        return torque * velocity
-
-    joints = np.arange(tau.shape[1])
-    when = highest(lambda at: np.abs(_torque(at)), times, np.abs(tau))
-    hardest = highest(lambda at: np.abs(_power(at)), times, np.abs(power))
-    columns = (_torque(when)[joints, joints], when, rms, _power(hardest)[joints, joints], work)
+    when = highest(lambda at: np.abs(_both(at)), times, np.abs(values))
+    own = np.arange(when.size)
+    peaks, powers = np.split(_both(when)[own, own], 2)
+    columns = (peaks, when[: peaks.size], rms, powers, work)
     return tuple(Load(*map(float, row)) for row in zip(*columns, strict=True))

@@ -262,8 +262,7 @@ class Motion:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
         times = np.asarray(t, dtype=float)
-        starts = np.array([float(segment.start) for segment in self.trajectory.segments])
-        index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
+        index = self.trajectory.segment_at(times)
         q, qd, qdd = self.trajectory(times)
         tau = self._loaded(index, q, qd, qdd)
         added = self.base_torques

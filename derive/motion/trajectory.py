@@ -11,7 +11,7 @@ import numpy as np
 from sympy import Expr, Integer
 
 from derive.motion.extremes import Peak, peak
-from derive.motion.hermite import TIME, Array, Piece, power_coefficients, sampled
+from derive.motion.hermite import TIME, Array, Indices, Piece, power_coefficients, sampled
 from derive.motion.profile import ZERO, AnyPiece, Cosine, Curve
 
 Joints = tuple[tuple[AnyPiece, ...], ...]
@@ -70,6 +70,22 @@ class Trajectory:
     def duration(self) -> Expr:
         """How long it lasts [s]."""
         return self.segments[-1].start + self.segments[-1].duration
+
+    @cached_property
+    def _starts(self) -> Array:
+        return np.array([float(segment.start) for segment in self.segments])
+
+    def segment_at(self, times: Array) -> Indices:
+        """Which segment the arm is in.
+
+        Args:
+            times: [s], (...).
+
+        Returns:
+            Indices, (...); at the end of one it is in the next.
+        """
+        found = np.searchsorted(self._starts, times, side="right") - 1
+        return np.asarray(np.clip(found, 0, len(self.segments) - 1))
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration; before the start and after the end the arm stands.
