@@ -52,6 +52,7 @@ class Functions:
         calls: float = 0,
         inverse: bool = False,
     ) -> None:
+        self.n = robot.n
         bare = bare_robot(robot)
         program = program_of(bare, names, inverse=inverse)
         operations = max(sum(counts.values()) for counts in program.operations.values())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from math import isfinite, nan
 
@@ -25,6 +25,7 @@ from derive.motion.plan import Plan, Step
 from derive.motion.points import Point, Vector
 from derive.motion.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector
 from derive.motion.profile import ZERO
+from derive.motion.singular import vanishing_factor
 from derive.motion.trajectory import ONE, Corner, Joints, Trajectory
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
@@ -243,7 +244,9 @@ class Hand:
 
     def _follower(self, step: Step) -> Follower:
         rows = sorted({row for word in self._plan.robot.inverse.task for row in ROWS.get(word, ROWS["orientation"])})
-        return Follower(self._functions, tuple(rows), step.location)
+        return Follower(
+            self._functions, tuple(rows), step.location, partial(vanishing_factor, self._plan.robot, self._values)
+        )
 
     def _check_arrival(self, step: Step, joints: Joints) -> None:
         """A point that is given by joint variables is reached with these."""

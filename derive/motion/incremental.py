@@ -12,14 +12,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from sympy import Expr, Symbol, sstr
 
 from derive.errors import QuantityError
-from derive.model.kinematic_model import KinematicModel
 from derive.motion.functions import Functions
 from derive.motion.hand_curve import kinematics_alone
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
+from derive.motion.singular import usual_rank, vanishing_factor
 from derive.robot.robot import Robot
 
 NEAR = 0.05
@@ -33,9 +32,6 @@ CLOSED = 1e-12
 
 CORRECTIONS = 50
 """Most corrections at the end."""
-
-PROBES = 8
-"""Configurations at which is looked in how many directions the hand moves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +103,7 @@ class Walker:
             worst = min(worst, (ratio, q), key=lambda pair: pair[0])
             q = q + inverse @ (target - self.place(q))
             left, corrections = float(np.linalg.norm(target - self.place(q))), corrections + 1
-        factor = self._smallest_factor(worst[1]) if worst[0] < NEAR else ""
+        factor = vanishing_factor(self._robot, self._values, worst[1]) if worst[0] < NEAR else ""
         return Increments(np.array([*rows[:-1], q]), error, corrections, left, int(damped), factor)
 
     def _pseudoinverse(self, q: Array, most: float = np.inf) -> tuple[Array, float]:
@@ -124,21 +120,7 @@ class Walker:
 
     @cached_property
     def _rank(self) -> int:
-        """In how many directions the hand moves."""
-        random = np.random.default_rng(0)
-        places = random.uniform(-1, 1, (PROBES, self._robot.n))
-        return max(int(np.linalg.matrix_rank(self._functions("jacobian", q)[:3], tol=1e-9)) for q in places)
-
-    def _smallest_factor(self, q: Array) -> str:
-        """The factor of det J that is nearest to zero."""
-        numbers = {Symbol(name): value for name, value in self._values.items()}
-        numbers |= {Symbol(joint.variable): float(v) for joint, v in zip(self._robot.joints, q, strict=True)}
-        moving = [f.expression for f in KinematicModel(self._robot).singularities.factors if f.condition is not None]
-
-        def _size(factor: Expr) -> float:
-            return abs(float(factor.subs(numbers)))
-
-        return sstr(min(moving, key=_size)) if moving else ""
+        return usual_rank(self._functions, range(3))
 
 
 def increments_of(motion: Motion, steps: int) -> list[Increments]:

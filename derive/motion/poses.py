@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from sympy import Float
@@ -11,6 +12,7 @@ from sympy import Float
 from derive.errors import Location, RobotFileError
 from derive.motion.functions import Functions
 from derive.motion.hermite import Array, Piece
+from derive.motion.singular import usual_rank
 
 NODES = (64, 128, 256, 512)
 """Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them;
@@ -155,11 +157,13 @@ class Follower:
         functions: ``forward_kinematics``, ``jacobian`` and ``jacobian_dot``.
         rows: Rows of the twist that the task asks for.
         location: Where the plan asks for it.
+        factor: Which formula vanishes at a singular configuration.
     """
 
     functions: Functions
     rows: tuple[int, ...]
     location: Location
+    factor: Callable[[Array], str]
 
     def pieces(
         self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array, Array]
@@ -240,11 +244,18 @@ class Follower:
             q = q + np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
         raise self._error(f"the arm does not reach the way {after:.4g} s after its start")
 
+    @cached_property
+    def _rank(self) -> int:
+        return usual_rank(self.functions, self.rows)
+
     def _regular(self, q: Array, after: float) -> Array:
         jacobian: Array = self.functions("jacobian", q)[list(self.rows)]
         values = np.linalg.svd(jacobian, compute_uv=False)
-        if values[-1] <= SINGULAR * values[0] and jacobian.shape[0] <= jacobian.shape[1]:
-            raise self._error(f"the way leads through a singular configuration {after:.4g} s after its start")
+        if self._rank and values[self._rank - 1] <= SINGULAR * values[0]:
+            when = f"leads through a singular configuration {after:.4g} s after its start"
+            where = when if after else "starts at a singular configuration"
+            factor = self.factor(q)
+            raise self._error(f"the way {where}" + (f", where {factor} = 0" if factor else ""))
         return jacobian
 
     def _solve(self, jacobian: Array, twist: Array, after: float) -> Array:
