@@ -120,7 +120,7 @@ def test_a_line_that_leaves_the_workspace_is_refused() -> None:
 
 def test_a_line_from_a_singular_configuration_is_refused() -> None:
     text = "robot: puma560-corke\npoints: {a: [0, 30, 10, 5, 0, 5], b: [5, 30, 10, 5, 5, 5]}\n"
-    with pytest.raises(RobotFileError, match="starts at a singular configuration, where sin.q5. = 0"):
+    with pytest.raises(RobotFileError, match=r"starts at a singular configuration, where sin\(q5\) = 0"):
         _ = Motion.from_text(text + "path: [a, {to: b, time: 1, line: yes}]\n").trajectory
 
 

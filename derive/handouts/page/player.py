@@ -280,7 +280,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         "plots": plots,
         "columns": columns,
         "joints": joints,
-        "notes": [html_text(sentence) for sentence in _notes(text, playback)],
+        "notes": html_text(" ".join(_notes(text, playback))),
     }
 
 
