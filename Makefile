@@ -90,7 +90,9 @@ wheel-smoke: wheel
 	$(SMOKE)/venv/bin/python -m pip install --quiet --constraint constraints.txt dist/*.whl
 	cd $(SMOKE) && venv/bin/derive build scara-perugia --out out --quiet
 	cd $(SMOKE)/out && ../venv/bin/python -c 'import scara_perugia.model_numpy as m; print(m.forward_kinematics.__name__, m.DOF)'
-	$(SMOKE)/venv/bin/python -m pip install --quiet --constraint constraints.txt "$$(echo dist/*.whl)[handout]"
+	cd $(SMOKE) && venv/bin/derive move scara-pick-and-place --csv move.csv --html move.html --out code && test -s move.html
+	$(SMOKE)/venv/bin/python -m pip install --quiet --constraint constraints.txt "$$(echo dist/*.whl)[handout,motion]"
+	cd $(SMOKE) && venv/bin/derive move scara-pick-and-place --simulate --plot move.svg && test -s move.svg
 	cd $(SMOKE) && venv/bin/derive handout scara-perugia --html --lang it --out handout && test -s handout/scara-perugia.html
 	rm -rf $(SMOKE)
 
