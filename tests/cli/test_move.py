@@ -80,7 +80,7 @@ class TestWrongPlans:
                 POSES.replace("[0, pi/2]", "[0, 0]"),
                 "time: 1}",
                 "time: 1, line: yes}",
-                r"plan.yaml:6:11: the way leads through a singular configuration 0 s after its start; go there by",
+                r"plan.yaml:6:11: the way starts at a singular configuration, where sin\(q2\) = 0; go there by",
             ),
         ],
     )

@@ -96,7 +96,7 @@ def test_of_a_simulation_torques_and_errors_stand_where_accelerations_do() -> No
     assert plain["exceeded"] == [[2, 0, 1.0, 3.0]]
     made = player_texts(played, Robot.from_text(ARM), ROWS, Text())
     assert [plot["title"] for plot in made["plots"]][-2:] == ["Error [rad]", "Error [m]"]
-    assert made["notes"][0] == "Simulated: control law pd, friction smooth."
+    assert made["notes"].startswith("Simulated: control law pd, friction smooth. ")
     assert "The simulation diverges after 2 s." in made["notes"]
 
 
