@@ -12,7 +12,7 @@ from derive.errors import UnknownRobotError, near_miss, quoted
 from derive.robot.description import Joint
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import names
-from derive.robot.load import file_bytes
+from derive.robot.load import file_bytes, is_there
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
@@ -69,11 +69,7 @@ def plan_bytes(path_or_name: str | Path) -> bytes:
     if text in plan_names():
         return (_FOLDER / f"{text}{_SUFFIX}").read_bytes()
     path = Path(text)
-    try:
-        exists = "\0" not in text and path.exists()
-    except OSError:
-        exists = False
-    if not exists:
+    if not is_there(path):
         raise UnknownRobotError(
             f"no file and no built-in plan {quoted(text, 200)}",
             allowed="allowed: a path to a motion plan, or a name from derive list --plans",

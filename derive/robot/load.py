@@ -101,17 +101,25 @@ def robot_file_bytes(path_or_name: str | Path) -> bytes:
     if text in catalogue_names():
         return catalogue_text(text).encode()
     path = Path(text)
-    try:
-        exists = "\0" not in text and path.exists()
-    except (OSError, ValueError):
-        exists = False
-    if not exists:
+    if not is_there(path):
         raise UnknownRobotError(
             f"no file and no catalogue robot {quoted(text, 200)}",
             allowed="allowed: a path to a robot file, or a name from derive list",
             remedy=near_miss(path.stem, catalogue_names()),
         )
     return file_bytes(path)
+
+
+def is_there(path: Path) -> bool:
+    """Whether a path that a user typed exists; False where no file can have it.
+
+    Args:
+        path: Of any characters and any length.
+    """
+    try:
+        return "\0" not in str(path) and path.exists()
+    except (OSError, ValueError):
+        return False
 
 
 def file_bytes(path: Path, most: int = FILE_LIMITS.size) -> bytes:

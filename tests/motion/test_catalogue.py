@@ -21,6 +21,12 @@ def test_no_plan_has_the_name_of_a_robot() -> None:
     assert {"scara-pick-and-place", "skeleton-reach"} <= set(plan_names())
 
 
+@pytest.mark.parametrize("text", ["a\0b", "x" * 5000, "\ud800.yaml"])
+def test_what_no_file_can_be_called_is_no_plan(text: str) -> None:
+    with pytest.raises(UnknownRobotError, match="no file and no built-in plan"):
+        plan_bytes(text)
+
+
 @pytest.mark.parametrize("name", plan_names())
 def test_every_built_in_plan_moves(name: str) -> None:
     motion = Motion.load(name)
