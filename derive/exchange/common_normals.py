@@ -1,0 +1,267 @@
+"""A Denavit-Hartenberg table for lines in space: frames on common normals, chosen for the fewest cells.
+
+Every sequence of joint axes has a standard and a modified table with a constant base and tool: two lines that are not
+parallel have one common normal, two that are have many, and one may be taken; what is left before the first frame and
+behind the last one is base and tool (Denavit and Hartenberg, 1955; Craig, Introduction to Robotics, 3.4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from flint import arb
+
+from derive.exchange.arm import Arm
+from derive.exchange.space import NOTHING, WORLD, Frame, Line, Point, Real, cross, dot, length, plus, times, unit
+from derive.robot.description import Convention
+
+ALIKE = 1e-9
+"""Of floats: what differs by less is the same."""
+
+BASE_CELL = 1.6
+"""What a number of the base or the tool counts beside a cell of the table, so that rows hold what they can."""
+
+NEGATIVE = 0.02
+"""What a minus sign counts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """The constant cells of a joint.
+
+    Attributes:
+        theta: [rad].
+        d: [m].
+        a: [m].
+        alpha: [rad].
+    """
+
+    theta: Real
+    d: Real
+    a: Real
+    alpha: Real
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Frames of a table at q = 0.
+
+    Attributes:
+        convention: Standard or modified.
+        frames: Frame 0 to frame n, in the world.
+        rows: Of the table.
+        tool: The arm's end in frame n.
+    """
+
+    convention: Convention
+    frames: tuple[Frame, ...]
+    rows: tuple[Row, ...]
+    tool: Frame
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A frame that a table may have."""
+
+    frame: Frame
+
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """Origin, x and z in floats, (3, 3)."""
+        return np.array([[float(c) for c in v] for v in (self.frame.origin, self.frame.x, self.frame.z)])
+
+
+def place(arm: Arm, convention: Convention, snap: float) -> Placement:
+    """The table of an arm.
+
+    Args:
+        arm: Its axes.
+        convention: Of the table.
+        snap: Axes that are closer to parallel or to each other are taken for it [rad, m].
+
+    Returns:
+        The frames with the fewest numbers, among equal ones with the fewest minus signs.
+    """
+    lines = _straightened(arm, snap)
+    standard = convention is Convention.STANDARD
+    free = _free_lines(arm, lines, standard)
+    spots = _spots(arm, lines)
+    options = [[line] if arm.axes[i].is_revolute else _moved(line, spots) for i, line in enumerate(lines)]
+    columns = [*options, free] if standard else [free, *options]
+    candidates = _candidates(arm, columns, spots, standard, snap)
+    chosen = _cheapest(arm, candidates, standard)
+    rows = tuple(_row(a.frame, b.frame, standard) for a, b in zip(chosen, chosen[1:], strict=False))
+    frames = tuple(candidate.frame for candidate in chosen)
+    return Placement(convention, frames, rows, arm.end.seen_from(frames[-1]))
+
+
+def parallel(a: Point, b: Point, snap: float) -> bool:
+    """Whether two unit vectors have one direction, or opposite ones.
+
+    Args:
+        a: Unit vector.
+        b: Unit vector.
+        snap: Largest angle [rad].
+    """
+    return bool(length(cross(a, b)) <= max(snap, NOTHING))
+
+
+def _straightened(arm: Arm, snap: float) -> list[Line]:
+    """The axes; one that is almost parallel to the one before or to an axis of the base takes its direction."""
+    lines: list[Line] = []
+    for axis in arm.axes:
+        line = axis.line
+        known = [other.direction for other in reversed(lines)] + [WORLD.z, WORLD.x, WORLD.y, arm.end.z]
+        for direction in known:
+            if parallel(direction, line.direction, snap):
+                line = Line(line.point, direction if dot(direction, line.direction) > 0 else times(direction, -1))
+                break
+        lines.append(line)
+    return lines
+
+
+def _free_lines(arm: Arm, lines: Sequence[Line], standard: bool) -> list[Line]:
+    """Where z may be that no joint has: before a modified table, behind a standard one."""
+    frame, axis = (arm.end, lines[-1]) if standard else (WORLD, lines[0])
+    found = [Line(frame.origin, frame.z), axis, Line(frame.origin, axis.direction)]
+    return found
+
+
+def _moved(line: Line, spots: Sequence[Point]) -> list[Line]:
+    """The axis of a slide, which may stand anywhere."""
+    found: list[Line] = [line]
+    for spot in spots:
+        if all(other.distance(spot) > ALIKE for other in found):
+            found.append(Line(spot, line.direction))
+    return found
+
+
+def _spots(arm: Arm, lines: Sequence[Line]) -> list[Point]:
+    """Points that frames may take: base, tip, and where neighbours are nearest to each other."""
+    spots = [WORLD.origin, arm.end.origin]
+    turning = [line for line, axis in zip(lines, arm.axes, strict=True) if axis.is_revolute]
+    for line, other in zip(turning, turning[1:], strict=False):
+        if not parallel(line.direction, other.direction, 1e-6):
+            spots += [line.nearest(other), other.nearest(line)]
+    return spots
+
+
+def _candidates(
+    arm: Arm, columns: Sequence[Sequence[Line]], spots: Sequence[Point], standard: bool, snap: float
+) -> list[list[_Candidate]]:
+    """Frames on each axis: origins at common normals or near spots, x along normals or what is known."""
+    known = [WORLD.x, WORLD.y, WORLD.z, arm.end.x, arm.end.y, arm.end.z]
+    for i, column in enumerate(columns[:-1]):
+        known += [cross(line.direction, other.direction) for line in column[:1] for other in columns[i + 1][:1]]
+    found = []
+    for i, column in enumerate(columns):
+        partners = [] if i == (0 if standard else len(columns) - 1) else columns[i - 1 if standard else i + 1]
+        frames: dict[tuple[float, ...], Frame] = {}
+        for line in column:
+            for origin, x in _normals(line, partners, spots, known, snap):
+                for sign in (1, -1):
+                    frame = Frame.of(origin, times(x, sign), line.direction)
+                    key = tuple(round(float(c), 9) for v in (origin, frame.x, frame.z) for c in v)
+                    frames.setdefault(key, frame)
+        found.append([_Candidate(frame) for frame in frames.values()])
+    return found
+
+
+def _normals(
+    line: Line, partners: Sequence[Line], spots: Sequence[Point], known: Sequence[Point], snap: float
+) -> Iterator[tuple[Point, Point]]:
+    """Origins on a line with directions of x that are perpendicular to it and to a partner, which x meets."""
+    across = [unit(cross(cross(line.direction, v), line.direction)) for v in known if not parallel_vector(line.direction, v)]
+    feet = [line.foot(spot) for spot in spots]
+    if not partners:
+        yield from ((foot, x) for foot in feet for x in across)
+        return
+    for partner in partners:
+        normal = cross(partner.direction, line.direction)
+        if length(normal) > max(snap, NOTHING):
+            yield line.nearest(partner), unit(normal)
+            continue
+        apart = plus(line.point, partner.foot(line.point), -1)
+        if length(apart) > max(snap, NOTHING):
+            yield from ((foot, unit(apart)) for foot in feet)
+        else:
+            yield from ((foot, x) for foot in feet for x in across)
+
+
+def parallel_vector(direction: Point, other: Point) -> bool:
+    """Whether a vector of any length has a direction, or none.
+
+    Args:
+        direction: Unit vector.
+        other: Any.
+    """
+    return bool(length(cross(direction, other)) <= 1e-9)
+
+
+def _row(before: Frame, after: Frame, standard: bool) -> Row:
+    """Cells from one frame to the next; what is below `NOTHING` is zero."""
+    if standard:
+        foot = plus(before.origin, before.z, dot(plus(after.origin, before.origin, -1), before.z))
+        theta, alpha = _angle(before.x, after.x, before.z), _angle(before.z, after.z, after.x)
+        d, a = dot(plus(foot, before.origin, -1), before.z), dot(plus(after.origin, foot, -1), after.x)
+    else:
+        foot = plus(after.origin, after.z, -dot(plus(after.origin, before.origin, -1), after.z))
+        theta, alpha = _angle(before.x, after.x, after.z), _angle(before.z, after.z, before.x)
+        a = dot(plus(foot, before.origin, -1), before.x)
+        d = dot(plus(after.origin, foot, -1), after.z)
+    return Row(theta, d, a, alpha)
+
+
+def _angle(a: Point, b: Point, about: Point) -> Real:
+    """From one direction to another about a third [rad]."""
+    return arb.atan2(dot(cross(a, b), about), dot(a, b))
+
+
+def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool) -> list[_Candidate]:
+    """The frames whose table has the fewest numbers (Viterbi)."""
+    costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
+    back: list[np.ndarray] = []
+    for column, following in zip(candidates, candidates[1:], strict=False):
+        steps = _step_costs(column, following, standard)
+        total = costs[:, None] + steps
+        back.append(total.argmin(axis=0))
+        costs = total.min(axis=0)
+    costs = costs + np.array([_frame_cost(c.frame, arm.end) for c in candidates[-1]])
+    at = int(costs.argmin())
+    assert np.isfinite(costs[at]), "two lines have a common normal"
+    chosen = [at]
+    for choice in reversed(back):
+        chosen.append(int(choice[chosen[-1]]))
+    return [column[k] for column, k in zip(candidates, reversed(chosen), strict=True)]
+
+
+def _frame_cost(outer: Frame, inner: Frame) -> float:
+    """Numbers of a base or a tool."""
+    local = inner.seen_from(outer)
+    places = sum(abs(float(c)) > ALIKE for c in local.origin)
+    turned = 2 * (abs(float(local.z[2]) - 1) > ALIKE) or abs(float(local.x[0]) - 1) > ALIKE
+    return BASE_CELL * (places + float(turned))
+
+
+def _step_costs(column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool) -> np.ndarray:
+    """Of each pair of frames: the numbers of their row; infinite where x is no common normal."""
+    o0, x0, z0 = np.moveaxis(np.array([c.numbers for c in column]), 1, 0)[:, :, None, :]
+    o1, x1, z1 = np.moveaxis(np.array([c.numbers for c in following]), 1, 0)[:, None, :, :]
+    x, turning, other = (x1, z0, z1) if standard else (x0, z1, z0)
+    apart = o1 - o0
+    wrong = np.abs((x * turning).sum(-1)) > ALIKE
+    wrong = wrong | (np.abs((apart * np.cross(x, turning)).sum(-1)) > ALIKE)
+    d, a = (apart * turning).sum(-1), (apart * x).sum(-1)
+    sin_theta, cos_theta = (np.cross(x0, x1) * turning).sum(-1), (x0 * x1).sum(-1)
+    sin_alpha, cos_alpha = (np.cross(z0, z1) * x).sum(-1), (z0 * z1).sum(-1)
+    cost = np.zeros(d.shape)
+    for sine, cosine in ((sin_theta, cos_theta), (sin_alpha, cos_alpha)):
+        cost += (np.abs(sine) > ALIKE) | (cosine < 0)
+        cost += NEGATIVE * (sine < -ALIKE) + NEGATIVE / 4 * ((np.abs(sine) <= ALIKE) & (cosine < 0))
+    for value in (d, a):
+        cost += (np.abs(value) > ALIKE) + NEGATIVE * (value < -ALIKE)
+    del other
+    return np.where(wrong, np.inf, cost)

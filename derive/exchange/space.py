@@ -1,0 +1,205 @@
+"""Points, lines and frames in numbers that enclose the truth: balls of 256 bits, so that zero and almost zero are told apart.
+
+Whoever computes with them does so inside `exactly`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, ctx, fmpq
+
+BITS = 256
+"""Of a number."""
+
+Real = Any
+"""A ball: a number and a bound of its error (flint.arb)."""
+
+Point = tuple[Real, Real, Real]
+"""A point or a vector in space."""
+
+NOTHING = 1e-40
+"""What is smaller is zero: so many digits are lost nowhere."""
+
+
+@contextmanager
+def exactly() -> Iterator[None]:
+    """Balls of `BITS` bits."""
+    before, ctx.prec = ctx.prec, BITS
+    try:
+        yield
+    finally:
+        ctx.prec = before
+
+
+def real(value: Fraction | int) -> Real:
+    """A rational number.
+
+    Args:
+        value: Exact.
+    """
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def vector(values: Sequence[Fraction | int]) -> Point:
+    """Three rational numbers.
+
+    Args:
+        values: x, y and z.
+    """
+    x, y, z = map(real, values)
+    return (x, y, z)
+
+
+def dot(a: Point, b: Point) -> Real:
+    """a . b"""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Point, b: Point) -> Point:
+    """a x b"""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def plus(a: Point, b: Point, scale: Real = 1) -> Point:
+    """a + scale b"""
+    return (a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2])
+
+
+def times(a: Point, scale: Real) -> Point:
+    """scale a"""
+    return (a[0] * scale, a[1] * scale, a[2] * scale)
+
+
+def length(a: Point) -> Real:
+    """|a|"""
+    return dot(a, a).sqrt()
+
+
+def unit(a: Point) -> Point:
+    """a/|a|"""
+    return times(a, 1 / length(a))
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A right-handed frame, in the world's coordinates.
+
+    Attributes:
+        origin: Where it is.
+        x: Its first axis.
+        y: Its second axis.
+        z: Its third axis.
+    """
+
+    origin: Point
+    x: Point
+    y: Point
+    z: Point
+
+    @classmethod
+    def of(cls, origin: Point, x: Point, z: Point) -> Frame:
+        """A frame by its first and third axis, which are perpendicular.
+
+        Args:
+            origin: Where it is.
+            x: Unit vector.
+            z: Unit vector.
+        """
+        return cls(origin, x, cross(z, x), z)
+
+    def point(self, local: Point) -> Point:
+        """A point of this frame in the world.
+
+        Args:
+            local: Its coordinates here.
+        """
+        return plus(self.origin, self.direction(local))
+
+    def direction(self, local: Point) -> Point:
+        """A vector of this frame in the world.
+
+        Args:
+            local: Its components here.
+        """
+        return plus(plus(times(self.x, local[0]), self.y, local[1]), self.z, local[2])
+
+    def inside(self, point: Point) -> Point:
+        """A point of the world in this frame.
+
+        Args:
+            point: Its coordinates in the world.
+        """
+        return self.turned(plus(point, self.origin, -1))
+
+    def turned(self, direction: Point) -> Point:
+        """A vector of the world in this frame.
+
+        Args:
+            direction: Its components in the world.
+        """
+        return (dot(self.x, direction), dot(self.y, direction), dot(self.z, direction))
+
+    def then(self, other: Frame) -> Frame:
+        """The world coordinates of a frame that is given in this one.
+
+        Args:
+            other: In this frame.
+        """
+        axes = (self.direction(axis) for axis in (other.x, other.y, other.z))
+        return Frame(self.point(other.origin), *axes)
+
+    def seen_from(self, other: Frame) -> Frame:
+        """This frame in another one.
+
+        Args:
+            other: In the world.
+        """
+        axes = (other.turned(axis) for axis in (self.x, self.y, self.z))
+        return Frame(other.inside(self.origin), *axes)
+
+
+WORLD = Frame(vector((0, 0, 0)), vector((1, 0, 0)), vector((0, 1, 0)), vector((0, 0, 1)))
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line in space.
+
+    Attributes:
+        point: One of its points.
+        direction: Unit vector.
+    """
+
+    point: Point
+    direction: Point
+
+    def foot(self, point: Point) -> Point:
+        """The point of the line that is nearest to a point.
+
+        Args:
+            point: Any.
+        """
+        return plus(self.point, self.direction, dot(plus(point, self.point, -1), self.direction))
+
+    def distance(self, point: Point) -> Real:
+        """Of a point from the line.
+
+        Args:
+            point: Any.
+        """
+        return length(plus(point, self.foot(point), -1))
+
+    def nearest(self, other: Line) -> Point:
+        """The point of this line that is nearest to a line that is not parallel.
+
+        Args:
+            other: Another line.
+        """
+        normal = cross(self.direction, other.direction)
+        across = cross(other.direction, normal)
+        return plus(self.point, self.direction, dot(plus(other.point, self.point, -1), across) / dot(self.direction, across))

@@ -1,0 +1,292 @@
+"""URDF files: the elements that an arm is made of, read exactly, each with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from derive.errors import Location, RobotFileError, TargetError, quoted
+
+if TYPE_CHECKING:
+    from lxml import etree
+
+MOST_BYTES = 16 * 2**20
+"""Of a file; URDFs with thousands of links have less."""
+
+MOST_DIGITS = 400
+"""Of a number, its exponent counted: beyond that it is no length and no mass."""
+
+Triple = tuple[Fraction, Fraction, Fraction]
+"""Three decimals, exactly as written."""
+
+ZEROS: Triple = (Fraction(0), Fraction(0), Fraction(0))
+
+MOVING = {"revolute": True, "continuous": True, "prismatic": False}
+"""Types of joints with one variable, and whether it is an angle."""
+
+TYPES = (*MOVING, "fixed", "floating", "planar")
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a frame is in another: translation, then Rz(yaw) Ry(pitch) Rx(roll).
+
+    Attributes:
+        xyz: [m].
+        rpy: [rad].
+    """
+
+    xyz: Triple = ZEROS
+    rpy: Triple = ZEROS
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfJoint:
+    """A joint.
+
+    Attributes:
+        name: As in the file.
+        type: One of `TYPES`.
+        parent: Name of the link that carries it.
+        child: Name of the link that it moves.
+        origin: Of the child's frame in the parent's at zero.
+        axis: In the child's frame; of any length but zero.
+        limits: Lower and upper, where there are some [rad or m].
+        effort: Largest torque or force [N m or N], where it says one.
+        velocity: Largest speed [rad/s or m/s], where it says one.
+        damping: Viscous friction.
+        friction: Dry friction.
+        mimics: Name of the joint that it follows.
+        location: Its place in the file.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    origin: Origin
+    axis: Triple
+    limits: tuple[Fraction, Fraction] | None
+    effort: Fraction | None
+    velocity: Fraction | None
+    damping: Fraction
+    friction: Fraction
+    mimics: str
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfBody:
+    """What a link weighs.
+
+    Attributes:
+        mass: [kg].
+        origin: Of the frame at its centre of mass in the link's frame.
+        inertia: xx, yy, zz, xy, xz, yz in that frame [kg m^2].
+        location: Its place in the file.
+    """
+
+    mass: Fraction
+    origin: Origin
+    inertia: tuple[Fraction, ...]
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Urdf:
+    """A robot of links and joints.
+
+    Attributes:
+        name: As in the file.
+        bodies: By the name of each link; None of one without ``inertial``.
+        joints: In the order of the file.
+        notes: What was read though it is not in order, as sentences.
+        source: File name for messages.
+    """
+
+    name: str
+    bodies: Mapping[str, UrdfBody | None]
+    joints: tuple[UrdfJoint, ...]
+    notes: tuple[str, ...] = field(default=())
+    source: str = "<urdf>"
+
+
+def read_urdf(data: bytes, source: str) -> Urdf:
+    """Read a URDF.
+
+    Args:
+        data: Contents of the file.
+        source: Name for messages.
+
+    Returns:
+        Its links and joints.
+
+    Raises:
+        RobotFileError: No XML, no robot, or an element that is not as it must be.
+        TargetError: lxml is not installed.
+    """
+    root, notes = _parsed(data, source)
+    if root.tag != "robot":
+        raise RobotFileError(
+            f"the outermost element is {quoted(str(root.tag))}",
+            allowed="allowed: robot",
+            remedy="give a URDF; a xacro file is read where its name ends with .xacro",
+            location=Location(source, root.sourceline or 1),
+        )
+    reader = _Reader(source)
+    bodies: dict[str, UrdfBody | None] = {}
+    for element in root.iterchildren("link"):
+        name = reader.name(element)
+        if name in bodies:
+            raise reader.refused(element, f"a second link {quoted(name)}", "give each link a name of its own")
+        bodies[name] = reader.body(element)
+    joints: dict[str, UrdfJoint] = {}
+    for element in root.iterchildren("joint"):
+        joint = reader.joint(element, bodies)
+        if joint.name in joints:
+            raise reader.refused(element, f"a second joint {quoted(joint.name)}", "give each joint a name of its own")
+        joints[joint.name] = joint
+    if not bodies:
+        raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
+    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, source)
+
+
+def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
+    """The tree without comments; entities and the network stay off."""
+    try:
+        from lxml import etree
+    except ImportError:
+        remedy = "pip install 'derive-robot[exchange]'"
+        raise TargetError("reading URDF needs lxml, which is not installed", remedy=remedy) from None
+    if len(data) > MOST_BYTES:
+        found = f"{source} has {len(data)} bytes"
+        raise RobotFileError(found, allowed=f"allowed: at most {MOST_BYTES}", remedy="give the URDF without meshes")
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True, recover=True
+    )
+    root = etree.fromstring(data, parser) if data.strip() else None
+    unbound = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE
+    errors = [error for error in parser.error_log if error.level > 1 and error.type != unbound]
+    if root is None or errors:
+        found = " ".join(errors[0].message.split())[:120] if errors else "an empty file"
+        place = Location(source, max(errors[0].line, 1), max(errors[0].column, 1)) if errors else Location(source)
+        raise RobotFileError(f"no XML: {found}", remedy="give a well-formed URDF", location=place)
+    if root.getroottree().docinfo.internalDTD is not None:
+        remedy = "write the file without DOCTYPE"
+        raise RobotFileError("a document type definition", remedy=remedy, location=Location(source))
+    prefixes = sorted({error.message.split()[2] for error in parser.error_log if error.type == unbound})
+    return root, tuple(f"the XML prefix {prefix} is not bound" for prefix in prefixes)
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Elements to data.
+
+    Attributes:
+        source: File name for messages.
+    """
+
+    source: str
+
+    def place(self, element: etree._Element) -> Location:
+        return Location(self.source, element.sourceline or 1)
+
+    def refused(self, element: etree._Element, found: str, remedy: str, allowed: str = "") -> RobotFileError:
+        return RobotFileError(found, allowed=allowed, remedy=remedy, location=self.place(element))
+
+    def name(self, element: etree._Element) -> str:
+        name = element.get("name", "").strip()
+        if not name:
+            raise self.refused(element, f"a {element.tag} without a name", 'write name="..."')
+        return str(name)
+
+    def numbers(self, element: etree._Element, attribute: str, count: int) -> tuple[Fraction, ...] | None:
+        """The decimals of an attribute; None where it is not there."""
+        text = element.get(attribute)
+        if text is None:
+            return None
+        words = text.split()
+        if len(words) != count:
+            found = f"{element.tag}, {attribute}: {len(words)} numbers, {quoted(text)}"
+            raise self.refused(element, found, f"write {count}", f"allowed: exactly {count}")
+        return tuple(self._number(element, attribute, word) for word in words)
+
+    def number(self, element: etree._Element, attribute: str) -> Fraction | None:
+        found = self.numbers(element, attribute, 1)
+        return found[0] if found else None
+
+    def _number(self, element: etree._Element, attribute: str, word: str) -> Fraction:
+        try:
+            value = Decimal(word)
+        except InvalidOperation:
+            value = Decimal("nan")
+        if not value.is_finite() or abs(value.adjusted()) + len(value.as_tuple().digits) > MOST_DIGITS:
+            found = f"{element.tag}, {attribute}: {quoted(word)} is no number"
+            raise self.refused(element, found, "write a decimal such as 0.42", "allowed: finite decimals")
+        return Fraction(value)
+
+    def origin(self, element: etree._Element) -> Origin:
+        child = element.find("origin")
+        if child is None:
+            return Origin()
+        xyz, rpy = (self.numbers(child, key, 3) or ZEROS for key in ("xyz", "rpy"))
+        return Origin((xyz[0], xyz[1], xyz[2]), (rpy[0], rpy[1], rpy[2]))
+
+    def body(self, element: etree._Element) -> UrdfBody | None:
+        """What a link weighs; None where nothing is said."""
+        inertial = element.find("inertial")
+        if inertial is None:
+            return None
+        mass, tensor = inertial.find("mass"), inertial.find("inertia")
+        value = self.number(mass, "value") if mass is not None else None
+        if value is None:
+            raise self.refused(inertial, "inertial without a mass", 'write <mass value="..."/>')
+        keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        moments = [self.number(tensor, key) if tensor is not None else None for key in keys]
+        entries = tuple(moment or Fraction(0) for moment in moments)
+        return UrdfBody(value, self.origin(inertial), entries, self.place(inertial))
+
+    def joint(self, element: etree._Element, links: Mapping[str, object]) -> UrdfJoint:
+        """A joint whose links exist."""
+        name, kind = self.name(element), element.get("type", "").strip()
+        if kind not in TYPES:
+            allowed = f"allowed: {', '.join(TYPES)}"
+            raise self.refused(element, f"joint {quoted(name)} of type {quoted(kind)}", "write its type", allowed)
+        ends = {}
+        for end in ("parent", "child"):
+            child = element.find(end)
+            link = "" if child is None else child.get("link", "").strip()
+            if link not in links:
+                found = f"joint {quoted(name)}: {end} {quoted(link)} is no link of the file"
+                raise self.refused(element, found, f'write <{end} link="..."/> with the name of a link')
+            ends[end] = link
+        axis = element.find("axis")
+        direction = (None if axis is None else self.numbers(axis, "xyz", 3)) or (Fraction(1), Fraction(0), Fraction(0))
+        if kind in MOVING and not any(direction):
+            raise self.refused(axis, f"joint {quoted(name)}: an axis of length 0", 'write <axis xyz="0 0 1"/>')
+        limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
+        lower, upper, effort, velocity = (
+            None if limit is None else self.number(limit, key) for key in ("lower", "upper", "effort", "velocity")
+        )
+        damping, friction = (
+            None if dynamics is None else self.number(dynamics, key) for key in ("damping", "friction")
+        )
+        bounded = kind in ("revolute", "prismatic") and limit is not None and (lower is not None or upper is not None)
+        return UrdfJoint(
+            name=name,
+            type=kind,
+            parent=ends["parent"],
+            child=ends["child"],
+            origin=self.origin(element),
+            axis=(direction[0], direction[1], direction[2]),
+            limits=(lower or Fraction(0), upper or Fraction(0)) if bounded else None,
+            effort=effort,
+            velocity=velocity,
+            damping=damping or Fraction(0),
+            friction=friction or Fraction(0),
+            mimics="" if mimic is None else mimic.get("joint", ""),
+            location=self.place(element),
+        )
