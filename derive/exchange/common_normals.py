@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from flint import arb
@@ -23,6 +24,9 @@ ALIKE = 1e-9
 
 BASE_CELL = 1.6
 """What a number of the base or the tool counts beside a cell of the table, so that rows hold what they can."""
+
+NEIGHBOURS = 2
+"""How many joints further a frame looks for points that it may share."""
 
 NEGATIVE = 0.02
 """What a minus sign counts."""
@@ -89,7 +93,10 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     standard = convention is Convention.STANDARD
     free = _free_lines(arm, lines, standard)
     spots = _spots(arm, lines)
-    options = [[line] if arm.axes[i].is_revolute else _moved(line, spots) for i, line in enumerate(lines)]
+    options = [
+        [line] if axis.is_revolute else _moved(line, _near(spots, i))
+        for i, (line, axis) in enumerate(zip(lines, arm.axes, strict=True))
+    ]
     columns = [*options, free] if standard else [free, *options]
     candidates = _candidates(arm, columns, spots, standard, snap)
     chosen = _cheapest(arm, candidates, standard)
@@ -139,29 +146,35 @@ def _moved(line: Line, spots: Sequence[Point]) -> list[Line]:
     return found
 
 
-def _spots(arm: Arm, lines: Sequence[Line]) -> list[Point]:
-    """Points that frames may take: base, tip, and where neighbours are nearest to each other."""
-    spots = [WORLD.origin, arm.end.origin]
-    turning = [line for line, axis in zip(lines, arm.axes, strict=True) if axis.is_revolute]
-    for line, other in zip(turning, turning[1:], strict=False):
+def _spots(arm: Arm, lines: Sequence[Line]) -> list[tuple[int | None, Point]]:
+    """Points that frames may take: base, tip, and where neighbours are nearest to each other, with their joint."""
+    spots: list[tuple[int | None, Point]] = [(None, WORLD.origin), (None, arm.end.origin)]
+    turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
+    for i, j in zip(turning, turning[1:], strict=False):
+        line, other = lines[i], lines[j]
         if not parallel(line.direction, other.direction, 1e-6):
-            spots += [line.nearest(other), other.nearest(line)]
+            spots += [(i, line.nearest(other)), (j, other.nearest(line))]
     return spots
 
 
+def _near(spots: Sequence[tuple[int | None, Point]], joint: int) -> list[Point]:
+    """Of points with their joints those at the ends of the arm and near a joint."""
+    return [spot for i, spot in spots if i is None or abs(i - joint) <= NEIGHBOURS]
+
+
 def _candidates(
-    arm: Arm, columns: Sequence[Sequence[Line]], spots: Sequence[Point], standard: bool, snap: float
+    arm: Arm, columns: Sequence[Sequence[Line]], spots: Sequence[tuple[int | None, Point]], standard: bool, snap: float
 ) -> list[list[_Candidate]]:
     """Frames on each axis: origins at common normals or near spots, x along normals or what is known."""
-    known = [WORLD.x, WORLD.y, WORLD.z, arm.end.x, arm.end.y, arm.end.z]
-    for i, column in enumerate(columns[:-1]):
-        known += [cross(line.direction, other.direction) for line in column[:1] for other in columns[i + 1][:1]]
+    normals = [cross(a[0].direction, b[0].direction) for a, b in pairwise(columns)]
+    ends = [WORLD.x, WORLD.y, arm.end.x, arm.end.y]
+    known = [ends + normals[max(i - NEIGHBOURS, 0) : i + NEIGHBOURS] for i in range(len(columns))]
     found = []
     for i, column in enumerate(columns):
         partners = [] if i == (0 if standard else len(columns) - 1) else columns[i - 1 if standard else i + 1]
         frames: dict[tuple[float, ...], Frame] = {}
         for line in column:
-            for origin, x in _normals(line, partners, spots, known, snap):
+            for origin, x in _normals(line, partners, _near(spots, i), known[i], snap):
                 for sign in (1, -1):
                     frame = Frame.of(origin, times(x, sign), line.direction)
                     key = tuple(round(float(c), 9) for v in (origin, frame.x, frame.z) for c in v)

@@ -77,7 +77,8 @@ def times(a: Point, scale: Real) -> Point:
 
 def length(a: Point) -> Real:
     """|a|"""
-    return dot(a, a).sqrt()
+    square = dot(a, a)
+    return square.sqrt() if square > 0 else arb(0, square.abs_upper().sqrt())
 
 
 def unit(a: Point) -> Point:
