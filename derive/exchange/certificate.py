@@ -1,0 +1,163 @@
+"""How far the poses of a table can be from those of the arm that it was made for: a bound that holds everywhere.
+
+Both arms are products of exponentials, exp(S_1 q_1) ... exp(S_n q_n) M (Brockett; Lynch and Park, Modern Robotics, 4.1).
+Replacing one factor after the other changes the pose by what a turn about a slightly other axis does: axes that differ by
+an angle e and a distance h turn a point at a distance r by at most 2 e r + 2 h apart; slides of s along them by e s. The
+sum over all joints is the bound. It is computed in balls from the numbers of both files, rounding included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flint import arb
+
+from derive.errors import QuantityError
+from derive.exchange.arm import Arm, Axis
+from derive.exchange.space import WORLD, Frame, Line, Point, Real, cross, dot, exactly, length, plus, real, times
+from derive.robot.description import Convention, Joint, Matrix
+from derive.robot.expression import Call, Expression, Number, Pi, Power, Product, Sum
+from derive.robot.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """A bound for all configurations within the limits; without limits a turn for joints that turn.
+
+    Attributes:
+        position: Largest distance of both end effectors [m].
+        rotation: Largest norm of the difference of both rotations.
+    """
+
+    position: float
+    rotation: float
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What a robot file says about it."""
+        return (f"pose error at most {self.position:.2g} m and {self.rotation:.2g} rad in all configurations, proven",)
+
+
+def certify(arm: Arm, robot: Robot) -> Certificate:
+    """The bound.
+
+    Args:
+        arm: As its file says, without any rounding.
+        robot: The table.
+
+    Returns:
+        It.
+
+    Raises:
+        QuantityError: The table has symbols, or a slide without limits.
+    """
+    with exactly():
+        axes, end = screws(robot)
+        position = length(plus(arm.end.origin, end.origin, -1))
+        rotation = _apart(arm.end, end)
+        beyond = arb(0)
+        place = arm.end.origin
+        for axis, line in reversed(list(zip(arm.axes, axes, strict=True))):
+            angle = _between(axis.line.direction, line.direction)
+            if axis.is_revolute:
+                away = length(plus(line.foot(axis.line.point), axis.line.point, -1))
+                reach = axis.line.distance(place) if beyond == 0 else length(plus(axis.line.point, place, -1))
+                position += 2 * angle * (reach + beyond) + 2 * away
+                rotation += 2 * angle
+                beyond += length(plus(place, axis.line.point, -1))
+                place = axis.line.point
+            else:
+                travel = _travel(axis)
+                position += angle * travel
+                beyond += travel
+        return Certificate(_up(position), _up(rotation))
+
+
+def screws(robot: Robot) -> tuple[list[Line], Frame]:
+    """The axes of a table and its end at q = 0, in the world.
+
+    Args:
+        robot: A robot of numbers.
+
+    Returns:
+        A line for each joint, and the frame of the end effector.
+    """
+    frame, lines = _frame(robot.base), []
+    for joint in robot.joints:
+        theta, d, a, alpha = (ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha))
+        if robot.convention is Convention.MODIFIED:
+            frame = frame.then(_along_x(a, alpha))
+        lines.append(Line(frame.origin, times(frame.z, joint.sign)))
+        frame = frame.then(_along_z(theta, d))
+        if robot.convention is Convention.STANDARD:
+            frame = frame.then(_along_x(a, alpha))
+    return lines, frame.then(_frame(robot.tool))
+
+
+def ball(cell: Expression) -> Real:
+    """A cell without names as a ball.
+
+    Args:
+        cell: Exact.
+
+    Raises:
+        QuantityError: It has a name.
+    """
+    match cell:
+        case Number(value):
+            return real(value)
+        case Pi():
+            return arb.pi()
+        case Sum(terms):
+            return sum(map(ball, terms), arb(0))
+        case Product(factors):
+            found = arb(1)
+            for factor in factors:
+                found = found * ball(factor)
+            return found
+        case Power(base, exponent):
+            return ball(base) ** exponent
+        case Call(function, (argument,)):
+            return getattr(ball(argument), function)()
+    raise QuantityError("a table with symbols has no poses in numbers", remedy="give them numbers under parameters:")
+
+
+def _along_z(theta: Real, d: Real) -> Frame:
+    c, s, zero, one = theta.cos(), theta.sin(), arb(0), arb(1)
+    return Frame((zero, zero, d), (c, s, zero), (-s, c, zero), (zero, zero, one))
+
+
+def _along_x(a: Real, alpha: Real) -> Frame:
+    c, s, zero, one = alpha.cos(), alpha.sin(), arb(0), arb(1)
+    return Frame((a, zero, zero), (one, zero, zero), (zero, c, s), (zero, -s, c))
+
+
+def _frame(matrix: Matrix) -> Frame:
+    rows = [[ball(cell) for cell in row] for row in matrix[:3]]
+    x, y, z, origin = ((rows[0][k], rows[1][k], rows[2][k]) for k in range(4))
+    return Frame(origin, x, y, z)
+
+
+def _between(a: Point, b: Point) -> Real:
+    """An upper bound of the angle between two unit vectors that are close: |a - b| <= angle <= pi/2 |a - b|."""
+    return arb.pi() / 2 * length(plus(a, b, -1))
+
+
+def _apart(a: Frame, b: Frame) -> Real:
+    """The Frobenius norm of the difference of two rotations, which is not less than its largest stretch."""
+    square = arb(0)
+    for one, other in ((a.x, b.x), (a.y, b.y), (a.z, b.z)):
+        difference = plus(one, other, -1)
+        square += dot(difference, difference)
+    return length((square.abs_upper().sqrt(), arb(0), arb(0)))
+
+
+def _travel(axis: Axis) -> Real:
+    """How far a slide goes from zero."""
+    limits = axis.joint.limits
+    return real(max(map(abs, limits))) if limits else arb(1)
+
+
+def _up(value: Real) -> float:
+    """A double that is not smaller."""
+    return float(value.abs_upper()) * (1 + 1e-15)
