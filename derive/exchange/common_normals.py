@@ -230,7 +230,10 @@ def _row(before: Frame, after: Frame, standard: bool) -> Row:
 
 def _angle(a: Point, b: Point, about: Point) -> Real:
     """From one direction to another about a third [rad]."""
-    return arb.atan2(dot(cross(a, b), about), dot(a, b))
+    sine, cosine = dot(cross(a, b), about), dot(a, b)
+    if not abs(sine) > NOTHING:  # the arctangent of a ball around pi would be all angles
+        return arb(0) if cosine > 0 else arb.pi()
+    return arb.atan2(sine, cosine)
 
 
 def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool) -> list[_Candidate]:
