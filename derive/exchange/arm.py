@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import pi
 
-from derive.errors import RobotFileError, near_miss, quoted
 from flint import arb
 
+from derive.errors import RobotFileError, near_miss, quoted
 from derive.exchange.space import NOTHING, WORLD, Frame, Line, Point, Real, real, unit, vector
 from derive.exchange.urdf import MOVING, Origin, Urdf, UrdfBody, UrdfJoint
 
@@ -177,7 +177,8 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
     name = end
     while name != start:
         if name not in carrying or len(chain) > len(carrying):
-            raise RobotFileError(f"{urdf.source}: {quoted(end)} does not hang on {quoted(start)}", remedy="write --tip LINK")
+            found = f"{urdf.source}: {quoted(end)} does not hang on {quoted(start)}"
+            raise RobotFileError(found, remedy="write --tip LINK")
         chain.append(carrying[name])
         name = carrying[name].parent
     return _placed_chain(urdf, start, end, chain[::-1], snap)
@@ -220,7 +221,9 @@ def _placed_chain(urdf: Urdf, start: str, end: str, chain: Sequence[UrdfJoint], 
 def _check_kind(joint: UrdfJoint) -> None:
     if joint.type not in MOVING:
         found = f"joint {quoted(joint.name)} is {joint.type}"
-        raise RobotFileError(found, allowed="revolute, continuous, prismatic, fixed", remedy="choose another --tip or --chain", location=joint.location)
+        remedy = "choose another --tip or --chain"
+        allowed = "allowed: revolute, continuous, prismatic, fixed"
+        raise RobotFileError(found, allowed=allowed, remedy=remedy, location=joint.location)
     if joint.mimics:
         found = f"joint {quoted(joint.name)} follows {quoted(joint.mimics)}: it has no variable of its own"
         raise RobotFileError(found, remedy="choose a chain without it", location=joint.location)

@@ -1,9 +1,9 @@
 """How far the poses of a table can be from those of the arm that it was made for: a bound that holds everywhere.
 
-Both arms are products of exponentials, exp(S_1 q_1) ... exp(S_n q_n) M (Brockett; Lynch and Park, Modern Robotics, 4.1).
-Replacing one factor after the other changes the pose by what a turn about a slightly other axis does: axes that differ by
-an angle e and a distance h turn a point at a distance r by at most 2 e r + 2 h apart; slides of s along them by e s. The
-sum over all joints is the bound. It is computed in balls from the numbers of both files, rounding included.
+Both arms are products of exponentials, exp(S_1 q_1) ... exp(S_n q_n) M (Brockett; Lynch and Park, Modern Robotics,
+4.1). Replacing one factor after the other changes the pose by what a turn about a slightly other axis does: axes that
+differ by an angle e and a distance h turn a point at a distance r to places at most 2 e r + 2 h apart; slides of s
+along them by e s. The sum over all joints is the bound. It is computed in balls from the numbers of both files.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from flint import arb
 
 from derive.errors import QuantityError
 from derive.exchange.arm import Arm, Axis
-from derive.exchange.space import WORLD, Frame, Line, Point, Real, cross, dot, exactly, length, plus, real, times
-from derive.robot.description import Convention, Joint, Matrix
+from derive.exchange.space import Frame, Line, Point, Real, dot, exactly, length, plus, real, times
+from derive.robot.description import Convention, Matrix
 from derive.robot.expression import Call, Expression, Number, Pi, Power, Product, Sum
 from derive.robot.robot import Robot
 

@@ -100,7 +100,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     columns = [*options, free] if standard else [free, *options]
     candidates = _candidates(arm, columns, spots, standard, snap)
     chosen = _cheapest(arm, candidates, standard)
-    rows = tuple(_row(a.frame, b.frame, standard) for a, b in zip(chosen, chosen[1:], strict=False))
+    rows = tuple(_row(a.frame, b.frame, standard) for a, b in pairwise(chosen))
     frames = tuple(candidate.frame for candidate in chosen)
     return Placement(convention, frames, rows, arm.end.seen_from(frames[-1]))
 
@@ -150,7 +150,7 @@ def _spots(arm: Arm, lines: Sequence[Line]) -> list[tuple[int | None, Point]]:
     """Points that frames may take: base, tip, and where neighbours are nearest to each other, with their joint."""
     spots: list[tuple[int | None, Point]] = [(None, WORLD.origin), (None, arm.end.origin)]
     turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
-    for i, j in zip(turning, turning[1:], strict=False):
+    for i, j in pairwise(turning):
         line, other = lines[i], lines[j]
         if not parallel(line.direction, other.direction, 1e-6):
             spots += [(i, line.nearest(other)), (j, other.nearest(line))]
@@ -187,7 +187,8 @@ def _normals(
     line: Line, partners: Sequence[Line], spots: Sequence[Point], known: Sequence[Point], snap: float
 ) -> Iterator[tuple[Point, Point]]:
     """Origins on a line with directions of x that are perpendicular to it and to a partner, which x meets."""
-    across = [unit(cross(cross(line.direction, v), line.direction)) for v in known if not parallel_vector(line.direction, v)]
+    slanting = [v for v in known if not length(cross(line.direction, v)) <= ALIKE]
+    across = [unit(cross(cross(line.direction, v), line.direction)) for v in slanting]
     feet = [line.foot(spot) for spot in spots]
     if not partners:
         yield from ((foot, x) for foot in feet for x in across)
@@ -202,16 +203,6 @@ def _normals(
             yield from ((foot, unit(apart)) for foot in feet)
         else:
             yield from ((foot, x) for foot in feet for x in across)
-
-
-def parallel_vector(direction: Point, other: Point) -> bool:
-    """Whether a vector of any length has a direction, or none.
-
-    Args:
-        direction: Unit vector.
-        other: Any.
-    """
-    return bool(length(cross(direction, other)) <= 1e-9)
 
 
 def _row(before: Frame, after: Frame, standard: bool) -> Row:
@@ -240,7 +231,7 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
     """The frames whose table has the fewest numbers (Viterbi)."""
     costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
     back: list[np.ndarray] = []
-    for column, following in zip(candidates, candidates[1:], strict=False):
+    for column, following in pairwise(candidates):
         steps = _step_costs(column, following, standard)
         total = costs[:, None] + steps
         back.append(total.argmin(axis=0))
@@ -266,7 +257,7 @@ def _step_costs(column: Sequence[_Candidate], following: Sequence[_Candidate], s
     """Of each pair of frames: the numbers of their row; infinite where x is no common normal."""
     o0, x0, z0 = np.moveaxis(np.array([c.numbers for c in column]), 1, 0)[:, :, None, :]
     o1, x1, z1 = np.moveaxis(np.array([c.numbers for c in following]), 1, 0)[:, None, :, :]
-    x, turning, other = (x1, z0, z1) if standard else (x0, z1, z0)
+    x, turning = (x1, z0) if standard else (x0, z1)
     apart = o1 - o0
     wrong = np.abs((x * turning).sum(-1)) > ALIKE
     wrong = wrong | (np.abs((apart * np.cross(x, turning)).sum(-1)) > ALIKE)
@@ -279,5 +270,4 @@ def _step_costs(column: Sequence[_Candidate], following: Sequence[_Candidate], s
         cost += NEGATIVE * (sine < -ALIKE) + NEGATIVE / 4 * ((np.abs(sine) <= ALIKE) & (cosine < 0))
     for value in (d, a):
         cost += (np.abs(value) > ALIKE) + NEGATIVE * (value < -ALIKE)
-    del other
     return np.where(wrong, np.inf, cost)

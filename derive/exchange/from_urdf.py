@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from decimal import ROUND_HALF_EVEN, Context, Decimal
+from dataclasses import dataclass
 from fractions import Fraction
 from math import floor, log10
 
 from flint import arb
 
-from derive.exchange.arm import Arm, Axis, Mass, arm_of
+from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass, arm_of
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import Placement, Row, place
 from derive.exchange.space import NOTHING, Frame, Point, Real, dot, exactly, plus, real
 from derive.exchange.urdf import Urdf
 from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix
-from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, add, multiply, number
+from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
@@ -26,9 +25,6 @@ DIGITS = 17
 
 DIVISORS = 180
 """Angles that are exact multiples of pi by this are written so."""
-
-SIMPLE = (12, 8)
-"""Angles near multiples of pi by one of these are taken for them."""
 
 TOUCHING = 1e-9
 """Lengths below are zero [m]."""
@@ -80,7 +76,8 @@ def import_urdf(
         text = robot_text(description)
         robot = Robot.from_text(text, f"{description.name}.yaml")
         certificate = certify(arm_of(urdf, base, tip, Fraction(0)), robot)
-        notes = (*urdf.notes, *_notes(urdf, arm))
+        held = (f"held at zero: {', '.join(arm.held)}",) if arm.held else ()
+        notes = (*urdf.notes, *held)
         head = [f"{arm.base} to {arm.tip} of {urdf.source}: {', '.join(axis.joint.name for axis in arm.axes)}"]
         text = robot_text(description, [*head, *map(str, certificate.lines), *notes])
     return Imported(text, Robot.from_text(text, f"{description.name}.yaml"), certificate, notes)
@@ -143,7 +140,7 @@ def angle(value: Real, snap: Fraction) -> Expression:
         snap: How near simple fractions are taken [rad].
     """
     turns = value / arb.pi()
-    for divisor in (*SIMPLE, DIVISORS):
+    for divisor in (*FRACTIONS, DIVISORS):
         near = round(float(turns) * divisor)
         within = real(snap) if divisor != DIVISORS else arb(NOTHING)
         if abs(turns * divisor - near) * arb.pi() / divisor <= max(within, arb(NOTHING)):
@@ -177,7 +174,7 @@ def decimal(value: Real) -> Fraction:
 def _matrix(frame: Frame) -> Matrix:
     """A transform as cells."""
     columns = (frame.x, frame.y, frame.z)
-    rows = [tuple(_turned(column[k]) for column in columns) + (distance(frame.origin[k]),) for k in range(3)]
+    rows = [(*(_turned(column[k]) for column in columns), distance(frame.origin[k])) for k in range(3)]
     return (*rows, (ZERO, ZERO, ZERO, ONE))
 
 
@@ -187,24 +184,30 @@ def _turned(value: Real) -> Expression:
     for divisor in (1, 2, 4):
         near = round(float(square) * divisor)
         if abs(square * divisor - near) < NOTHING:
+            root = round(2 * float(value))
+            if root * root * divisor == 4 * near:
+                return number(Fraction(root, 2))
             sign = number(1 if value > 0 else -1)
-            root = Fraction(near, divisor)
-            return multiply(sign, Call("sqrt", (number(root),))) if root not in (0, 1, Fraction(1, 4)) else multiply(sign, number(Fraction(round(2 * float(abs(value))), 2)))
+            return multiply(sign, Call("sqrt", (number(Fraction(near, divisor)),)))
     return number(decimal(value))
 
 
 def _link(axis: Axis, frame: Frame) -> Link:
     """What moves with a joint as one body in the frame of its row."""
     mass = sum((body.mass for body in axis.bodies), Fraction(0))
-    friction = {"viscous": number(axis.joint.damping), "coulomb": number(axis.joint.friction)}
+    viscous, coulomb = number(axis.joint.damping), number(axis.joint.friction)
     if mass == 0:
-        return Link(**friction)
+        return Link(viscous=viscous, coulomb=coulomb)
     weighed = [plus((arb(0),) * 3, frame.inside(body.com), real(body.mass)) for body in axis.bodies]
-    com = tuple(sum((c[k] for c in weighed), arb(0)) / real(mass) for k in range(3))
+    com = (_mean(weighed, 0, mass), _mean(weighed, 1, mass), _mean(weighed, 2, mass))
     tensor = _tensor(axis.bodies, frame, com)
-    return Link(
-        mass=number(mass), com=tuple(number(decimal(c)) for c in com), inertia=Inertia(*(number(decimal(t)) for t in tensor)), **friction
-    )
+    x, y, z = (number(decimal(c)) for c in com)
+    inertia = Inertia(*(number(decimal(t)) for t in tensor))
+    return Link(number(mass), (x, y, z), inertia, viscous=viscous, coulomb=coulomb)
+
+
+def _mean(weighed: Sequence[Point], k: int, mass: Fraction) -> Real:
+    return sum((point[k] for point in weighed), arb(0)) / real(mass)
 
 
 def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:
@@ -222,8 +225,3 @@ def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:
                 steiner = (far if i == j else 0) - away[i] * away[j]
                 total[i][j] += turned + real(body.mass) * steiner
     return [total[0][0], total[1][1], total[2][2], total[0][1], total[0][2], total[1][2]]
-
-
-def _notes(urdf: Urdf, arm: Arm) -> list[str]:
-    notes = [f"held at zero: {', '.join(arm.held)}"] if arm.held else []
-    return notes

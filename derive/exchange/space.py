@@ -1,4 +1,4 @@
-"""Points, lines and frames in numbers that enclose the truth: balls of 256 bits, so that zero and almost zero are told apart.
+"""Points, lines and frames in balls of 256 bits, which enclose the truth and tell zero from almost zero.
 
 Whoever computes with them does so inside `exactly`.
 """
@@ -56,33 +56,62 @@ def vector(values: Sequence[Fraction | int]) -> Point:
 
 
 def dot(a: Point, b: Point) -> Real:
-    """a . b"""
+    """Scalar product a . b.
+
+    Args:
+        a: Vector.
+        b: Vector.
+    """
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Point, b: Point) -> Point:
-    """a x b"""
+    """Vector product a x b.
+
+    Args:
+        a: Vector.
+        b: Vector.
+    """
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def plus(a: Point, b: Point, scale: Real = 1) -> Point:
-    """a + scale b"""
+    """Sum a + scale b.
+
+    Args:
+        a: Vector.
+        b: Vector.
+        scale: Number.
+    """
     return (a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2])
 
 
 def times(a: Point, scale: Real) -> Point:
-    """scale a"""
+    """Multiple scale a.
+
+    Args:
+        a: Vector.
+        scale: Number.
+    """
     return (a[0] * scale, a[1] * scale, a[2] * scale)
 
 
 def length(a: Point) -> Real:
-    """|a|"""
+    """Length |a|.
+
+    Args:
+        a: Vector.
+    """
     square = dot(a, a)
     return square.sqrt() if square > 0 else arb(0, square.abs_upper().sqrt())
 
 
 def unit(a: Point) -> Point:
-    """a/|a|"""
+    """Direction a/|a|.
+
+    Args:
+        a: Vector.
+    """
     return times(a, 1 / length(a))
 
 
@@ -203,4 +232,5 @@ class Line:
         """
         normal = cross(self.direction, other.direction)
         across = cross(other.direction, normal)
-        return plus(self.point, self.direction, dot(plus(other.point, self.point, -1), across) / dot(self.direction, across))
+        away = plus(other.point, self.point, -1)
+        return plus(self.point, self.direction, dot(away, across) / dot(self.direction, across))

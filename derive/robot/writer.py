@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from derive.robot.description import IDENTITY, Convention, Description, Joint, Link, Matrix
+from derive.robot.description import IDENTITY, Convention, Description, Inertia, Joint, Link, Matrix, Motor
 from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.rounding import shown
 
@@ -87,19 +87,25 @@ def _frame(key: str, matrix: Matrix) -> Iterator[str]:
         yield from (f"  - {_list(row)}" for row in matrix)
 
 
+def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
+    """Some cells of a part in braces, without those that are zero; nothing where all are."""
+    cells = {key: getattr(part, key) for key in keys}
+    rows = [f"{key}: {cell_text(cell)}" for key, cell in cells.items() if cell != ZERO]
+    return f"{{{', '.join(rows)}}}" if rows else ""
+
+
 def _link(link: Link) -> Iterator[str]:
     """The lines of a link; what is zero is left out."""
-    tensor = [f"{key}: {cell_text(getattr(link.inertia, key))}" for key in _INERTIA if getattr(link.inertia, key) != ZERO]
-    friction = [f"{key}: {cell_text(getattr(link, key))}" for key in ("viscous", "coulomb") if getattr(link, key) != ZERO]
+    tensor = _cells(link.inertia, _INERTIA)
+    friction = _cells(link, ("viscous", "coulomb"))
     yield f"  - mass: {cell_text(link.mass)}"
     if any(cell != ZERO for cell in link.com):
         yield f"    com: {_list(link.com)}"
     if tensor:
-        yield f"    inertia: {{{', '.join(tensor)}}}"
+        yield f"    inertia: {tensor}"
     if link.motor is not None:
-        motor = [f"{key}: {cell_text(getattr(link.motor, key))}" for key in ("mass", "inertia", "ratio")]
-        yield f"    motor: {{{', '.join(motor)}}}"
+        yield f"    motor: {_cells(link.motor, ('mass', 'inertia', 'ratio')) or '{mass: 0}'}"
     if link.armature != ZERO:
         yield f"    armature: {cell_text(link.armature)}"
     if friction:
-        yield f"    friction: {{{', '.join(friction)}}}"
+        yield f"    friction: {friction}"

@@ -1,0 +1,1 @@
+"""Robots from and to the formats of other programs."""
