@@ -26,12 +26,11 @@ if TYPE_CHECKING:
     from derive.api.handout import fragment, handout
     from derive.api.move import move
     from derive.api.plot import plot
-    from derive.api.robots import catalogue, load
+    from derive.api.robots import Robot, catalogue, load
     from derive.api.style import Style, find_style
     from derive.errors import DeriveError, RobotFileWarning
     from derive.motion.motion import Motion
     from derive.notebook import Model
-    from derive.robot.robot import Robot
 
 __all__ = [
     "DeriveError",
@@ -62,7 +61,7 @@ _HOMES = {
     "DeriveError": "derive.errors",
     "Model": "derive.notebook",
     "Motion": "derive.motion.motion",
-    "Robot": "derive.robot.robot",
+    "Robot": "derive.api.robots",
     "RobotFileWarning": "derive.errors",
     "Style": "derive.api.style",
     "build": "derive.api.build",

@@ -1,19 +1,43 @@
-"""Which robots there are, and how a function of the Python API is given one."""
+"""Which robots there are, how a function of the Python API is given one, and `derive.Robot` itself."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from pathlib import Path
+from typing import TypeVar
 
 from derive.errors import RobotFileWarning
 from derive.robot.cells import joint_values
 from derive.robot.expression import Expression
 from derive.robot.load import catalogue_names
-from derive.robot.robot import Robot
+from derive.robot.robot import Robot as PlainRobot
 
-RobotLike = Robot | str | Path
+RobotLike = PlainRobot | str | Path
 """A robot, the path of a robot file, or a name of the catalogue."""
+
+
+class Robot(PlainRobot):
+    """A serial arm, as `derive.robot.robot.Robot`, with what else can be made of it as methods.
+
+    It is equal to the plain robot of the same data.
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, PlainRobot) and _data(self) == _data(other)
+
+    def __hash__(self) -> int:
+        return PlainRobot.__hash__(self)
+
+
+Loaded = TypeVar("Loaded", bound=PlainRobot)
+
+
+def _data(robot: PlainRobot) -> tuple[object, ...]:
+    return tuple(getattr(robot, part.name) for part in fields(robot) if part.compare)
 
 
 def catalogue() -> tuple[str, ...]:
@@ -29,7 +53,7 @@ def load(robot: RobotLike) -> Robot:
     """Load a robot.
 
     Args:
-        robot: Path of a robot file, a name of the catalogue, or a robot, which stays as it is.
+        robot: Path of a robot file, a name of the catalogue, or a robot, which stays itself.
 
     Returns:
         The validated robot; its ``remarks`` are issued as `RobotFileWarning`, too.
@@ -38,10 +62,12 @@ def load(robot: RobotLike) -> Robot:
         RobotFileError: The file cannot be read or does not describe a robot.
         UnknownRobotError: Neither a file nor a catalogue name.
     """
-    return robot if isinstance(robot, Robot) else with_remarks(Robot.load(robot))
+    if isinstance(robot, Robot):
+        return robot
+    return Robot.of(robot) if isinstance(robot, PlainRobot) else with_remarks(Robot.load(robot))
 
 
-def with_remarks(robot: Robot) -> Robot:
+def with_remarks(robot: Loaded) -> Loaded:
     """Issue the remarks on a robot's file as warnings.
 
     Args:
@@ -71,7 +97,7 @@ def load_all(robots: Iterable[RobotLike] | None) -> list[Robot]:
     return [load(robot) for robot in (catalogue() if robots is None else robots)]
 
 
-def configuration(robot: Robot, q: Sequence[float | str]) -> tuple[Expression, ...]:
+def configuration(robot: PlainRobot, q: Sequence[float | str]) -> tuple[Expression, ...]:
     """Exact joint values from numbers or cells.
 
     Args:

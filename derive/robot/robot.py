@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
+from typing import Self
 
 from derive.robot.description import Convention, Description
 from derive.robot.expression import to_text
@@ -82,7 +83,7 @@ class Robot(Description):
         ]
 
     @classmethod
-    def load(cls, path_or_name: str | Path) -> Robot:
+    def load(cls, path_or_name: str | Path) -> Self:
         """Load a robot file, or a robot of the catalogue by name.
 
         Args:
@@ -95,10 +96,10 @@ class Robot(Description):
             RobotFileError: The file cannot be read or does not describe a robot.
             UnknownRobotError: Neither a file nor a catalogue name.
         """
-        return cls._of(load_description(path_or_name))
+        return cls.of(load_description(path_or_name))
 
     @classmethod
-    def from_text(cls, text: str, source: str = "<text>") -> Robot:
+    def from_text(cls, text: str, source: str = "<text>") -> Self:
         """Load a robot from YAML text.
 
         Args:
@@ -114,7 +115,7 @@ class Robot(Description):
         return cls.from_bytes(text.encode("utf-8", "surrogatepass"), source)
 
     @classmethod
-    def from_bytes(cls, data: bytes, source: str) -> Robot:
+    def from_bytes(cls, data: bytes, source: str) -> Self:
         """Load a robot from the bytes of a file.
 
         Args:
@@ -127,9 +128,16 @@ class Robot(Description):
         Raises:
             RobotFileError: The bytes do not describe a robot.
         """
-        return cls._of(description_from_bytes(data, source))
+        return cls.of(description_from_bytes(data, source))
 
     @classmethod
-    def _of(cls, description: Description) -> Robot:
-        """The robot with the data of a description."""
+    def of(cls, description: Description) -> Self:
+        """The robot with the data of a description.
+
+        Args:
+            description: Validated data, for instance another robot's.
+
+        Returns:
+            A robot of this class.
+        """
         return cls(**{field.name: getattr(description, field.name) for field in fields(description)})

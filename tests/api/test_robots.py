@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
 import pydoc
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import derive
 from derive.api.robots import catalogue, configuration, load, load_all
 from derive.errors import DeriveError, UnknownRobotError
 from derive.robot.expression import to_text
@@ -26,6 +29,18 @@ def test_a_robot_is_loaded_by_name_or_path_and_stays_itself(tmp_path: Path) -> N
     assert [robot.name for robot in load_all(None)] == list(catalogue())
     with pytest.raises(UnknownRobotError, match="did you mean 'thumb'"):
         load("thum")
+
+
+def test_a_robot_of_the_api_equals_the_plain_one_of_the_same_data() -> None:
+    plain = Robot.load("thumb")
+    arm = load(plain)
+    assert type(arm) is derive.Robot
+    assert (arm, hash(arm)) == (plain, hash(plain))
+    assert plain == arm
+    assert arm != load("planar-3r")
+    assert plain != load("planar-3r")
+    assert pickle.loads(pickle.dumps(arm)) == plain
+    assert type(replace(arm, name="other")) is derive.Robot
 
 
 def test_joint_values_are_in_the_units_of_the_file() -> None:
