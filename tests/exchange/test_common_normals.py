@@ -1,0 +1,35 @@
+"""Tables by common normals."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from derive.exchange.arm import arm_of
+from derive.exchange.common_normals import place
+from derive.exchange.space import exactly
+from derive.exchange.urdf import read_urdf
+from derive.robot.description import Convention
+from tests.exchange.urdfs import HALF, J, urdf
+
+
+@pytest.mark.parametrize("convention", Convention)
+def test_parallel_axes_have_a_table_with_two_lengths(convention: Convention) -> None:
+    text = urdf([J(), J("0.5 0 0"), J("0.4 0 0", type="fixed")])
+    with exactly():
+        arm = arm_of(read_urdf(text.encode(), "arm.urdf"), None, None, Fraction(0))
+        placement = place(arm, convention, 1e-6)
+    lengths = sorted(abs(float(cell)) for row in placement.rows for cell in (row.d, row.a, row.theta, row.alpha))
+    assert [cell for cell in lengths if cell] == pytest.approx(
+        [0.4, 0.5] if convention is Convention.STANDARD else [0.5]
+    )
+
+
+def test_a_slide_takes_the_place_that_costs_least() -> None:
+    """The second axis of a cylindrical arm goes through the first wherever the file draws it."""
+    text = urdf([J(), J("0.3 0.2 0.1", type="prismatic"), J("-0.3 -0.2 0", f"{HALF} 0 0")])
+    with exactly():
+        arm = arm_of(read_urdf(text.encode(), "arm.urdf"), None, None, Fraction(0))
+        placement = place(arm, Convention.STANDARD, 1e-6)
+    assert [float(row.a) for row in placement.rows] == [0, 0, 0]

@@ -1,0 +1,40 @@
+"""A robot from a URDF is the URDF's arm."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from derive.exchange.from_urdf import import_urdf
+from derive.exchange.urdf import read_urdf
+from derive.robot.description import Convention
+from derive.verification.oracle.functions import Oracle
+from tests.exchange.urdfs import HALF, PI, J, Reading, body, pose, urdf
+
+SNAP = Fraction(1, 10**6)
+
+ARM = urdf(
+    [
+        J("0 0 0.3", "0.1 -0.4 2", inertial=body("3", "0.1 0 0.2", "0.3 0.2 0.1", "0.2 0.3 0.4 0.01 0.02 -0.03")),
+        J("0.4 0 0", f"{HALF} 0 0", "0 -2 0", inertial=body("2", "0 0.1 0.2", moments="0.1 0.1 0.05 0 0 0")),
+        J("0.3 0 0", f"0 {HALF} 0", type="fixed", inertial=body("1", "0.1 0 0", moments="0.01 0.02 0.02 0 0 0")),
+        J("0 0 0.2", f"0 0 {PI}", "1 0 0", type="prismatic", inertial=body("1.5", moments="0.03 0.02 0.02 0 0 0")),
+        J("0 0.2 0", "0.4 0 0", type="continuous", limit="", inertial=body("0.5", "0 0 0.1")),
+        J("0.1 0 0.1", "0 0.5 0", type="fixed"),
+    ]
+)
+
+
+@pytest.mark.parametrize("convention", Convention)
+def test_poses_and_dynamics_are_those_of_pinocchio(convention: Convention) -> None:
+    imported = import_urdf(read_urdf(ARM.encode(), "arm.urdf"), None, None, convention, SNAP)
+    reading, oracle = Reading(ARM, ("j1", "j2", "j4", "j5")), Oracle.of(imported.robot)
+    random = np.random.default_rng(4)
+    for _ in range(5):
+        q, qd, qdd = random.uniform(-2, 2, (3, 4))
+        assert np.abs(pose(imported.robot, q) - reading.pose(q, "l6")).max() < 1e-12
+        wanted = reading.torque(q, qd, qdd)
+        assert np.abs(oracle.evaluate("inverse_dynamics", q, qd, qdd) - wanted).max() < 1e-10
+        assert np.abs(oracle.evaluate("inertia_matrix", q) - reading.inertia(q)).max() < 1e-10

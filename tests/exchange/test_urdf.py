@@ -1,0 +1,56 @@
+"""URDFs are read exactly, and what is wrong with one is said in one message with its line."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from derive.errors import RobotFileError
+from derive.exchange.urdf import read_urdf
+from tests.exchange.urdfs import J, body, urdf
+
+
+def test_decimals_are_read_as_they_are_written() -> None:
+    text = urdf([J("0 0 0.1", "1e-3 0 -2.5", "0 1 0", inertial=body("2.50", "0 0 1"))])
+    read = read_urdf(text.encode(), "arm.urdf")
+    (joint,) = read.joints
+    assert joint.origin.xyz == (0, 0, Fraction(1, 10))
+    assert joint.origin.rpy == (Fraction(1, 1000), 0, Fraction(-5, 2))
+    assert (joint.effort, joint.velocity, joint.limits) == (80, 2, (-3, 3))
+    found = read.bodies["l1"]
+    assert found is not None
+    assert found.mass == Fraction(5, 2)
+    assert read.bodies["l0"] is None
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "found"),
+    [
+        ("", 1, "an empty file"),
+        ("<robot", 1, "no XML"),
+        ("<model/>", 1, "the outermost element is 'model'"),
+        ("<robot/>", 1, "a robot without links"),
+        ('<robot>\n<link name="a"/>\n<link name="a"/>\n</robot>', 3, "a second link 'a'"),
+        ("<robot>\n<link/>\n</robot>", 2, "a link without a name"),
+        (urdf([J("0 0 nan")]), 5, "'nan' is no number"),
+        (urdf([J("0 0")]), 5, "2 numbers"),
+        (urdf([J(axis="0 0 0.0")]), 6, "an axis of length 0"),
+        (urdf([J(type="ball")]), 5, "of type 'ball'"),
+        (urdf([J(parent="nobody")]), 5, "parent 'nobody' is no link of the file"),
+        (urdf([J(name="a"), J(name="a")]), 10, "a second joint 'a'"),
+        (urdf([J(inertial=body("inf"))]), 4, "'inf' is no number"),
+        ('<!DOCTYPE robot [<!ENTITY a "b">]>\n<robot><link name="a"/></robot>', 1, "a document type definition"),
+    ],
+)
+def test_one_message_names_file_line_and_what_was_found(text: str, line: int, found: str) -> None:
+    with pytest.raises(RobotFileError) as refused:
+        read_urdf(text.encode(), "arm.urdf")
+    assert refused.value.location is not None
+    assert (refused.value.location.source, found in refused.value.found) == ("arm.urdf", True), str(refused.value)
+    assert abs(refused.value.location.line - line) <= 2
+
+
+def test_a_prefix_that_is_not_bound_is_read_and_remarked() -> None:
+    text = urdf([J()], top="<xacro:x/>")
+    assert any("xacro" in note for note in read_urdf(text.encode(), "arm.urdf").notes)
