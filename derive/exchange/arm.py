@@ -1,17 +1,38 @@
-"""A serial arm as lines in space: its axes, its bodies and its tip, all in the frame of its base at q = 0."""
+"""A serial arm as lines in space: its axes, its bodies and its tip, all in the frame of its base at q = 0.
+
+The way from base to tip may go up the tree of links first: a joint that is passed from child to parent moves the other
+way round.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
 from math import pi
 
 from flint import arb
 
 from derive.errors import RobotFileError, near_miss, quoted
-from derive.exchange.space import NOTHING, WORLD, Frame, Line, Point, Real, real, unit, vector
+from derive.exchange.space import (
+    NOTHING,
+    WORLD,
+    Frame,
+    Line,
+    Point,
+    Real,
+    cross,
+    length,
+    plus,
+    real,
+    times,
+    unit,
+    vector,
+)
 from derive.exchange.urdf import MOVING, Origin, Urdf, UrdfBody, UrdfJoint
+from derive.robot.size_limits import FILE_LIMITS
 
 FRACTIONS = (12, 8)
 """Angles near multiples of pi by one of these are taken for them."""
@@ -56,7 +77,7 @@ class Axis:
         return MOVING[self.joint.type]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Arm:
     """An open chain at q = 0.
 
@@ -65,14 +86,25 @@ class Arm:
         tip: Name of the last link.
         axes: From the base on.
         end: Frame of the last link.
-        held: Names of joints beside the chain, which are taken as fixed at zero.
+        up: z axis of the link that hangs on no joint: against gravity.
+        held: Names of joints beside the chain that carry something on it, which are taken as fixed at zero.
+        snaps: How far angles and directions of the chain were changed, where they were [rad].
     """
 
     base: str
     tip: str
     axes: tuple[Axis, ...]
     end: Frame
+    up: Point
     held: tuple[str, ...]
+    snaps: tuple[float, ...]
+
+    @cached_property
+    def reach(self) -> float:
+        """How far the tip can get from the first axis, by the way through all joints [m]."""
+        stations = [*(axis.line.point for axis in self.axes), self.end.origin]
+        travels = (max(map(abs, axis.joint.limits)) for axis in self.axes if not axis.is_revolute and axis.joint.limits)
+        return sum(float(length(plus(b, a, -1))) for a, b in pairwise(stations)) + float(sum(travels))
 
 
 def snapped(angle: Fraction, snap: Fraction) -> Real:
@@ -124,21 +156,41 @@ def tips(urdf: Urdf) -> tuple[str, ...]:
     return tuple(name for name in urdf.bodies if name not in parents)
 
 
-def root(urdf: Urdf) -> str:
-    """The link that hangs on no joint.
+def moving_tips(urdf: Urdf) -> tuple[str, ...]:
+    """Those of `tips` between which and the root some joint is not fixed.
 
     Args:
         urdf: The robot.
 
     Raises:
-        RobotFileError: None or several.
+        RobotFileError: Its joints form a loop.
     """
-    children = {joint.child for joint in urdf.joints}
-    found = [name for name in urdf.bodies if name not in children]
-    if len(found) != 1:
-        said = f"{len(found)} links hang on no joint: {', '.join(found[:8])}" if found else "the joints form a loop"
-        raise RobotFileError(f"{urdf.source}: {said}", remedy="give one tree of links, or --chain BASE..TIP")
-    return found[0]
+    carrying = _carrying(urdf)
+    return tuple(tip for tip in tips(urdf) if any(joint.type != "fixed" for joint in _ancestry(urdf, carrying, tip)))
+
+
+def _carrying(urdf: Urdf) -> dict[str, UrdfJoint]:
+    """The joint that each link hangs on."""
+    carrying: dict[str, UrdfJoint] = {}
+    for joint in urdf.joints:
+        if joint.child in carrying:
+            found = f"link {quoted(joint.child)} hangs on two joints, {carrying[joint.child].name} and {joint.name}"
+            raise RobotFileError(found, remedy="give a tree, without loops", location=joint.location)
+        carrying[joint.child] = joint
+    return carrying
+
+
+def _ancestry(urdf: Urdf, carrying: Mapping[str, UrdfJoint], link: str) -> list[UrdfJoint]:
+    """The joints from a link up to the one that hangs on none."""
+    way: list[UrdfJoint] = []
+    while link in carrying:
+        joint = carrying[link]
+        if len(way) == len(carrying):
+            found = f"the joints around {quoted(link)} form a loop"
+            raise RobotFileError(found, remedy="give a tree, without loops", location=joint.location)
+        way.append(joint)
+        link = joint.parent
+    return way
 
 
 def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm:
@@ -146,8 +198,8 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
 
     Args:
         urdf: The robot.
-        base: Name of the link that stands; None for the root.
-        tip: Name of the last link; None where only one carries no other.
+        base: Name of the link that stands; None for the one that the tip hangs on in the end.
+        tip: Name of the last link; None where only one carries no other and moves.
         snap: Angles and directions that are closer to fractions of pi are taken for them [rad].
 
     Returns:
@@ -158,64 +210,124 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
     """
     for name in (base, tip):
         if name is not None and name not in urdf.bodies:
-            hint = near_miss(name, urdf.bodies) or f"links: {', '.join(list(urdf.bodies)[:12])}"
+            hint = near_miss(name, urdf.bodies) or f"links: {_some(list(urdf.bodies))}"
             raise RobotFileError(f"{urdf.source}: no link {quoted(name)}", remedy=hint)
-    carrying: dict[str, UrdfJoint] = {}
-    for joint in urdf.joints:
-        if joint.child in carrying:
-            found = f"link {quoted(joint.child)} hangs on two joints, {carrying[joint.child].name} and {joint.name}"
-            raise RobotFileError(found, remedy="give a tree, without loops", location=joint.location)
-        carrying[joint.child] = joint
-    start = root(urdf) if base is None else base
-    ends = tips(urdf)
-    if tip is None and len(ends) != 1:
-        raise RobotFileError(
-            f"{urdf.source}: {len(ends)} links carry no other", allowed=", ".join(ends[:24]), remedy="write --tip LINK"
-        )
-    end = ends[0] if tip is None else tip
-    chain: list[UrdfJoint] = []
-    name = end
-    while name != start:
-        if name not in carrying or len(chain) > len(carrying):
-            found = f"{urdf.source}: {quoted(end)} does not hang on {quoted(start)}"
-            raise RobotFileError(found, remedy="write --tip LINK")
-        chain.append(carrying[name])
-        name = carrying[name].parent
-    return _placed_chain(urdf, start, end, chain[::-1], snap)
+    carrying = _carrying(urdf)
+    end = _only_tip(urdf) if tip is None else tip
+    down = _ancestry(urdf, carrying, end)
+    start = base if base is not None else (down[-1].parent if down else end)
+    up = _ancestry(urdf, carrying, start)
+    while up and down and up[-1] is down[-1]:
+        up, down = up[:-1], down[:-1]
+    meeting = {joints[-1].parent if joints else link for joints, link in ((up, start), (down, end))}
+    if len(meeting) > 1:
+        found = f"{urdf.source}: no joints lead from {quoted(start)} to {quoted(end)}"
+        raise RobotFileError(found, remedy="choose links of one tree")
+    steps = [*((joint, True) for joint in up), *((joint, False) for joint in reversed(down))]
+    return _placed_chain(urdf, carrying, (start, end), steps, snap)
 
 
-def _placed_chain(urdf: Urdf, start: str, end: str, chain: Sequence[UrdfJoint], snap: Fraction) -> Arm:
-    children: dict[str, list[UrdfJoint]] = {}
-    for joint in urdf.joints:
-        children.setdefault(joint.parent, []).append(joint)
-    on_chain = {joint.name for joint in chain}
+def _only_tip(urdf: Urdf) -> str:
+    ends = moving_tips(urdf)
+    if not ends:
+        remedy = "give a robot with a joint that moves"
+        raise RobotFileError(f"{urdf.source}: no joint moves", remedy=remedy)
+    if len(ends) > 1:
+        found = f"{urdf.source}: {len(ends)} links carry no other"
+        raise RobotFileError(found, allowed=_some(ends), remedy="write --tip LINK, or --all")
+    return ends[0]
+
+
+def _some(names: Sequence[str], most: int = 24) -> str:
+    """Names for a message."""
+    return ", ".join(quoted(name)[1:-1] for name in names[:most]) + (", ..." if len(names) > most else "")
+
+
+def _placed_chain(
+    urdf: Urdf,
+    carrying: Mapping[str, UrdfJoint],
+    ends: tuple[str, str],
+    steps: Sequence[tuple[UrdfJoint, bool]],
+    snap: Fraction,
+) -> Arm:
+    """Axes and bodies along steps, each a joint and whether it is passed from child to parent."""
+    tree = _Tree(urdf, {joint.name for joint, _ in steps}, snap)
+    frame = WORLD
+    lines: list[tuple[Line, UrdfJoint]] = []
+    groups: list[list[Mass]] = [[]]
     held: list[str] = []
-
-    def _carried(link: str, frame: Frame) -> list[Mass]:
-        """The bodies of a link and of what hangs on it beside the chain."""
-        body = urdf.bodies[link]
-        found = [_mass(body, frame, link, snap)] if body is not None else []
-        for joint in children.get(link, ()):
-            if joint.name not in on_chain:
-                if joint.type != "fixed":
-                    held.append(joint.name)
-                found += _carried(joint.child, frame.then(placed(joint.origin, snap)))
-        return found
-
-    frame, axes = WORLD, []
-    groups = [_carried(start, WORLD)]
-    lines = []
-    for joint in chain:
-        frame = frame.then(placed(joint.origin, snap))
+    for joint, upwards in steps:
+        if not upwards:
+            frame = frame.then(placed(joint.origin, snap))
         if joint.type != "fixed":
             _check_kind(joint)
-            lines.append((Line(frame.origin, frame.direction(_direction(joint, snap))), joint))
+            direction = frame.direction(_direction(joint, snap))
+            lines.append((Line(frame.origin, times(direction, -1) if upwards else direction), joint))
             groups.append([])
-        groups[-1] += _carried(joint.child, frame)
+        if upwards:
+            frame = frame.then(WORLD.seen_from(placed(joint.origin, snap)))
+        if lines:  # what moves with the base stands
+            bodies, fixed = tree.around(joint.parent if upwards else joint.child, frame)
+            groups[-1] += bodies
+            held += fixed
     if not lines:
-        raise RobotFileError(f"{urdf.source}: no joint moves between {quoted(start)} and {quoted(end)}")
-    axes = [Axis(line, joint, tuple(group)) for (line, joint), group in zip(lines, groups[1:], strict=True)]
-    return Arm(start, end, tuple(axes), frame, tuple(held))
+        start, end = map(quoted, ends)
+        raise RobotFileError(f"{urdf.source}: no joint moves between {start} and {end}", remedy="choose other links")
+    if len(lines) > FILE_LIMITS.joints:
+        allowed = f"allowed: at most {FILE_LIMITS.joints}"
+        raise RobotFileError(
+            f"{urdf.source}: {len(lines)} joints move", allowed=allowed, remedy="choose a shorter chain"
+        )
+    axes = tuple(Axis(line, joint, tuple(group)) for (line, joint), group in zip(lines, groups[1:], strict=True))
+    snaps = [change for joint, _ in steps for change in _changes(joint, snap)]
+    return Arm(*ends, axes, frame, _upwards(urdf, carrying, ends[0], snap), tuple(held), tuple(snaps))
+
+
+def _upwards(urdf: Urdf, carrying: Mapping[str, UrdfJoint], link: str, snap: Fraction) -> Point:
+    """The z axis of a tree's root in the frame of a link."""
+    frame = WORLD
+    for joint in reversed(_ancestry(urdf, carrying, link)):
+        frame = frame.then(placed(joint.origin, snap))
+    return frame.turned(WORLD.z)
+
+
+class _Tree:
+    """What hangs on the links of a chain and is not part of it."""
+
+    def __init__(self, urdf: Urdf, chain: set[str], snap: Fraction) -> None:
+        self._bodies, self._snap = urdf.bodies, snap
+        self._beside: dict[str, list[tuple[UrdfJoint, bool]]] = {}
+        for joint in urdf.joints:
+            if joint.name not in chain:
+                self._beside.setdefault(joint.parent, []).append((joint, False))
+                self._beside.setdefault(joint.child, []).append((joint, True))
+
+    def around(self, link: str, frame: Frame) -> tuple[list[Mass], list[str]]:
+        """The bodies that move with a link, joints beside the chain at zero, and the names of these joints."""
+        found: list[Mass] = []
+        held: list[str] = []
+        seen, waiting = {link}, [(link, frame)]
+        while waiting:
+            name, at = waiting.pop(0)
+            body = self._bodies[name]
+            if body is not None:
+                found.append(_mass(body, at, name, self._snap))
+            for joint, upwards in self._beside.get(name, ()):
+                other = joint.parent if upwards else joint.child
+                if other not in seen:
+                    seen.add(other)
+                    held += [joint.name] if joint.type != "fixed" else []
+                    step = placed(joint.origin, self._snap)
+                    waiting.append((other, at.then(WORLD.seen_from(step) if upwards else step)))
+        return found, held
+
+
+def _changes(joint: UrdfJoint, snap: Fraction) -> list[float]:
+    """How far the angles and the direction of a joint are changed, where they are [rad]."""
+    turned = [float(abs(snapped(angle, snap) - real(angle))) for angle in joint.origin.rpy if angle]
+    if joint.type in MOVING:
+        turned.append(float(length(cross(unit(vector(joint.axis)), _direction(joint, snap))).abs_upper()))
+    return [change for change in turned if change > NOTHING]
 
 
 def _check_kind(joint: UrdfJoint) -> None:

@@ -9,6 +9,7 @@ along them by e s. The sum over all joints is the bound. It is computed in balls
 from __future__ import annotations
 
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
 
 from flint import arb
 
@@ -32,10 +33,13 @@ class Certificate:
     position: float
     rotation: float
 
+    def __str__(self) -> str:
+        return f"pose error over all limits <= {_above(self.position)} m and {_above(self.rotation)} rad, proven"
+
     @property
-    def lines(self) -> tuple[str, ...]:
-        """What a robot file says about it."""
-        return (f"pose error at most {self.position:.2g} m and {self.rotation:.2g} rad in all configurations, proven",)
+    def printed(self) -> Certificate:
+        """The bound as it is printed, which is not below."""
+        return Certificate(float(_above(self.position)), float(_above(self.rotation)))
 
 
 def certify(arm: Arm, robot: Robot) -> Certificate:
@@ -60,12 +64,11 @@ def certify(arm: Arm, robot: Robot) -> Certificate:
         for axis, line in reversed(list(zip(arm.axes, axes, strict=True))):
             angle = _between(axis.line.direction, line.direction)
             if axis.is_revolute:
-                away = length(plus(line.foot(axis.line.point), axis.line.point, -1))
-                reach = axis.line.distance(place) if beyond == 0 else length(plus(axis.line.point, place, -1))
-                position += 2 * angle * (reach + beyond) + 2 * away
+                pivot = axis.line.foot(place)
+                position += 2 * angle * (beyond + length(plus(place, pivot, -1))) + 2 * line.distance(pivot)
                 rotation += 2 * angle
-                beyond += length(plus(place, axis.line.point, -1))
-                place = axis.line.point
+                beyond += length(plus(place, pivot, -1))
+                place = pivot
             else:
                 travel = _travel(axis)
                 position += angle * travel
@@ -156,6 +159,11 @@ def _travel(axis: Axis) -> Real:
     """How far a slide goes from zero."""
     limits = axis.joint.limits
     return real(max(map(abs, limits))) if limits else arb(1)
+
+
+def _above(value: float) -> str:
+    """Two digits, rounded up."""
+    return f"{float(Context(prec=2, rounding=ROUND_CEILING).create_decimal_from_float(value)):.2g}"
 
 
 def _up(value: Real) -> float:

@@ -31,6 +31,15 @@ NEIGHBOURS = 2
 NEGATIVE = 0.02
 """What a minus sign counts."""
 
+FAR = 2.0
+"""No cell of a table is a larger multiple of the arm's reach where another table does without."""
+
+TURNED = 1e-5
+"""How far the arm may move where axes with such a far common normal are taken as parallel [m]."""
+
+TOO_FAR = 1000.0
+"""What a far cell counts."""
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -58,12 +67,14 @@ class Placement:
         frames: Frame 0 to frame n, in the world.
         rows: Of the table.
         tool: The arm's end in frame n.
+        turned: By how much axes were turned, where they were [rad].
     """
 
     convention: Convention
     frames: tuple[Frame, ...]
     rows: tuple[Row, ...]
     tool: Frame
+    turned: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -90,6 +101,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
         The frames with the fewest numbers, among equal ones with the fewest minus signs.
     """
     lines = _straightened(arm, snap)
+    turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
     standard = convention is Convention.STANDARD
     free = _free_lines(arm, lines, standard)
     spots = _spots(arm, lines)
@@ -102,7 +114,8 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     chosen = _cheapest(arm, candidates, standard)
     rows = tuple(_row(a.frame, b.frame, standard) for a, b in pairwise(chosen))
     frames = tuple(candidate.frame for candidate in chosen)
-    return Placement(convention, frames, rows, arm.end.seen_from(frames[-1]))
+    tool, changes = arm.end.seen_from(frames[-1]), tuple(float(sine) for sine in turned if sine > NOTHING)
+    return Placement(convention, frames, rows, tool, changes)
 
 
 def parallel(a: Point, b: Point, snap: float) -> bool:
@@ -113,7 +126,24 @@ def parallel(a: Point, b: Point, snap: float) -> bool:
         b: Unit vector.
         snap: Largest angle [rad].
     """
-    return bool(length(cross(a, b)) <= max(snap, NOTHING))
+    return bool(_sine(a, b) <= max(snap, NOTHING))
+
+
+def _sine(a: Point, b: Point) -> Real:
+    return length(cross(a, b))
+
+
+def _meets_far(line: Line, before: Line, reach: float) -> bool:
+    """Whether the common normal of almost parallel axes is beyond everything that the arm reaches.
+
+    Then they are taken as parallel, and what that costs is in the certificate: no arm is 75 km long because somebody
+    wrote 1.5708.
+    """
+    sine = _sine(line.direction, before.direction)
+    if not sine > NOTHING or sine * reach > TURNED:
+        return False
+    apart = length(plus(line.nearest(before), line.point, -1)), length(plus(before.nearest(line), before.point, -1))
+    return bool(max(map(float, apart)) > FAR * reach)
 
 
 def _straightened(arm: Arm, snap: float) -> list[Line]:
@@ -124,10 +154,17 @@ def _straightened(arm: Arm, snap: float) -> list[Line]:
         known = [other.direction for other in reversed(lines)] + [WORLD.z, WORLD.x, WORLD.y, arm.end.z]
         for direction in known:
             if parallel(direction, line.direction, snap):
-                line = Line(line.point, direction if dot(direction, line.direction) > 0 else times(direction, -1))
+                line = _along(line, direction)
                 break
+        if lines and _meets_far(line, lines[-1], arm.reach):
+            line = _along(line, lines[-1].direction)
         lines.append(line)
     return lines
+
+
+def _along(line: Line, direction: Point) -> Line:
+    """The line through the same point in a direction, or against it."""
+    return Line(line.point, direction if dot(direction, line.direction) > 0 else times(direction, -1))
 
 
 def _free_lines(arm: Arm, lines: Sequence[Line], standard: bool) -> list[Line]:
@@ -152,8 +189,9 @@ def _spots(arm: Arm, lines: Sequence[Line]) -> list[tuple[int | None, Point]]:
     turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
     for i, j in pairwise(turning):
         line, other = lines[i], lines[j]
-        if not parallel(line.direction, other.direction, 1e-6):
-            spots += [(i, line.nearest(other)), (j, other.nearest(line))]
+        if not parallel(line.direction, other.direction, ALIKE):
+            near = ((i, line.nearest(other), line.point), (j, other.nearest(line), other.point))
+            spots += [(k, spot) for k, spot, own in near if length(plus(spot, own, -1)) <= FAR * arm.reach + ALIKE]
     return spots
 
 
@@ -232,7 +270,7 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
     costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
     back: list[np.ndarray] = []
     for column, following in pairwise(candidates):
-        steps = _step_costs(column, following, standard)
+        steps = _step_costs(column, following, standard, FAR * arm.reach + ALIKE)
         total = costs[:, None] + steps
         back.append(total.argmin(axis=0))
         costs = total.min(axis=0)
@@ -253,7 +291,9 @@ def _frame_cost(outer: Frame, inner: Frame) -> float:
     return BASE_CELL * (places + float(turned))
 
 
-def _step_costs(column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool) -> np.ndarray:
+def _step_costs(
+    column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool, far: float
+) -> np.ndarray:
     """Of each pair of frames: the numbers of their row; infinite where x is no common normal."""
     o0, x0, z0 = np.moveaxis(np.array([c.numbers for c in column]), 1, 0)[:, :, None, :]
     o1, x1, z1 = np.moveaxis(np.array([c.numbers for c in following]), 1, 0)[:, None, :, :]
@@ -269,5 +309,5 @@ def _step_costs(column: Sequence[_Candidate], following: Sequence[_Candidate], s
         cost += (np.abs(sine) > ALIKE) | (cosine < 0)
         cost += NEGATIVE * (sine < -ALIKE) + NEGATIVE / 4 * ((np.abs(sine) <= ALIKE) & (cosine < 0))
     for value in (d, a):
-        cost += (np.abs(value) > ALIKE) + NEGATIVE * (value < -ALIKE)
+        cost += (np.abs(value) > ALIKE) + NEGATIVE * (value < -ALIKE) + TOO_FAR * (np.abs(value) > far)
     return np.where(wrong, np.inf, cost)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import floor, log10
 
+import numpy as np
 from flint import arb
 
+from derive.errors import DeriveError, RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass, arm_of
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import Placement, Row, place
@@ -17,7 +19,9 @@ from derive.exchange.space import NOTHING, Frame, Point, Real, dot, exactly, plu
 from derive.exchange.urdf import Urdf
 from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
+from derive.robot.load import is_robot_name
 from derive.robot.robot import Robot
+from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.writer import robot_text
 
 DIGITS = 17
@@ -26,8 +30,14 @@ DIGITS = 17
 DIVISORS = 180
 """Angles that are exact multiples of pi by this are written so."""
 
-TOUCHING = 1e-9
-"""Lengths below are zero [m]."""
+TOUCHING = Fraction(1, 10**9)
+"""Lengths below are zero, or below the snap where that is less [m]."""
+
+MOST_MOVED = 1e-4
+"""A table whose poses may be farther from the URDF's is refused [m]."""
+
+HALVES = 1e-9
+"""Part of the largest principal moment that rounding may have taken from A + B - C."""
 
 GRAVITY = Fraction(981, 100)
 """Where a format says nothing [m/s^2]."""
@@ -41,17 +51,37 @@ class Imported:
         text: The robot file.
         robot: What it says.
         certificate: How far its poses are from the URDF's.
+        links: Names of the links at both ends.
+        joints: Names of the joints in the URDF.
         notes: What a reader should know, as sentences.
+        snapped: What was changed to exact values, as a sentence.
     """
 
     text: str
     robot: Robot
     certificate: Certificate
+    links: tuple[str, str]
+    joints: tuple[str, ...]
     notes: tuple[str, ...]
+    snapped: str
+
+    @property
+    def report(self) -> tuple[str, ...]:
+        """What was made, in lines."""
+        kinds = "".join("R" if joint.is_revolute else "P" for joint in self.robot.joints)
+        ends = " to ".join(self.links)
+        head = f"{self.robot.n} joints ({kinds}), {self.robot.convention.value}, {ends}; base and tool constant"
+        return (head, f"{self.snapped}; {self.certificate}", *self.notes)
 
 
 def import_urdf(
-    urdf: Urdf, base: str | None, tip: str | None, convention: Convention, snap: Fraction, name: str | None = None
+    urdf: Urdf,
+    base: str | None,
+    tip: str | None,
+    convention: Convention,
+    snap: Fraction,
+    name: str | None = None,
+    head: Sequence[str] = (),
 ) -> Imported:
     """The robot of a chain of a URDF.
 
@@ -62,25 +92,92 @@ def import_urdf(
         convention: Of the table.
         snap: Angles closer to simple fractions of pi are taken for them [rad].
         name: Of the robot; None for that of the URDF.
+        head: Lines that stand first in the robot file.
 
     Returns:
         The robot file with its certificate.
 
     Raises:
-        RobotFileError: There is no such chain, or a joint of it has no place in a table.
+        RobotFileError: There is no such chain, a joint of it has no place in a table, or poses would move too far.
     """
     with exactly():
         arm = arm_of(urdf, base, tip, snap)
         placement = place(arm, convention, float(snap))
         description = _description(urdf, arm, placement, snap, name)
-        text = robot_text(description)
-        robot = Robot.from_text(text, f"{description.name}.yaml")
+        robot = _loaded(urdf, robot_text(description), description.name)
         certificate = certify(arm_of(urdf, base, tip, Fraction(0)), robot)
-        held = (f"held at zero: {', '.join(arm.held)}",) if arm.held else ()
-        notes = (*urdf.notes, *held)
-        head = [f"{arm.base} to {arm.tip} of {urdf.source}: {', '.join(axis.joint.name for axis in arm.axes)}"]
-        text = robot_text(description, [*head, *map(str, certificate.lines), *notes])
-    return Imported(text, Robot.from_text(text, f"{description.name}.yaml"), certificate, notes)
+    if certificate.position > MOST_MOVED:
+        raise RobotFileError(
+            f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {certificate.position:.2g} m",
+            allowed=f"allowed: at most {MOST_MOVED:g} m",
+            remedy=f"write --snap {float(snap) * MOST_MOVED / certificate.position / 2:.0e}" if snap else "",
+        )
+    names = tuple(_plain(axis.joint.name) for axis in arm.axes)
+    notes = tuple(map(_plain, _notes(urdf, arm)))
+    ends = (_plain(arm.base), _plain(arm.tip))
+    text = robot_text(description, [*head, f"joints: {', '.join(names)}", str(certificate), *notes])
+    snapped = _snapped([*arm.snaps, *placement.turned])
+    return Imported(text, _loaded(urdf, text, description.name), certificate, ends, names, notes, snapped)
+
+
+def _loaded(urdf: Urdf, text: str, name: str) -> Robot:
+    """The robot of a text; what it has against it is said of the URDF."""
+    try:
+        return Robot.from_text(text, f"{name}.yaml")
+    except DeriveError as error:
+        raise RobotFileError(f"{urdf.source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
+
+
+def _plain(text: str) -> str:
+    """A text of a URDF as it may stand in a comment, on one line."""
+    return quoted(text, 1000)[1:-1]
+
+
+def _snapped(changes: Sequence[float]) -> str:
+    """What was changed to exact values."""
+    if not changes:
+        return "nothing snapped"
+    return f"snapped: {len(changes)} angle{'s' * (len(changes) > 1)}, largest change {max(changes):.2g} rad"
+
+
+def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
+    """What a reader should know, as sentences."""
+    yield from urdf.notes
+    bodies = [body for axis in arm.axes for body in axis.bodies]
+    if not bodies:
+        yield "no masses: kinematics only"
+    for body in bodies:
+        if body.mass < 0:
+            yield f"link {body.link}: negative mass {float(body.mass):g} kg"
+        a, b, c = np.linalg.eigvalsh(tensor_matrix([float(moment) for moment in body.inertia]))
+        if a < -HALVES * abs(c):
+            yield f"link {body.link}: no body has its inertia (a principal moment of {a:.2g} kg m^2)"
+        elif a + b < c - HALVES * abs(c):
+            yield f"link {body.link}: no body has its inertia (A + B < C by {c - a - b:.2g} kg m^2)"
+    for axis in arm.axes:
+        joint = axis.joint
+        if joint.limits is not None and joint.limits[0] >= joint.limits[1]:
+            lower, upper = map(float, joint.limits)
+            yield f"joint {joint.name}: limits {lower:g} to {upper:g} are taken as none"
+        for kind, value in (("damping", joint.damping), ("friction", joint.friction)):
+            if value < 0:
+                yield f"joint {joint.name}: negative {kind} {float(value):g}"
+        if not axis.is_revolute and joint.limits is None:
+            yield f"joint {joint.name}: a slide without limits, proven for 1 m to either side"
+    if arm.held:
+        yield f"held at zero: {', '.join(arm.held)}"
+    if urdf.unread:
+        yield f"not read: {', '.join(urdf.unread)}"
+
+
+def tensor_matrix(moments: Sequence[float]) -> list[list[float]]:
+    """A symmetric matrix.
+
+    Args:
+        moments: xx, yy, zz, xy, xz, yz.
+    """
+    xx, yy, zz, xy, xz, yz = moments
+    return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
 
 
 def _description(urdf: Urdf, arm: Arm, placement: Placement, snap: Fraction, name: str | None) -> Description:
@@ -91,14 +188,16 @@ def _description(urdf: Urdf, arm: Arm, placement: Placement, snap: Fraction, nam
     if any(axis.bodies for axis in arm.axes):
         frames = placement.frames[1:]
         links = tuple(_link(axis, frame) for axis, frame in zip(arm.axes, frames, strict=True))
+    down = (multiply(number(-1), turned(component), Name("g")) for component in arm.up)
+    title = _plain(" ".join(f"{urdf.name}: {arm.base} to {arm.tip}".split()))
     return Description(
         name=robot_name(name or urdf.name or "arm"),
-        title=f"{urdf.name}: {arm.base} to {arm.tip}",
+        title=title[: FILE_LIMITS.title_length],
         convention=placement.convention,
         joints=joints,
-        base=_matrix(placement.frames[0]),
-        tool=_matrix(placement.tool),
-        gravity=(ZERO, ZERO, multiply(number(-1), Name("g"))) if links else None,
+        base=_matrix(placement.frames[0], snap),
+        tool=_matrix(placement.tool, snap),
+        gravity=(next(down), next(down), next(down)) if links else None,
         links=links,
         parameters=(("g", number(GRAVITY)),) if links else (),
     )
@@ -110,21 +209,25 @@ def robot_name(text: str) -> str:
     Args:
         text: For instance ``UR5 (cb3)``.
     """
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60] or "arm"
+    name = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[: FILE_LIMITS.name_length - 6].strip("-") or "arm"
+    return name if is_robot_name(name) else f"{name}-robot"
 
 
 def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
     """A row of the table; its variable is the joint's own."""
-    of_file = axis.joint
-    limits = None if of_file.limits is None else (number(of_file.limits[0]), number(of_file.limits[1]))
-    speed, torque = (number(most) if most else None for most in (of_file.velocity, of_file.effort))
+    of_file, limits = axis.joint, None
+    if of_file.limits is not None and of_file.limits[0] < of_file.limits[1]:
+        limits = number(rounded(of_file.limits[0])), number(rounded(of_file.limits[1]))
+    speed, torque = (
+        number(rounded(most)) if most and most > 0 else None for most in (of_file.velocity, of_file.effort)
+    )
     return Joint(
         JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC,
         f"q{i}",
         1,
         angle(row.theta, snap),
-        distance(row.d),
-        distance(row.a),
+        distance(row.d, snap),
+        distance(row.a, snap),
         angle(row.alpha, snap),
         limits,
         speed,
@@ -148,13 +251,23 @@ def angle(value: Real, snap: Fraction) -> Expression:
     return number(decimal(value))
 
 
-def distance(value: Real) -> Expression:
+def distance(value: Real, snap: Fraction) -> Expression:
     """A cell of a length.
 
     Args:
         value: [m].
+        snap: See `angle`.
     """
-    return ZERO if abs(value) < TOUCHING else number(decimal(value))
+    return ZERO if abs(value) <= real(min(TOUCHING, snap)) else number(decimal(value))
+
+
+def rounded(value: Fraction) -> Fraction:
+    """A number of a URDF with at most `DIGITS` digits.
+
+    Args:
+        value: As in the file.
+    """
+    return decimal(real(value))
 
 
 def decimal(value: Real) -> Fraction:
@@ -171,15 +284,19 @@ def decimal(value: Real) -> Fraction:
     return Fraction(round(exact * 10**places), 1) / Fraction(10) ** places
 
 
-def _matrix(frame: Frame) -> Matrix:
+def _matrix(frame: Frame, snap: Fraction) -> Matrix:
     """A transform as cells."""
     columns = (frame.x, frame.y, frame.z)
-    rows = [(*(_turned(column[k]) for column in columns), distance(frame.origin[k])) for k in range(3)]
+    rows = [(*(turned(column[k]) for column in columns), distance(frame.origin[k], snap)) for k in range(3)]
     return (*rows, (ZERO, ZERO, ZERO, ONE))
 
 
-def _turned(value: Real) -> Expression:
-    """An entry of a rotation: a root where its square is simple, or a decimal."""
+def turned(value: Real) -> Expression:
+    """An entry of a rotation: a root where its square is simple, or a decimal.
+
+    Args:
+        value: From -1 to 1.
+    """
     square = value * value
     for divisor in (1, 2, 4):
         near = round(float(square) * divisor)
@@ -195,15 +312,22 @@ def _turned(value: Real) -> Expression:
 def _link(axis: Axis, frame: Frame) -> Link:
     """What moves with a joint as one body in the frame of its row."""
     mass = sum((body.mass for body in axis.bodies), Fraction(0))
-    viscous, coulomb = number(axis.joint.damping), number(axis.joint.friction)
+    viscous, coulomb = number(rounded(axis.joint.damping)), number(rounded(axis.joint.friction))
     if mass == 0:
-        return Link(viscous=viscous, coulomb=coulomb)
+        if heavy := next((body.link for body in axis.bodies if body.mass), ""):
+            found = f"link {quoted(heavy)}: its mass and those of what it carries add up to nothing"
+            raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
+        tensor = _tensor(axis.bodies, frame, (arb(0), arb(0), arb(0)))
+        return Link(inertia=Inertia(*(number(decimal(t)) for t in tensor)), viscous=viscous, coulomb=coulomb)
+    if mass < 0:
+        found = f"link {quoted(axis.bodies[0].link)} and what it carries weigh {float(mass):g} kg"
+        raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
     weighed = [plus((arb(0),) * 3, frame.inside(body.com), real(body.mass)) for body in axis.bodies]
     com = (_mean(weighed, 0, mass), _mean(weighed, 1, mass), _mean(weighed, 2, mass))
     tensor = _tensor(axis.bodies, frame, com)
     x, y, z = (number(decimal(c)) for c in com)
     inertia = Inertia(*(number(decimal(t)) for t in tensor))
-    return Link(number(mass), (x, y, z), inertia, viscous=viscous, coulomb=coulomb)
+    return Link(number(rounded(mass)), (x, y, z), inertia, viscous=viscous, coulomb=coulomb)
 
 
 def _mean(weighed: Sequence[Point], k: int, mass: Fraction) -> Real:

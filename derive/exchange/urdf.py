@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -16,8 +18,14 @@ if TYPE_CHECKING:
 MOST_BYTES = 16 * 2**20
 """Of a file; URDFs with thousands of links have less."""
 
+MOST_ELEMENTS = 20_000
+"""Links and joints of a robot."""
+
 MOST_DIGITS = 400
-"""Of a number, its exponent counted: beyond that it is no length and no mass."""
+"""Of a number."""
+
+GREATEST = 60
+"""Power of ten beyond which a number is no length and no mass; what is as small is zero."""
 
 Triple = tuple[Fraction, Fraction, Fraction]
 """Three decimals, exactly as written."""
@@ -28,6 +36,15 @@ MOVING = {"revolute": True, "continuous": True, "prismatic": False}
 """Types of joints with one variable, and whether it is an angle."""
 
 TYPES = (*MOVING, "fixed", "floating", "planar")
+
+READ = {
+    "robot": {"link", "joint"},
+    "link": {"inertial"},
+    "joint": {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"},
+}
+"""The elements within each that an arm is made of."""
+
+_DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +121,7 @@ class Urdf:
         bodies: By the name of each link; None of one without ``inertial``.
         joints: In the order of the file.
         notes: What was read though it is not in order, as sentences.
+        unread: Kinds of elements that were not read, such as ``visual``.
         source: File name for messages.
     """
 
@@ -111,6 +129,7 @@ class Urdf:
     bodies: Mapping[str, UrdfBody | None]
     joints: tuple[UrdfJoint, ...]
     notes: tuple[str, ...] = field(default=())
+    unread: tuple[str, ...] = field(default=())
     source: str = "<urdf>"
 
 
@@ -137,21 +156,33 @@ def read_urdf(data: bytes, source: str) -> Urdf:
             location=Location(source, root.sourceline or 1),
         )
     reader = _Reader(source)
+    elements = list(root.iterchildren("link", "joint"))
+    if len(elements) > MOST_ELEMENTS:
+        found = f"{len(elements)} links and joints"
+        raise reader.refused(root, found, "give one robot", f"allowed: at most {MOST_ELEMENTS}")
     bodies: dict[str, UrdfBody | None] = {}
-    for element in root.iterchildren("link"):
+    joints: dict[str, UrdfJoint] = {}
+    for element in (element for element in elements if element.tag == "link"):
         name = reader.name(element)
         if name in bodies:
             raise reader.refused(element, f"a second link {quoted(name)}", "give each link a name of its own")
         bodies[name] = reader.body(element)
-    joints: dict[str, UrdfJoint] = {}
-    for element in root.iterchildren("joint"):
+    for element in (element for element in elements if element.tag == "joint"):
         joint = reader.joint(element, bodies)
         if joint.name in joints:
             raise reader.refused(element, f"a second joint {quoted(joint.name)}", "give each joint a name of its own")
         joints[joint.name] = joint
     if not bodies:
         raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
-    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, source)
+    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, _unread(root, elements), source)
+
+
+def _unread(root: etree._Element, elements: Iterable[etree._Element]) -> tuple[str, ...]:
+    """Names of elements that nothing reads, the most frequent first."""
+    found: Counter[str] = Counter()
+    for parent in (root, *elements):
+        found.update(str(child.tag) for child in parent if child.tag not in READ[parent.tag])
+    return tuple(quoted(name)[1:-1] for name, _ in found.most_common())
 
 
 def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
@@ -219,14 +250,15 @@ class _Reader:
         return found[0] if found else None
 
     def _number(self, element: etree._Element, attribute: str, word: str) -> Fraction:
-        try:
+        if _DECIMAL.fullmatch(word) and len(word) <= MOST_DIGITS:
             value = Decimal(word)
-        except InvalidOperation:
-            value = Decimal("nan")
-        if not value.is_finite() or abs(value.adjusted()) + len(value.as_tuple().digits) > MOST_DIGITS:
-            found = f"{element.tag}, {attribute}: {quoted(word)} is no number"
-            raise self.refused(element, found, "write a decimal such as 0.42", "allowed: finite decimals")
-        return Fraction(value)
+            if value == 0 or value.adjusted() < -GREATEST:
+                return Fraction(0)
+            if value.adjusted() <= GREATEST:
+                return Fraction(value)
+        found = f"{element.tag}, {attribute}: {quoted(word)} is no number"
+        allowed = f"allowed: finite decimals below 1e{GREATEST}"
+        raise self.refused(element, found, "write a decimal such as 0.42", allowed)
 
     def origin(self, element: etree._Element) -> Origin:
         child = element.find("origin")
@@ -266,7 +298,8 @@ class _Reader:
         axis = element.find("axis")
         direction = (None if axis is None else self.numbers(axis, "xyz", 3)) or (Fraction(1), Fraction(0), Fraction(0))
         if kind in MOVING and not any(direction):
-            raise self.refused(axis, f"joint {quoted(name)}: an axis of length 0", 'write <axis xyz="0 0 1"/>')
+            found = f"joint {quoted(name)}: an axis of length 0"
+            raise self.refused(element if axis is None else axis, found, 'write <axis xyz="0 0 1"/>')
         limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
         lower, upper, effort, velocity = (
             None if limit is None else self.number(limit, key) for key in ("lower", "upper", "effort", "velocity")
