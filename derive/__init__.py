@@ -8,6 +8,7 @@
     derive.handout(robot, formats=["pdf"])     # the sheet to hand out
     derive.plot(robot, "arm.svg")              # the arm with its frames
     derive.move("scara-pick-and-place", plot="tau.svg")   # a motion: speeds, torques, work
+    derive.convert(robot, "modified", "mdh.yaml")         # the table of the other convention
     derive.check("notes.yaml")                 # printed formulas against derived ones
 
 Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
@@ -23,6 +24,7 @@ from derive.version import __version__
 if TYPE_CHECKING:
     from derive.api.build import build, build_all, stale, verify
     from derive.api.check import check, check_formula, check_inverse, check_latex
+    from derive.api.convert import convert
     from derive.api.handout import fragment, handout
     from derive.api.move import move
     from derive.api.plot import plot
@@ -47,6 +49,7 @@ __all__ = [
     "check_formula",
     "check_inverse",
     "check_latex",
+    "convert",
     "find_style",
     "fragment",
     "handout",
@@ -71,6 +74,7 @@ _HOMES = {
     "check_formula": "derive.api.check",
     "check_inverse": "derive.api.check",
     "check_latex": "derive.api.check",
+    "convert": "derive.api.convert",
     "find_style": "derive.api.style",
     "fragment": "derive.api.handout",
     "handout": "derive.api.handout",

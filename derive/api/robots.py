@@ -32,6 +32,22 @@ class Robot(PlainRobot):
     def __hash__(self) -> int:
         return PlainRobot.__hash__(self)
 
+    def convert(self, convention: str) -> Robot:
+        """The same arm by the table of the other Denavit-Hartenberg convention; see `derive.convert`.
+
+        Args:
+            convention: ``standard`` or ``modified``.
+
+        Returns:
+            The arm whose T, J, B, C, g and tau are the same functions.
+
+        Raises:
+            DeriveError: No such convention, or the robot's own.
+        """
+        from derive.exchange.convert import convention_named, converted  # `import derive` and `load` need no algebra
+
+        return Robot.of(converted(self, convention_named(convention)).robot)
+
 
 Loaded = TypeVar("Loaded", bound=PlainRobot)
 

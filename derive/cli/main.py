@@ -21,12 +21,13 @@ COMMANDS = {
     "style": "find the style of a book from some of its formulas",
     "verify": "compare generated functions with an independent recursion",
     "move": "a motion from via points: speeds, torques, work; plots, films, simulation",
+    "convert": "the same arm in the other Denavit-Hartenberg convention",
     "new": "write a commented robot file, or a motion plan, to start from",
     "schema": "print the JSON Schema of the robot file or the motion plan",
 }
 """What each command does; its module `derive.cli.NAME` is imported when it is asked for."""
 
-OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "new")
+OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "convert", "new")
 """Commands that read robot files."""
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

@@ -228,7 +228,7 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
         The chain; without bodies where the robot has no links.
     """
     zero, one = domain.number(0), domain.number(1)
-    base = _constant_frame(robot.base, domain)
+    base = constant_frame(robot.base, domain)
     rows = []
     for joint in robot.joints:  # K = Trans(x, a) Rot(x, alpha); the two commute, so it serves both conventions
         c, s = domain.cosine_sine(joint.alpha)
@@ -239,7 +239,7 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
     fixed, ends = ([unit, *rows[:-1]], rows) if standard else (rows, [unit] * len(rows))
     links = robot.links or [Link()] * robot.n
     joints = tuple(_chain_joint(*each, domain) for each in zip(range(robot.n), robot.joints, links, fixed, strict=True))
-    tool = ends[-1] @ _constant_frame(robot.tool, domain)
+    tool = ends[-1] @ constant_frame(robot.tool, domain)
     ground, *bodies = _bodies(robot, fixed, ends, domain)
     gravity, drop = (zero, zero, zero), zero
     if robot.gravity is not None:
@@ -269,7 +269,13 @@ def central_inertia(link: Link, domain: Domain[S]) -> Symmetric[S]:
     return Symmetric(*(domain.constant(cell) for cell in (i.xx, i.yy, i.zz, i.xy, i.xz, i.yz)))
 
 
-def _constant_frame(matrix: tuple[tuple[Expression, ...], ...], domain: Domain[S]) -> Frame[S]:
+def constant_frame(matrix: tuple[tuple[Expression, ...], ...], domain: Domain[S]) -> Frame[S]:
+    """A constant transform.
+
+    Args:
+        matrix: Its cells, 4x4.
+        domain: Turns them into scalars.
+    """
     rows = [[domain.constant(cell) for cell in row] for row in matrix[:3]]
     rotation = tuple((row[0], row[1], row[2]) for row in rows)
     return Frame((rotation[0], rotation[1], rotation[2]), (rows[0][3], rows[1][3], rows[2][3]))

@@ -227,6 +227,7 @@ class Description:
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages only; never written to an output.
         remarks: What the file says and hardly means, such as 90 rad.
+        comments: Comments before the first line of the file, such as whence the robot is.
     """
 
     name: str
@@ -247,6 +248,7 @@ class Description:
     digest: str = ""
     source: str = ""
     remarks: tuple[Remark, ...] = field(default=(), compare=False)
+    comments: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def n(self) -> int:

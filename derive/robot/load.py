@@ -11,6 +11,7 @@ import unicodedata
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
+from itertools import takewhile
 from pathlib import Path
 
 from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss, quoted
@@ -190,9 +191,16 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         units=units,
         digest=document.digest,
         source=document.source,
+        comments=_comments(data),
     )
     validate(document, cells, robot)
     return replace(robot, remarks=remarks_on(document, robot))
+
+
+def _comments(data: bytes) -> tuple[str, ...]:
+    """The lines of comment at the head of a file that has been read, without their marks."""
+    head = takewhile(lambda line: line.startswith("#"), data.decode("utf-8-sig").splitlines())
+    return tuple(line[1:].strip() for line in head)
 
 
 def _parameters(document: Document) -> tuple[tuple[str, Expression], ...]:

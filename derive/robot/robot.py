@@ -38,6 +38,7 @@ class Robot(Description):
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages.
         remarks: What the file says and hardly means, such as 90 rad, each with its place.
+        comments: Comments before the first line of the file.
     """
 
     @property

@@ -3,10 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from fractions import Fraction
 
-from derive.robot.description import IDENTITY, Convention, Description, Inertia, Joint, Link, Matrix, Motor
-from derive.robot.expression import ZERO, Expression, to_text
+from derive.robot.description import IDENTITY, Convention, Description, FileUnits, Inertia, Joint, Link, Matrix, Motor
+from derive.robot.expression import (
+    ZERO,
+    Expression,
+    Pi,
+    Product,
+    add,
+    is_constant,
+    linear_terms,
+    multiply,
+    number,
+    power,
+    to_text,
+)
+from derive.robot.handout_options import HandoutOptions, NotationOptions
+from derive.robot.inverse_options import InverseOptions
 from derive.robot.rounding import shown
 
 _INERTIA = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -22,30 +37,94 @@ def cell_text(cell: Expression) -> str:
 
 
 def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
-    """The robot file of a robot, in radians and metres.
+    """The robot file of a robot, in the units of the file that it comes from.
 
     Args:
-        robot: The robot; its options of print and handout are left out.
+        robot: The robot.
         comments: Lines that go before it.
 
     Returns:
         YAML.
     """
-    title = robot.title.replace("\\", "\\\\").replace('"', '\\"')
+    title = robot.title.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
     lines = [*(f"# {line}".rstrip() for line in comments), f"name: {robot.name}"]
     lines += [f'title: "{title}"'] if title and title != robot.name else []
-    lines += [f"convention: {robot.convention.value}", "joints:"]
-    lines += [f"  - {{{', '.join(_row(joint, robot.convention))}}}" for joint in robot.joints]
+    lines += [f"convention: {robot.convention.value}"]
+    units = robot.units
+    if units != FileUnits():
+        lines += [
+            f"units: {{angle: {'deg' if units.degrees else 'rad'}, length: {'mm' if units.millimetres else 'm'}}}"
+        ]
+    lines += ["joints:"]
+    lines += [f"  - {{{', '.join(_row(joint, robot.convention, units))}}}" for joint in robot.joints]
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
-        lines += _frame(key, matrix)
+        lines += _frame(key, matrix, units)
     if robot.gravity is not None:
         lines += [f"gravity: {_list(robot.gravity)}"]
     if robot.links:
-        lines += ["links:", *(line for link in robot.links for line in _link(link))]
+        lines += ["links:", *(line for link in robot.links for line in _link(link, units))]
     if robot.parameters:
         lines += ["parameters:", *(f"  {name}: {cell_text(value)}" for name, value in robot.parameters)]
     lines += [f"runtime: [{', '.join(robot.runtime)}]"] if robot.runtime else []
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_options(robot)]) + "\n"
+
+
+def _options(robot: Description) -> Iterator[str]:
+    """What is wanted of the robot: style, handout, figure and inverse kinematics, as far as it is not the usual."""
+    style = robot.style.options()
+    yield from [f"style: {style['name']}"] if list(style) == ["name"] else _block("style", style)
+    handout, usual = robot.handout, HandoutOptions()
+    chosen = {part.name: getattr(handout, part.name) for part in fields(handout) if part.name != "notation"}
+    changed = {key: value for key, value in chosen.items() if value != getattr(usual, key)}
+    changed |= {"parts": f"[{', '.join(handout.parts)}]"} if "parts" in changed else {}
+    notation = {part.name: getattr(handout.notation, part.name) for part in fields(handout.notation)}
+    letters = [f"{key}: {value}" for key, value in notation.items() if value != getattr(NotationOptions(), key)]
+    yield from _block("handout", changed | ({"notation": f"{{{', '.join(letters)}}}"} if letters else {}))
+    figure, inverse, drawn = robot.figure, robot.inverse, {}
+    if figure.q is not None:
+        pairs = zip(robot.joints, figure.q, strict=True)
+        drawn["q"] = f"[{', '.join(_position(joint, cell, robot.units) for joint, cell in pairs)}]"
+    if figure.values:
+        values = (f"{name}: {cell_text(value)}" for name, value in figure.values)
+        drawn["values"] = f"{{{', '.join(values)}}}"
+    yield from _block("figure", drawn)
+    asked = {"task": inverse.task} if inverse.task != InverseOptions().task else {}
+    asked |= {"given": inverse.given} if inverse.given is not None else {}
+    yield from _block("inverse", {key: f"[{', '.join(words)}]" for key, words in asked.items()})
+
+
+def _block(key: str, entries: dict[str, str]) -> Iterator[str]:
+    if entries:
+        yield f"{key}:"
+        yield from (f"  {name}: {value}" for name, value in entries.items())
+
+
+def _angle(cell: Expression, units: FileUnits) -> str:
+    """An angle in the unit of the file: there, terms without names are degrees."""
+    return cell_text(_rescaled(cell, multiply(number(180), power(Pi(), -1))) if units.degrees else cell)
+
+
+def _length(cell: Expression, units: FileUnits) -> str:
+    return cell_text(_rescaled(cell, number(1000)) if units.millimetres else cell)
+
+
+def _position(joint: Joint, cell: Expression, units: FileUnits) -> str:
+    return _angle(cell, units) if joint.is_revolute else _length(cell, units)
+
+
+def _rescaled(cell: Expression, unit: Expression) -> Expression:
+    """The cell with every term without a name multiplied, pi by its inverse cancelled."""
+    terms = []
+    for factor, term in linear_terms(cell):
+        if not is_constant(term):
+            terms.append(multiply(number(factor), term))
+            continue
+        parts = list(product.factors if isinstance(product := multiply(unit, term), Product) else (product,))
+        if Pi() in parts and power(Pi(), -1) in parts:
+            parts.remove(Pi())
+            parts.remove(power(Pi(), -1))
+        terms.append(multiply(number(factor), *parts))
+    return add(*terms)
 
 
 def _decimal(value: Fraction) -> str:
@@ -59,7 +138,7 @@ def _list(cells: Sequence[Expression]) -> str:
     return f"[{', '.join(map(cell_text, cells))}]"
 
 
-def _row(joint: Joint, convention: Convention) -> Iterator[str]:
+def _row(joint: Joint, convention: Convention, units: FileUnits) -> Iterator[str]:
     """Type and cells of a joint in the order of the convention; those that are zero are left out."""
     yield f"type: {joint.type.value}"
     yield f"q: {joint.variable}"
@@ -67,24 +146,26 @@ def _row(joint: Joint, convention: Convention) -> Iterator[str]:
     standard = convention is Convention.STANDARD
     for key in ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d"):
         cell = getattr(joint, key)
+        written = (_angle if key in ("theta", "alpha") else _length)(cell, units)
         if key == moving:
             variable = joint.variable if joint.sign > 0 else f"-{joint.variable}"
-            constant = cell_text(cell)
-            rest = f" - {constant[1:]}" if constant.startswith("-") else f" + {constant}"
+            rest = f" - {written[1:]}" if written.startswith("-") else f" + {written}"
             yield f"{key}: {variable if cell == ZERO else variable + rest}"
         elif cell != ZERO:
-            yield f"{key}: {cell_text(cell)}"
+            yield f"{key}: {written}"
     if joint.limits is not None:
-        yield f"limits: {_list(joint.limits)}"
-    for key, value in (("speed", joint.speed), ("torque", joint.torque)):
-        if value is not None:
-            yield f"{key}: {cell_text(value)}"
+        yield f"limits: [{', '.join(_position(joint, limit, units) for limit in joint.limits)}]"
+    if joint.speed is not None:
+        yield f"speed: {_position(joint, joint.speed, units)}"
+    if joint.torque is not None:
+        yield f"torque: {cell_text(joint.torque)}"
 
 
-def _frame(key: str, matrix: Matrix) -> Iterator[str]:
+def _frame(key: str, matrix: Matrix, units: FileUnits) -> Iterator[str]:
     if matrix != IDENTITY:
         yield f"{key}:"
-        yield from (f"  - {_list(row)}" for row in matrix)
+        yield from (f"  - [{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3])
+        yield f"  - {_list(matrix[3])}"
 
 
 def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
@@ -94,13 +175,13 @@ def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
     return f"{{{', '.join(rows)}}}" if rows else ""
 
 
-def _link(link: Link) -> Iterator[str]:
+def _link(link: Link, units: FileUnits) -> Iterator[str]:
     """The lines of a link; what is zero is left out."""
     tensor = _cells(link.inertia, _INERTIA)
     friction = _cells(link, ("viscous", "coulomb"))
     yield f"  - mass: {cell_text(link.mass)}"
     if any(cell != ZERO for cell in link.com):
-        yield f"    com: {_list(link.com)}"
+        yield f"    com: [{', '.join(_length(cell, units) for cell in link.com)}]"
     if tensor:
         yield f"    inertia: {tensor}"
     if link.motor is not None:

@@ -9,10 +9,10 @@ from types import ModuleType
 
 import pytest
 
-from derive.cli import build, check, handout, list, move, new, plot, schema, show, style, verify
+from derive.cli import build, check, convert, handout, list, move, new, plot, schema, show, style, verify
 from derive.cli.main import COMMANDS
 
-MODULES = {module.__name__.rpartition(".")[2]: module for module in (build, check, handout, list, move)}
+MODULES = {module.__name__.rpartition(".")[2]: module for module in (build, check, convert, handout, list, move)}
 MODULES |= {module.__name__.rpartition(".")[2]: module for module in (new, plot, schema, show, style, verify)}
 
 

@@ -1,0 +1,49 @@
+"""The other Denavit-Hartenberg convention from Python."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from derive.api.robots import RobotLike, load
+from derive.errors import OutputError
+from derive.exchange.convert import Converted, convention_named, converted
+from derive.publish.atomic_folder import write_files
+from derive.robot.description import Convention
+
+
+def convert(
+    robot: RobotLike,
+    convention: str | None = None,
+    path: str | Path | None = None,
+    *,
+    name: str | None = None,
+    force: bool = False,
+) -> Converted:
+    """The same arm by the table of the other convention, as ``derive convert`` makes it.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        convention: ``standard`` or ``modified``; None for the other one.
+        path: The robot file that is written; None for none.
+        name: Name of the new robot; None for the same.
+        force: Whether a file that exists is overwritten.
+
+    Returns:
+        ``text`` of the robot file, the ``robot`` that it describes, ``notes`` on what the other convention says
+        otherwise, and the ``conversion``: which factor has moved where.
+
+    Raises:
+        DeriveError: No such convention, or the robot's own.
+        RobotFileError: A file that cannot be read or does not describe a robot, or a name that no robot may have.
+        OutputError: There is such a file already, or it cannot be written.
+    """
+    given = load(robot)
+    other = next(member for member in Convention if member is not given.convention)
+    made = converted(given, other if convention is None else convention_named(convention), name)
+    if path is not None:
+        if os.path.lexists(path) and not force:
+            found, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
+            raise OutputError(found, allowed="a name that is not taken", remedy=remedy)
+        write_files({Path(path).name: made.text.encode()}, Path(path).parent, force=True)
+    return made

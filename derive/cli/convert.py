@@ -1,0 +1,81 @@
+"""``derive convert``: the same arm by the table of the other convention."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from derive.cli.terminal import DONE, one_line
+from derive.errors import DeriveError
+
+if TYPE_CHECKING:
+    from derive.exchange.convert import Converted
+
+DESCRIPTION = """\
+Write the robot file of the same arm in the other Denavit-Hartenberg convention, symbolic and exact: T, J, B, C, g and
+tau are the same functions. Standard to modified puts Trans(x, a_n) Rot(x, alpha_n) into the tool; back puts Rot(x,
+alpha_0) Trans(x, a_0) into the base. Centres of mass, tensors and rotors are seen from the new frames. For instance
+
+  derive convert stanford-deluca --convention modified -o stanford-mdh.yaml
+  derive convert planar-2r-perugia --derivation
+
+There and back gives the same table: comments in the file say what goes back into it.
+"""
+FORMATS = ("text", "latex")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The robot, the convention and the file.
+
+    Args:
+        parser: Where the arguments are added.
+    """
+    add = parser.add_argument
+    add("robot", metavar="ROBOT", help="robot file or catalogue name")
+    add("--convention", metavar="NAME", help="standard or modified (default: the other one)")
+    add("-o", "--out", metavar="FILE", type=Path, help="the robot file to write (default: standard output)")
+    add("--name", metavar="NAME", help="name of the new robot (default: the same)")
+    add("--force", action="store_true", help="overwrite the file if it exists")
+    add("--derivation", action="store_true", help="print how the factors are regrouped, and that the product is equal")
+    add("--format", choices=FORMATS, help="form of the derivation (default text)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Convert the robot; write the file or print it.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        DeriveError: Options that do not belong together, or wrong input.
+    """
+    from derive.api.convert import convert
+
+    if arguments.format and not arguments.derivation:
+        raise DeriveError(f"--format {arguments.format} without --derivation", remedy="add --derivation")
+    if arguments.force and not arguments.out:
+        raise DeriveError("--force without -o", remedy="add -o FILE")
+    made = convert(arguments.robot, arguments.convention, arguments.out, name=arguments.name, force=arguments.force)
+    if arguments.derivation:
+        from derive.exchange.derivation import derivation_latex, derivation_text
+
+        print((derivation_latex if arguments.format == "latex" else derivation_text)(made.conversion), end="")
+    elif arguments.out is None:
+        print(made.text, end="")
+    if arguments.out is not None and not arguments.derivation:
+        print("\n".join(one_line(line) for line in _report(arguments.out, made)))
+    return DONE
+
+
+def _report(path: Path, made: Converted) -> list[str]:
+    """What was written, which factors have moved, and what the other convention says otherwise."""
+    from derive.exchange.convert import moves
+
+    kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
+    count = f"{made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds})"
+    lines = [*moves(made.conversion), *made.notes]
+    return [f"{path}: {count}, {made.robot.convention.value}", *(f"  {line}" for line in lines)]

@@ -1,0 +1,142 @@
+"""A robot file in the other convention, with comments that say how it was made and that lead back."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+from derive.errors import DeriveError, ExpressionError, Location, RobotFileError, near_miss, quoted
+from derive.mechanics.convention import Conversion, Factor, convert
+from derive.robot.description import Convention
+from derive.robot.expression import ZERO, Expression, names
+from derive.robot.load import is_robot_name
+from derive.robot.names import robot_symbols
+from derive.robot.parser import parse_expression
+from derive.robot.robot import Robot
+from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.writer import cell_text, robot_text
+
+_MADE = "Converted by derive"
+_BACK = re.compile(r"Back with a = (?P<a>.+) m, alpha = (?P<alpha>.+) rad in the (?P<row>first|last) row\.")
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """A robot in the other convention.
+
+    Attributes:
+        text: Its file.
+        robot: What it says.
+        conversion: How it was made.
+    """
+
+    text: str
+    robot: Robot
+    conversion: Conversion
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the other convention says otherwise, as sentences."""
+        return self.conversion.notes
+
+
+def convention_named(text: str) -> Convention:
+    """A convention by its name.
+
+    Args:
+        text: ``standard`` or ``modified``.
+
+    Raises:
+        DeriveError: Neither.
+    """
+    choices = [member.value for member in Convention]
+    if text not in choices:
+        allowed = "allowed: standard (distal), modified (Craig, Khalil)"
+        raise DeriveError(f"unknown convention {quoted(text)}", allowed=allowed, remedy=near_miss(text, choices))
+    return Convention(text)
+
+
+def converted(robot: Robot, convention: Convention, name: str | None = None) -> Converted:
+    """The same arm by the table of the other convention.
+
+    Args:
+        robot: The arm. Where its file was made by a conversion, its comments say which factor goes back into the table,
+            so that there and back gives the same table.
+        convention: That of the new table.
+        name: Of the new robot; None for the same.
+
+    Returns:
+        The robot, its file, and how they were made.
+
+    Raises:
+        DeriveError: It is of this convention already.
+        RobotFileError: No robot may have this name, or the cells of the new table are too long for a file.
+    """
+    if robot.convention is convention:
+        other = next(member for member in Convention if member is not convention)
+        found = f"{robot.name} has a {convention.value} table already"
+        raise DeriveError(found, remedy=f"write --convention {other.value}, or take the file as it is")
+    if name is not None and not is_robot_name(name):
+        raise RobotFileError(
+            f"{quoted(name)} is not a robot name",
+            allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
+        )
+    conversion = convert(robot, _way_back(robot))
+    result = conversion.result
+    title = result.title if name is None or result.title != robot.name else name
+    result = replace(result, name=name or result.name, title=title)
+    text = robot_text(result, _comments(conversion))
+    made = Robot.from_text(text, f"{result.name}.yaml")
+    return Converted(text, made, replace(conversion, result=made))
+
+
+def moves(conversion: Conversion) -> list[str]:
+    """Which factors have moved between the table and its ends, in words.
+
+    Args:
+        conversion: From one convention into the other.
+    """
+    n, left, taken = conversion.source.n, conversion.left, conversion.taken
+    to_modified = conversion.source.convention is Convention.STANDARD
+    goes = (f"of row {n} is in the tool now", "of row 1 is in the base now")
+    comes = ("row 1 has", f"row {n} has")
+    lines = [] if left.is_one else [f"{_factor_text(left)} {goes[not to_modified]}"]
+    if not taken.is_one:
+        lines.append(f"{comes[not to_modified]} {_factor_text(taken)} out of the {'base' if to_modified else 'tool'}")
+    return lines
+
+
+def _factor_text(factor: Factor) -> str:
+    cells = (("Trans(x, ", factor.a), ("Rot(x, ", factor.alpha))
+    return " ".join(f"{name}{cell_text(cell)})" for name, cell in cells if cell != ZERO)
+
+
+def _comments(conversion: Conversion) -> list[str]:
+    """How the file was made, the way back, and what its source says of itself."""
+    robot, left = conversion.source, conversion.left
+    own = [line for line in robot.comments if not line.startswith(_MADE) and _BACK.fullmatch(line) is None]
+    row = "last" if robot.convention is Convention.STANDARD else "first"
+    back = f"Back with a = {cell_text(left.a)} m, alpha = {cell_text(left.alpha)} rad in the {row} row."
+    made = f"{_MADE} from the {robot.convention.value} table of {robot.name} (robot file {robot.digest[:16]})."
+    notes = (f"{_MADE}: {note}" for note in conversion.notes)
+    return [made, back, *notes, *own]
+
+
+def _way_back(robot: Robot) -> Factor | None:
+    """The factor that the comments name, unless it is none of this robot's symbols."""
+    row = "first" if robot.convention is Convention.STANDARD else "last"
+    found = next((match for line in robot.comments if (match := _BACK.fullmatch(line)) and match["row"] == row), None)
+    if found is None:
+        return None
+    try:
+        cells = [_cell(robot, found[key]) for key in ("a", "alpha")]
+    except ExpressionError:
+        return None
+    return Factor(*cells)
+
+
+def _cell(robot: Robot, text: str) -> Expression:
+    cell = parse_expression(text, Location("<comment>"))
+    if not set(names(cell)) <= set(robot_symbols(robot)):
+        raise ExpressionError("a name that the robot has not")
+    return cell

@@ -1,0 +1,145 @@
+"""How a table becomes that of the other convention, step by step: as text, and as LaTeX as the handout prints it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from derive.handouts.fragment import fragment_text
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.text import TextPrinter
+from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.mechanics.convention import Conversion, has_equal_poses
+from derive.model.model import Model
+from derive.robot.description import IDENTITY, Convention, Matrix
+from derive.robot.robot import Robot
+from derive.robot.writer import cell_text
+
+WIDTH = 120
+"""Widest grid."""
+
+FEW_FACTORS = 7
+"""So many brackets of a product are all written; of more the first two and the last. The product of more rows is not
+multiplied out."""
+
+
+def derivation_latex(conversion: Conversion) -> str:
+    r"""The derivation as LaTeX for ``\input``, in the notation and the language of the handout.
+
+    Args:
+        conversion: From one convention into the other.
+    """
+    robot = conversion.source
+    return fragment_text(robot, robot.handout, "conversion")
+
+
+def derivation_text(conversion: Conversion) -> str:
+    """The derivation as text: factors, both products, what moves, the rows of both tables, and the equal product.
+
+    Args:
+        conversion: From one convention into the other.
+    """
+    source, result = conversion.source, Robot.of(conversion.result)
+    write = TextPrinter(source, Notation.of(source)).doprint
+    names = (source.convention.value, result.convention.value)
+    ends = (source.base != IDENTITY or result.base != IDENTITY, source.tool != IDENTITY or result.tool != IDENTITY)
+    lines = [
+        "Z_i = Rot(z, theta_i) Trans(z, d_i) moves, X_i = Trans(x, a_i) Rot(x, alpha_i) = Rot(x, alpha_i) Trans(x, a_i)"
+        " is constant.",
+        f"{names[0]}: T = {_product(source, '', ends)}",
+        f"{names[1]}: T = {_product(result, chr(39), ends)}",
+        f"The factors are the same, the brackets are not: {'; '.join(_ends(conversion))}.",
+        "",
+        *_factors(conversion),
+    ]
+    for robot, prime in ((source, ""), (result, "'")):
+        model = Model(robot)
+        for i in range(1, robot.n + 1):
+            row = _bracket(robot, i)
+            lines += [
+                "",
+                *_grid(f"A{prime}_{i} = {row}, row {i} of the {robot.convention.value} table", model.A(i), write),
+            ]
+    for name, frame, other in (("base", source.base, result.base), ("tool", source.tool, result.tool)):
+        if frame != other:
+            lines += ["", *_grid(f"T'_{name}", _matrix(other), write)]
+    lines += ["", *_links(conversion)]
+    lines += _equal_product(conversion, ends, write)
+    return "\n".join(lines) + "\n"
+
+
+def _bracket(robot: Robot, i: int) -> str:
+    return f"Z_{i} X_{i}" if robot.convention is Convention.STANDARD else f"X_{i - 1} Z_{i}"
+
+
+def _product(robot: Robot, prime: str, ends: tuple[bool, bool]) -> str:
+    """Base, brackets and tool; base and tool where one of the tables has them."""
+    rows = [f"({_bracket(robot, i)})" for i in range(1, robot.n + 1)]
+    rows = rows if robot.n <= FEW_FACTORS else [*rows[:2], "...", rows[-1]]
+    return " ".join([*([f"T{prime}_base"] if ends[0] else []), *rows, *([f"T{prime}_tool"] if ends[1] else [])])
+
+
+def _ends(conversion: Conversion) -> tuple[str, str]:
+    """What base and tool of the new table are."""
+    n = conversion.source.n
+    if conversion.source.convention is Convention.STANDARD:
+        return "T'_base = T_base X_0^-1", f"T'_tool = X_{n} T_tool"
+    return "T'_base = T_base X_0", f"T'_tool = X_{n}^-1 T_tool"
+
+
+def _factors(conversion: Conversion) -> Iterator[str]:
+    """The constant factors, and the row of each table that holds them."""
+    n = conversion.source.n
+    source, result = conversion.source.convention.value, conversion.result.convention.value
+    rows = [("factor", "a", "alpha", *(f"{name} table" for name in (source, result)))]
+    for i, factor in enumerate(conversion.factors):
+        homes = {"standard": f"row {i}" if i else "base", "modified": f"row {i + 1}" if i < n else "tool"}
+        rows.append((f"X_{i}", cell_text(factor.a), cell_text(factor.alpha), homes[source], homes[result]))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    yield from ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+
+
+def _links(conversion: Conversion) -> Iterator[str]:
+    """The centres of mass that are written otherwise."""
+    source, result = conversion.source, conversion.result
+    changed = [i for i in range(len(source.links)) if source.links[i].com != result.links[i].com]
+    if changed:
+        through = "X_i r" if source.convention is Convention.STANDARD else "X_i^-1 r"
+        yield f"Frame i stands elsewhere; the centre of mass r is seen at {through}, the tensor in its axes:"
+        for i in changed:
+            ours, theirs = (", ".join(map(cell_text, links[i].com)) for links in (source.links, result.links))
+            yield f"  link {i + 1}: [{ours}] is [{theirs}] in the {result.convention.value} frame {i + 1}"
+        yield ""
+    yield from (f"{note}." for note in conversion.notes)
+
+
+def _equal_product(conversion: Conversion, ends: tuple[bool, bool], write: Any) -> Iterator[str]:
+    """Both products multiplied out, and that they are equal."""
+    source = conversion.source
+    if source.n > FEW_FACTORS:
+        yield f"{source.n} rows are not multiplied out here; the product is that of the same factors."
+        return
+    rows = [" ".join(f"A{prime}_{i}" for i in range(1, source.n + 1)) for prime in ("", "'")]
+    both = [
+        " ".join([*([f"T{p}_base"] if ends[0] else []), row, *([f"T{p}_tool"] if ends[1] else [])])
+        for p, row in zip(("", "'"), rows, strict=True)
+    ]
+    yield from _grid(f"T = {both[0]} = {both[1]}", Model(source).T, write)
+    same = has_equal_poses(conversion)
+    yield f"Both products multiplied out are {'equal' if same else 'DIFFERENT'}, entry by entry, in exact arithmetic."
+
+
+def _matrix(frame: Matrix) -> Any:
+    import sympy
+
+    return sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in frame])
+
+
+def _grid(name: str, matrix: Any, write: Any) -> list[str]:
+    """A matrix as a grid, or by its entries where that is too wide."""
+    rows: Sequence[Sequence[str]] = [[write(entry) for entry in row] for row in matrix.tolist()]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    if 2 + sum(widths) + 2 * (len(widths) - 1) <= WIDTH:
+        return [f"{name} =", *(f"  {'  '.join(map(str.rjust, row, widths))}" for row in rows)]
+    entries = [(i, j, cell) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1) if i < 4]
+    return [f"{name} = (row,column: entry)", *(f"  {i},{j}: {cell}" for i, j, cell in entries)]

@@ -1,0 +1,381 @@
+"""The same arm by the table of the other convention, with its dynamics; symbolic, and exact.
+
+Both tables are one product of motions Z_i = Rot(z, theta_i) Trans(z, d_i) and factors X_i = Trans(x, a_i) Rot(x,
+alpha_i),
+
+    standard:  base (Z_1 X_1) (Z_2 X_2) ... (Z_n X_n) tool,
+    modified:  base (X_0 Z_1) (X_1 Z_2) ... (X_{n-1} Z_n) tool,
+
+and differ in the brackets: row i of the one holds the X of row i + 1 of the other. What is left over at one end goes
+into the tool (X_n) or into the base (X_0). DH frame i stands before X_i in the modified convention and behind it in the
+standard one (Khalil and Dombre, Modeling, Identification and Control of Robots, ch. 3; Craig, Introduction to Robotics,
+ch. 3), so centres of mass and tensors are seen through X_i. A rotor stands at o_{i-1} (standard) or, d_i further along
+the same axis, at o_i (modified): the link that carries it makes up for the difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from fractions import Fraction
+from functools import reduce
+from math import atan2, pi
+
+from derive.algebra.constants import exact_number
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Kind, robot_cells
+from derive.algebra.ring import Polynomial
+from derive.mechanics.chain import Chain, build_chain, central_inertia, constant_frame, constant_vector
+from derive.mechanics.vectors import (
+    Frame,
+    Matrix,
+    Vector,
+    add,
+    add_matrices,
+    column,
+    from_matrix,
+    matmul,
+    multiply,
+    scale,
+    steiner,
+    subtract,
+    transpose,
+)
+from derive.robot import expression as tree
+from derive.robot.description import Convention, Description, Inertia, Joint, Link, Motor
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, children, is_constant, number
+from derive.robot.names import limit_symbols, number_of, robot_symbols
+from derive.robot.robot import Robot
+from derive.robot.writer import cell_text
+
+ROUND = 180
+"""A constant angle of a base or tool is recognised where it is a multiple of pi by this."""
+
+NEAR = 1e-9
+"""How near to such a multiple it is looked for; whether it is one is then decided exactly."""
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """X = Trans(x, a) Rot(x, alpha); the two commute.
+
+    Attributes:
+        a: Length [m].
+        alpha: Angle [rad].
+    """
+
+    a: Expression = ZERO
+    alpha: Expression = ZERO
+
+    @property
+    def is_one(self) -> bool:
+        """Whether it is the identity as it is written."""
+        return self.a == ZERO == self.alpha
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """An arm in the other convention.
+
+    Attributes:
+        source: The arm as it was.
+        result: The same arm; it has no file yet.
+        left: The factor that has no row any more: X_n, now in the tool, or X_0, now in the base.
+        taken: The factor that had none: X_0, out of the base, or X_n, out of the tool.
+        notes: Where the other convention says something else, as sentences.
+    """
+
+    source: Robot
+    result: Description
+    left: Factor
+    taken: Factor
+    notes: tuple[str, ...]
+
+    @property
+    def factors(self) -> tuple[Factor, ...]:
+        """X_0 ... X_n of the arm."""
+        rows = tuple(Factor(joint.a, joint.alpha) for joint in self.source.joints)
+        return (self.taken, *rows) if self.source.convention is Convention.STANDARD else (*rows, self.taken)
+
+
+def convert(robot: Robot, taken: Factor | None = None) -> Conversion:
+    """The arm by the table of the other convention: T, J, B, C, g and tau are the same functions.
+
+    Args:
+        robot: The arm.
+        taken: What is taken out of the base for the first row (of a modified table), or out of the tool for the last
+            row (of a standard one): any factor is right. None for the whole base or tool where it is such a factor,
+            and for nothing where it is none.
+
+    Returns:
+        The arm and how it was made.
+    """
+    to_modified = robot.convention is Convention.STANDARD
+    end = robot.base if to_modified else robot.tool
+    candidates = [taken] if taken is not None else [Factor(end[0][3], angle) for angle in _angles(end)]
+    carried = [(link, motor) for link, motor, _ in _motors(robot)]
+    calls = [Call(name, (factor.alpha,)) for factor in candidates for name in ("cos", "sin")]
+    divided = [tree.power(link.mass, -1) for link, _ in carried if not _is_zero(robot, link.mass)]
+    cells = _Cells(robot, [*(factor.a for factor in candidates), *calls, *divided])
+    if taken is None:
+        whole = cells.frame(end)
+        taken = next((factor for factor in candidates if cells.factor(factor) == whole), Factor())
+    first, last = robot.joints[0], robot.joints[-1]
+    rows = [Factor(joint.a, joint.alpha) for joint in robot.joints]
+    left = Factor(last.a, last.alpha) if to_modified else Factor(first.a, first.alpha)
+    moved = [taken, *rows[:-1]] if to_modified else [*rows[1:], taken]
+    base, tool = cells.frame(robot.base), cells.frame(robot.tool)
+    if to_modified:
+        base, tool = base @ cells.factor(taken).inverse, cells.factor(left) @ tool
+    else:
+        base, tool = base @ cells.factor(left), cells.factor(taken).inverse @ tool
+    links, notes = _links(robot, cells, moved)
+    result = replace(
+        robot,
+        convention=Convention.MODIFIED if to_modified else Convention.STANDARD,
+        joints=tuple(_row(joint, factor) for joint, factor in zip(robot.joints, moved, strict=True)),
+        base=cells.matrix(base, robot.base),
+        tool=cells.matrix(tool, robot.tool),
+        links=links,
+        remarks=(),
+    )
+    return Conversion(robot, _with_used_symbols(robot, result), left, taken, tuple(notes))
+
+
+def _with_used_symbols(robot: Robot, result: Description) -> Description:
+    """The new arm without numbers of symbols that have gone, such as the place of a link without mass."""
+    gone = {*robot_symbols(robot)} - {*robot_symbols(result), *limit_symbols(robot)}
+    if not gone:
+        return result
+    values = tuple(pair for pair in result.figure.values if pair[0] not in gone)
+    return replace(
+        result,
+        parameters=tuple(pair for pair in result.parameters if pair[0] not in gone),
+        runtime=tuple(name for name in result.runtime if name not in gone),
+        figure=replace(result.figure, values=values),
+    )
+
+
+def _row(joint: Joint, factor: Factor) -> Joint:
+    return replace(joint, a=factor.a, alpha=factor.alpha)
+
+
+def _angles(matrix: Sequence[Sequence[Expression]]) -> Iterator[Expression]:
+    """Angles about x that a constant transform may have: those in its cells, and the one that its numbers are."""
+    cosine, sine = matrix[1][1], matrix[2][1]
+    if is_constant(cosine) and is_constant(sine):
+        turns = atan2(evaluate(sine, {}), evaluate(cosine, {})) / pi * ROUND
+        if abs(turns - round(turns)) < NEAR:
+            yield tree.multiply(number(Fraction(round(turns), ROUND)), Pi())
+    for angle in dict.fromkeys([*_arguments(cosine), *_arguments(sine)]):
+        yield from (angle, tree.negate(angle), tree.add(angle, Pi()), tree.add(Pi(), tree.negate(angle)))
+
+
+def _arguments(cell: Expression) -> Iterator[Expression]:
+    """The angles in a cell."""
+    if isinstance(cell, Call) and cell.function in ("cos", "sin"):
+        yield cell.arguments[0]
+    for part in children(cell):
+        yield from _arguments(part)
+
+
+def _is_zero(robot: Description, cell: Expression) -> bool:
+    return exact_number(cell, number_of(robot)) == 0
+
+
+def _motors(robot: Robot) -> Iterator[tuple[Link, Motor, int]]:
+    """Rotors with a mass whose place differs by convention, with the link that carries them, and its number."""
+    for i, link in enumerate(robot.links):
+        motor = link.motor
+        if i and motor is not None and not (_is_zero(robot, motor.mass) or _is_zero(robot, robot.joints[i].d)):
+            yield robot.links[i - 1], motor, i - 1
+
+
+class _Cells:
+    """Cells of a robot as exact polynomials, and polynomials as cells again.
+
+    Args:
+        robot: The robot.
+        extra: What else the ring must hold.
+    """
+
+    def __init__(self, robot: Robot, extra: Iterable[Expression]) -> None:
+        domain = self.domain = PolynomialDomain(robot, extra, rates=False)
+        kinds = (Kind.PARAMETER, Kind.PI)
+        places = range(len(domain.generators))
+        ranks = {place: domain.generators[place].kind in kinds for place in places}
+        self._order = [*(place for place in places if ranks[place]), *(place for place in places if not ranks[place])]
+
+    def frame(self, matrix: Sequence[Sequence[Expression]]) -> Frame[Polynomial]:
+        """A constant transform.
+
+        Args:
+            matrix: Its cells.
+        """
+        return constant_frame(tuple(map(tuple, matrix)), self.domain)
+
+    def factor(self, factor: Factor) -> Frame[Polynomial]:
+        """X = Trans(x, a) Rot(x, alpha).
+
+        Args:
+            factor: Its cells.
+        """
+        domain = self.domain
+        zero, one = domain.number(0), domain.number(1)
+        c, s = domain.cosine_sine(factor.alpha)
+        turn = ((one, zero, zero), (zero, c, -s), (zero, s, c))
+        return Frame(turn, (domain.constant(factor.a), zero, zero))
+
+    def matrix(
+        self, frame: Frame[Polynomial], before: Sequence[Sequence[Expression]]
+    ) -> tuple[tuple[Expression, ...], ...]:
+        """The cells of a transform.
+
+        Args:
+            frame: The transform.
+            before: Cells whose form is kept where they still hold.
+        """
+        known = [cell for row in before for cell in row]
+        rows = frame.rows(self.domain.number(0), self.domain.number(1))
+        return tuple(tuple(self.cell(entry, known) for entry in row) for row in rows)
+
+    def cell(self, value: Polynomial, known: Iterable[Expression] = ()) -> Expression:
+        """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order.
+
+        Args:
+            value: The polynomial.
+            known: Cells whose form is kept.
+        """
+        for cell in known:
+            for written in (cell, _negated(cell)):
+                if self.domain.constant(written) == value:
+                    return written
+        terms = [([exponents[place] for place in self._order], factor) for exponents, factor in value.terms()]
+        ordered = sorted(terms, key=lambda term: (term[1] < 0, [-exponent for exponent in term[0]]))
+        return tree.add(*(self._product(exponents, factor) for exponents, factor in ordered))
+
+    def _product(self, exponents: Sequence[int], factor: Fraction) -> Expression:
+        generators = (self.domain.generators[place].expression for place in self._order)
+        powers = (tree.power(base, exponent) for base, exponent in zip(generators, exponents, strict=True))
+        return tree.multiply(number(factor), *powers)
+
+
+def _negated(cell: Expression) -> Expression:
+    """Minus a cell, term by term."""
+    return tree.add(*map(tree.negate, cell.terms)) if isinstance(cell, Sum) else tree.negate(cell)
+
+
+@dataclass(frozen=True, slots=True)
+class _Body:
+    """A link without its rotors.
+
+    Attributes:
+        mass: Its cell.
+        com: Centre of mass.
+        inertia: About the centre of mass.
+    """
+
+    mass: Expression
+    com: Vector[Polynomial]
+    inertia: Matrix[Polynomial]
+
+    def through(self, frame: Frame[Polynomial]) -> _Body:
+        """The body in the frame in which a frame is given in which it is known."""
+        turn = frame.rotation
+        com = add(frame.position, multiply(turn, self.com))
+        return _Body(self.mass, com, matmul(matmul(turn, self.inertia), transpose(turn)))
+
+
+def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
+    """The links in the frames of the other table, and what it says otherwise.
+
+    Args:
+        robot: The arm as it was.
+        cells: Its cells.
+        moved: The factors of its new rows.
+    """
+    to_modified = robot.convention is Convention.STANDARD
+    rows = [Factor(joint.a, joint.alpha) for joint in robot.joints] if to_modified else moved
+    rotors = {i: motor for _, motor, i in _motors(robot)}
+    links, notes = list(robot.links), list(_on_the_ground(robot))
+    for i, (link, row) in enumerate(zip(robot.links, rows, strict=False)):
+        if row.is_one and i not in rotors:
+            continue
+        behind, domain = cells.factor(row), cells.domain
+        body = _Body(link.mass, constant_vector(link.com, domain), central_inertia(link, domain).matrix)
+        body = body.through(behind) if to_modified else body
+        if i in rotors:
+            body, note = _made_up(body, robot, rotors[i], i, behind, domain)
+            notes.append(note)
+            if body.mass != link.mass:
+                links[i + 1] = replace(links[i + 1], motor=replace(rotors[i], mass=ZERO))
+        links[i] = _link(links[i], body if to_modified else body.through(behind.inverse), cells)
+    return tuple(links), notes
+
+
+def _link(link: Link, body: _Body, cells: _Cells) -> Link:
+    """A link with the cells of a body."""
+    known = [getattr(link.inertia, part.name) for part in fields(Inertia)]
+    entries = from_matrix(body.inertia)
+    tensor = {part.name: cells.cell(getattr(entries, part.name), known) for part in fields(Inertia)}
+    x, y, z = (cells.cell(entry, link.com) for entry in body.com)
+    return replace(link, mass=body.mass, com=(x, y, z), inertia=Inertia(**tensor))
+
+
+def _made_up(
+    body: _Body, robot: Robot, motor: Motor, i: int, behind: Frame[Polynomial], domain: PolynomialDomain
+) -> tuple[_Body, str]:
+    """A link, in its joint frame, that is with the next rotor at its new place what it was with it at its old one.
+
+    Mass, first moment and second moments of both together stay: with the rotor's mass mu moved by delta, the centre of
+    mass goes back by mu/m delta.
+    """
+    to_modified = robot.convention is Convention.STANDARD
+    joint, mu = robot.joints[i + 1], domain.constant(motor.mass)
+    axis = column(behind.rotation, 2)
+    along = scale(domain.constant(joint.d), axis)
+    places = (behind.position, add(behind.position, along))
+    old, new = places if to_modified else places[::-1]
+    way = f"{cell_text(joint.d)} {'further' if to_modified else 'less far'} along its axis in this convention"
+    if _is_zero(robot, body.mass):
+        note = f"the rotor of joint {i + 2} would stand {way}: link {i + 1}, without mass, has the rotor's mass now"
+        return _Body(motor.mass, old, body.inertia), note
+    m = domain.constant(body.mass)
+    back = scale(mu * domain.constant(tree.power(body.mass, -1)), subtract(new, old))
+    com = subtract(body.com, back)
+    before = (steiner(m, body.com).matrix, steiner(mu, old).matrix)
+    after = (steiner(-m, com).matrix, steiner(-mu, new).matrix)
+    inertia = reduce(add_matrices, (*before, *after), body.inertia)
+    note = f"the rotor of joint {i + 2} stands {way}: com and inertia of link {i + 1} make up for its mass"
+    return _Body(body.mass, com, inertia), note
+
+
+def _on_the_ground(robot: Robot) -> Iterator[str]:
+    """What is said otherwise of the rotor that the base carries."""
+    motor, d = (robot.links[0].motor if robot.links else None), robot.joints[0].d
+    if motor is not None and not (_is_zero(robot, motor.mass) or _is_zero(robot, d)):
+        way = "further" if robot.convention is Convention.STANDARD else "less far"
+        yield (
+            f"the rotor of joint 1 stands {cell_text(d)} {way} along its axis in this convention: the potential "
+            "energy differs by a constant, and nothing else does"
+        )
+
+
+def has_equal_poses(conversion: Conversion) -> bool:
+    """Whether both tables, multiplied out in exact arithmetic, give one T.
+
+    Args:
+        conversion: From one convention into the other.
+    """
+    source, result = conversion.source, Robot.of(conversion.result)
+    values, angles = robot_cells(result)
+    calls = [Call(name, (angle,)) for angle in angles for name in ("cos", "sin")]
+    domain = PolynomialDomain(source, [*values, *calls], rates=False)
+    ours, theirs = (_pose(build_chain(robot, domain)) for robot in (source, result))
+    return ours == theirs
+
+
+def _pose(chain: Chain[Polynomial]) -> Frame[Polynomial]:
+    motions = (joint.fixed @ joint.motion(chain.zero, chain.one) for joint in chain.joints)
+    return reduce(Frame.__matmul__, motions, chain.base) @ chain.tool

@@ -1,0 +1,38 @@
+"""The other convention from Python, as a function and as a method of a robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import derive
+from derive.api.convert import convert
+from derive.errors import OutputError
+
+
+def test_a_robot_is_converted_and_written(tmp_path: Path) -> None:
+    path = tmp_path / "mdh.yaml"
+    made = convert("stanford-deluca", "modified", path, name="stanford-mdh")
+    assert path.read_text(encoding="utf-8") == made.text
+    assert derive.load(path).joints == made.robot.joints
+    assert made.notes == ()
+    before = path.read_bytes()
+    with pytest.raises(OutputError, match="exists already"):
+        convert("thumb", path=path)
+    assert path.read_bytes() == before
+    convert("thumb", path=path, force=True)
+    assert derive.load(path).convention == "modified"
+
+
+def test_a_robot_converts_itself() -> None:
+    robot = derive.load("planar-2r-perugia")
+    other = robot.convert("modified")
+    assert type(other) is derive.Robot
+    assert other.convention == "modified"
+    assert other.convert("standard").joints == robot.joints
+    assert other == convert(robot).robot
+    with pytest.raises(derive.DeriveError, match="a standard table already"):
+        robot.convert("standard")
+    with pytest.raises(derive.DeriveError, match="unknown convention 'mdh'"):
+        robot.convert("mdh")

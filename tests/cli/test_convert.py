@@ -1,0 +1,69 @@
+"""``derive convert``: the file or its text, a report, one message for what is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.cli import convert
+from derive.robot.robot import Robot
+from tests.cli.command import PENDULUM, derive, is_one_message
+
+
+def test_the_file_is_written_and_the_report_says_what_has_moved(tmp_path: Path) -> None:
+    done = derive("convert", "planar-2r-perugia", "--convention", "modified", "-o", "mdh.yaml", folder=tmp_path)
+    assert (done.status, done.stderr) == (0, "")
+    assert done.stdout.splitlines() == [
+        "mdh.yaml: 2 joints (RR), modified",
+        "  Trans(x, a2) of row 2 is in the tool now",
+    ]
+    assert Robot.load(tmp_path / "mdh.yaml").convention == "modified"
+
+
+def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None:
+    (tmp_path / "pendulum.yaml").write_text(PENDULUM)
+    there = derive("convert", "pendulum.yaml", folder=tmp_path)
+    (tmp_path / "there.yaml").write_text(there.stdout)
+    back = derive("convert", "there.yaml", "--name", "swing", folder=tmp_path)
+    robot = Robot.from_text(back.stdout)
+    assert (there.status, back.status, robot.name, robot.title) == (0, 0, "swing", "swing")
+    assert robot.joints == Robot.from_text(PENDULUM).joints
+    assert robot.links == Robot.from_text(PENDULUM).links
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--convention", "craig"), "unknown convention 'craig'; allowed: standard (distal), modified (Craig, Khalil)"),
+        (("--convention", "modifid"), "did you mean 'modified'?"),
+        (("--convention", "standard"), "thumb has a standard table already; write --convention modified"),
+        (("--name", "Thumb"), "'Thumb' is not a robot name; allowed: a-z, 0-9 and -"),
+        (("-o", "taken.yaml"), "taken.yaml exists already; a name that is not taken; choose another name"),
+        (("-o", "folder", "--force"), "folder"),
+        (("--force",), "--force without -o; add -o FILE"),
+        (("--format", "latex"), "--format latex without --derivation; add --derivation"),
+    ],
+)
+def test_wrong_options_are_one_message_and_nothing_is_written(
+    options: tuple[str, ...], message: str, tmp_path: Path
+) -> None:
+    (tmp_path / "taken.yaml").write_text("x")
+    (tmp_path / "folder").mkdir()
+    done = derive("convert", "thumb", *options, folder=tmp_path)
+    assert (done.status, done.stdout) == (2, "")
+    assert is_one_message(done.stderr)
+    assert message in done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"taken.yaml", "folder"}
+    assert (tmp_path / "taken.yaml").read_text() == "x"
+
+
+def test_a_file_that_is_no_robot_is_refused_at_its_place(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM.replace("mass: m1", "mas: m1"))
+    done = derive("convert", "arm.yaml", folder=tmp_path)
+    assert done.status == 2
+    assert done.stderr.startswith("derive: error: arm.yaml:7:6: links row 1: unknown key 'mas'")
+
+
+def test_the_command_says_that_there_and_back_is_the_same() -> None:
+    assert "There and back gives the same table" in convert.DESCRIPTION

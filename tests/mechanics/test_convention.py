@@ -1,0 +1,211 @@
+"""The other convention: the same functions of motion, exactly and in numbers, and the same table on the way back."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+
+from derive.mechanics.convention import Factor, convert
+from derive.model.model import Model
+from derive.robot.description import Convention
+from derive.robot.evaluate import parameter_values
+from derive.robot.expression import ONE, ZERO, to_text
+from derive.robot.load import catalogue_names
+from derive.robot.names import robot_symbols
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+from tests.random_robots import robot_text
+
+OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
+MOTORS = """\
+name: motors
+convention: {convention}
+joints:
+  - {{type: revolute, d: d1, a: a1, alpha: pi/2}}
+  - {{type: revolute, d: d2, a: a2, alpha: {twist}}}
+  - {{type: {kind}, {fixed}, a: a3, alpha: -pi/2}}
+gravity: [gx, gy, -9.81]
+links:
+  - mass: m1
+    com: [x1, y1, z1]
+    inertia: {{xx: 0.1, yy: 0.2, zz: 0.3, xy: 0.01, xz: 0.02, yz: 0.03}}
+    motor: {{mass: u1, inertia: J1, ratio: 3}}
+  - mass: {mass}
+    com: [x2, 0.2, 0]
+    inertia: {{yy: I2}}
+    motor: {{mass: u2, inertia: J2, ratio: 5}}
+    friction: {{viscous: b2, coulomb: f2}}
+  - mass: 0.7
+    com: [0, 0, l3]
+    armature: 0.25
+    motor: {{mass: u3, inertia: J3, ratio: 7}}
+"""
+"""Rotors with mass at offset joints, everything symbolic."""
+
+
+def motors(convention: str, mass: str = "m2", kind: str = "revolute", twist: str = "beta") -> Robot:
+    """An arm whose rotors stand elsewhere in the other convention."""
+    fixed = "d: d3" if kind == "revolute" else "theta: pi/3, d: q3 + d3"
+    return Robot.from_text(MOTORS.format(convention=convention, mass=mass, kind=kind, fixed=fixed, twist=twist))
+
+
+def in_numbers(robot: Robot, seed: int) -> dict[str, np.ndarray]:
+    """T, J, B, C, g and tau at some point, by the recursion that shares no code with the derivation."""
+    rng = random.Random(seed)
+    known = parameter_values(robot)
+    values = {name: random.Random(f"{seed} {name}").uniform(0.3, 1.7) for name in robot_symbols(robot)}
+    oracle = Oracle.of(robot, {name: value for name, value in values.items() if name not in known})
+    q, qd, qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.n)]) for _ in range(3))
+    asked = {"forward_kinematics": (q,), "jacobian": (q,)}
+    if robot.has_dynamics:
+        asked |= {"inertia_matrix": (q,), "coriolis_matrix": (q, qd), "gravity_vector": (q,)}
+        asked |= {"inverse_dynamics": (q, qd, qdd)}
+    return {name: oracle.evaluate(name, *point) for name, point in asked.items()}
+
+
+def assert_same_functions(robot: Robot, other: Robot, seed: int = 3) -> None:
+    ours, theirs = in_numbers(robot, seed), in_numbers(other, seed)
+    for name, value in ours.items():
+        scale = max(1.0, float(np.max(np.abs(value))))
+        np.testing.assert_allclose(theirs[name], value, rtol=0, atol=1e-12 * scale, err_msg=name)
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_every_built_in_robot_is_the_same_arm_and_comes_back_as_the_same_table(name: str) -> None:
+    robot = Robot.load(name)
+    there = convert(robot)
+    assert there.result.convention is OTHER[robot.convention]
+    assert there.notes == ()
+    other = Robot.of(there.result)
+    assert_same_functions(robot, other)
+    back = convert(other, there.left).result
+    assert Robot.of(back) == replace(robot, remarks=())
+    assert convert(other).result.joints == robot.joints, "no built-in robot needs to be told its last row"
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "stanford-deluca", "dh-modified-deluca", "planar-2r-perugia"])
+def test_closed_forms_are_equal_exactly(name: str) -> None:
+    robot = Robot.load(name)
+    model, other = Model(robot), Model(Robot.of(convert(robot).result))
+    for quantity in ("T", *(("B", "g") if robot.has_dynamics else ())):
+        value = getattr(other, quantity)
+        places = [
+            (i, j) for i in range(min(value.rows, robot.n + 3)) for j in range(value.cols) if quantity == "T" or i >= j
+        ]
+        for i, j in places if value.cols > 1 else [(i, 0) for i in range(value.rows)]:
+            index = f"[{i + 1},{j + 1}]" if value.cols > 1 else f"[{i + 1}]"
+            assert model.equal(quantity + index, value[i, j]), quantity + index
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", catalogue_names())
+def test_closed_forms_of_every_built_in_robot_are_equal_exactly(name: str) -> None:
+    test_closed_forms_are_equal_exactly(name)
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(12), *(pytest.param(seed, marks=pytest.mark.sweep) for seed in range(12, 400))]
+)
+def test_random_robots_are_the_same_arm_and_come_back(seed: int) -> None:
+    """Bases, tools, motors, degrees, millimetres, both conventions."""
+    robot = Robot.from_text(robot_text(random.Random(seed)))
+    there = convert(robot)
+    other = Robot.of(there.result)
+    assert_same_functions(robot, other, seed)
+    back = Robot.of(convert(other, there.left).result)
+    assert back.joints == robot.joints
+    assert_same_functions(robot, back, seed)
+
+
+@pytest.mark.parametrize(("convention", "kind"), [*product(("standard", "modified"), ("revolute", "prismatic"))])
+def test_rotors_with_mass_at_offset_joints_keep_the_dynamics(convention: str, kind: str) -> None:
+    robot = motors(convention, kind=kind)
+    there = convert(robot)
+    assert_same_functions(robot, Robot.of(there.result))
+    assert [note.split(":")[0] for note in there.notes] == [
+        f"the rotor of joint {i} stands d{i} {'further' if convention == 'standard' else 'less far'} along its axis in "
+        "this convention"
+        for i in (1, 2, 3)
+    ]
+    back = convert(Robot.of(there.result), there.left).result
+    assert [link.motor for link in back.links] == [link.motor for link in robot.links]
+    assert back.links == robot.links
+
+
+@pytest.mark.parametrize("mass", ["0", "0*m1"])
+def test_a_link_without_mass_takes_the_mass_of_its_rotor(mass: str) -> None:
+    of_file = motors("standard", mass=mass)
+    robot = replace(of_file, parameters=(("x2", ONE),), runtime=("x2",))
+    there = convert(robot)
+    assert there.result.parameters == there.result.runtime == (), "a massless body is nowhere"
+    assert to_text(there.result.links[1].mass) == "u3"
+    assert there.result.links[2].motor is not None
+    assert there.result.links[2].motor.mass == ZERO
+    assert there.notes[-1].endswith("link 2, without mass, has the rotor's mass now")
+    assert_same_functions(robot, Robot.of(there.result))
+
+
+def test_the_last_factor_goes_into_the_tool_and_the_first_into_the_base() -> None:
+    robot = motors("standard")
+    there = convert(robot)
+    assert there.left == Factor(robot.joints[-1].a, robot.joints[-1].alpha)
+    assert [[to_text(cell) for cell in row] for row in there.result.tool] == [
+        ["1", "0", "0", "a3"], ["0", "0", "1", "0"], ["0", "-1", "0", "0"], ["0", "0", "0", "1"]
+    ]  # fmt: skip
+    assert there.result.joints[0].a == there.result.joints[0].alpha == ZERO
+    assert there.factors == (Factor(), *(Factor(joint.a, joint.alpha) for joint in robot.joints))
+    other = convert(motors("modified"))
+    assert to_text(other.result.base[0][3]) == "a1"
+    assert other.left == Factor(robot.joints[0].a, robot.joints[0].alpha)
+
+
+def test_any_factor_may_be_taken_out_of_a_tool() -> None:
+    robot = motors("modified")
+    for factor in (Factor(robot.joints[1].a, robot.joints[1].alpha), Factor(robot.joints[0].d, robot.joints[2].alpha)):
+        there = convert(robot, factor)
+        assert there.taken == factor
+        assert (there.result.joints[-1].a, there.result.joints[-1].alpha) == (factor.a, factor.alpha)
+        assert_same_functions(robot, Robot.of(there.result))
+
+
+TOOL = """\
+name: tool
+convention: modified
+joints:
+  - {{type: revolute}}
+tool:
+  - [1, 0, 0, {x}]
+  - [0, {c}, -({s}), 0]
+  - [0, {s}, {c}, 0]
+  - [0, 0, 0, 1]
+"""
+
+
+@pytest.mark.parametrize(
+    ("x", "c", "s", "alpha"),
+    [
+        ("l", "cos(beta)", "sin(beta)", "beta"),
+        ("l", "cos(beta)", "-sin(beta)", "-beta"),
+        ("l", "-cos(beta)", "-sin(beta)", "beta + pi"),
+        ("0.3", "sqrt(2)/2", "sqrt(2)/2", "pi/4"),
+        ("0", "-1", "0", "pi"),
+        ("0", "cos(pi/9)", "sin(pi/9)", "pi/9"),
+        ("0.1", "3/5", "4/5", "0"),
+        ("0.1", "0.9999999", "0.0004472136", "0"),
+    ],
+)
+def test_a_tool_that_is_a_factor_becomes_the_last_row(x: str, c: str, s: str, alpha: str) -> None:
+    robot = Robot.from_text(TOOL.format(x=x, c=c, s=s))
+    there = convert(robot)
+    (row,) = there.result.joints
+    assert to_text(row.alpha) == alpha
+    if alpha != "0":
+        assert to_text(row.a) == to_text(robot.tool[0][3])
+        assert all(to_text(there.result.tool[i][j]) == str(int(i == j)) for i in range(4) for j in range(4))
+    else:
+        assert there.result.tool == robot.tool
+    assert_same_functions(robot, Robot.of(there.result))
