@@ -3,6 +3,7 @@
     import derive
 
     robot = derive.load("scara-perugia")       # or the path of a robot file
+    arm = derive.Robot.from_urdf("arm.urdf")   # or a chain of a URDF
     model = derive.Model(robot)                # model.T, model.J, model.B, ... in closed form
     derive.build(robot)                        # verified NumPy, CasADi, C and LaTeX in generated/scara_perugia
     derive.handout(robot, formats=["pdf"])     # the sheet to hand out
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from derive.api.check import check, check_formula, check_inverse, check_latex
     from derive.api.convert import convert
     from derive.api.handout import fragment, handout
+    from derive.api.importing import import_all, import_urdf, verify_import
     from derive.api.move import move
     from derive.api.plot import plot
     from derive.api.robots import Robot, catalogue, load
@@ -53,11 +55,14 @@ __all__ = [
     "find_style",
     "fragment",
     "handout",
+    "import_all",
+    "import_urdf",
     "load",
     "move",
     "plot",
     "stale",
     "verify",
+    "verify_import",
 ]
 
 _HOMES = {
@@ -78,11 +83,14 @@ _HOMES = {
     "find_style": "derive.api.style",
     "fragment": "derive.api.handout",
     "handout": "derive.api.handout",
+    "import_all": "derive.api.importing",
+    "import_urdf": "derive.api.importing",
     "load": "derive.api.robots",
     "move": "derive.api.move",
     "plot": "derive.api.plot",
     "stale": "derive.api.build",
     "verify": "derive.api.build",
+    "verify_import": "derive.api.importing",
 }
 """Where a public name is defined; none is also the name of a subpackage, which would take its place when imported."""
 

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import TypeVar
+from typing import Self, TypeVar
 
 from derive.errors import RobotFileWarning
 from derive.robot.cells import joint_values
@@ -47,6 +47,38 @@ class Robot(PlainRobot):
         from derive.exchange.convert import convention_named, converted  # `import derive` and `load` need no algebra
 
         return Robot.of(converted(self, convention_named(convention)).robot)
+
+    @classmethod
+    def from_urdf(
+        cls,
+        file: str | Path | bytes,
+        *,
+        tip: str | None = None,
+        base: str | None = None,
+        convention: str = "standard",
+        snap: str | float = "1e-6",
+        name: str | None = None,
+    ) -> Self:
+        """The robot of a chain of a URDF; `derive.import_urdf` also tells what is known about it.
+
+        Args:
+            file: Path of a URDF or a .xacro file, or the contents of a URDF.
+            tip: Last link; None where only one carries no other.
+            base: Link that stands; None for the one on which everything hangs.
+            convention: ``standard`` or ``modified``.
+            snap: Angles closer to simple fractions of pi are taken for them [rad].
+            name: Of the robot; None for that of the URDF.
+
+        Returns:
+            The robot.
+
+        Raises:
+            RobotFileError: The file is no URDF, has no such chain, or a joint of it has no place in a table.
+            TargetError: lxml or xacrodoc is not installed.
+        """
+        from derive.api.importing import import_urdf
+
+        return cls.of(import_urdf(file, tip=tip, base=base, convention=convention, snap=snap, name=name).robot)
 
 
 Loaded = TypeVar("Loaded", bound=PlainRobot)

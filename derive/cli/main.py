@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from keyword import iskeyword
 from typing import Any, NoReturn
 
 from derive.version import __version__
@@ -22,10 +23,11 @@ COMMANDS = {
     "verify": "compare generated functions with an independent recursion",
     "move": "a motion from via points: speeds, torques, work; plots, films, simulation",
     "convert": "the same arm in the other Denavit-Hartenberg convention",
+    "import": "a robot file from a URDF or xacro file, with a proven bound of its error",
     "new": "write a commented robot file, or a motion plan, to start from",
     "schema": "print the JSON Schema of the robot file or the motion plan",
 }
-"""What each command does; its module `derive.cli.NAME` is imported when it is asked for."""
+"""What each command does; its module `derive.cli.NAME`, or `NAME_`, is imported when it is asked for."""
 
 OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "convert", "new")
 """Commands that read robot files."""
@@ -146,7 +148,7 @@ class _Command(_Parser):
             The namespace and what was not understood.
         """
         name = self.prog.split()[-1]
-        module = import_module(f"derive.cli.{name}")
+        module = import_module(f"derive.cli.{name}" + "_" * iskeyword(name))
         self.description = module.DESCRIPTION
         module.configure(self)
         if name in OF_A_ROBOT:

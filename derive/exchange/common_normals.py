@@ -31,6 +31,9 @@ NEIGHBOURS = 2
 NEGATIVE = 0.02
 """What a minus sign counts."""
 
+EARLY = 1e-4
+"""What an offset counts for each joint behind it: of parallel axes the last one has it, as in makers' tables."""
+
 FAR = 2.0
 """No cell of a table is a larger multiple of the arm's reach where another table does without."""
 
@@ -269,8 +272,8 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
     """The frames whose table has the fewest numbers (Viterbi)."""
     costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
     back: list[np.ndarray] = []
-    for column, following in pairwise(candidates):
-        steps = _step_costs(column, following, standard, FAR * arm.reach + ALIKE)
+    for behind, (column, following) in zip(range(len(candidates) - 1, 0, -1), pairwise(candidates), strict=True):
+        steps = _step_costs(column, following, standard, FAR * arm.reach + ALIKE, EARLY * behind)
         total = costs[:, None] + steps
         back.append(total.argmin(axis=0))
         costs = total.min(axis=0)
@@ -292,7 +295,7 @@ def _frame_cost(outer: Frame, inner: Frame) -> float:
 
 
 def _step_costs(
-    column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool, far: float
+    column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool, far: float, early: float
 ) -> np.ndarray:
     """Of each pair of frames: the numbers of their row; infinite where x is no common normal."""
     o0, x0, z0 = np.moveaxis(np.array([c.numbers for c in column]), 1, 0)[:, :, None, :]
@@ -310,4 +313,4 @@ def _step_costs(
         cost += NEGATIVE * (sine < -ALIKE) + NEGATIVE / 4 * ((np.abs(sine) <= ALIKE) & (cosine < 0))
     for value in (d, a):
         cost += (np.abs(value) > ALIKE) + NEGATIVE * (value < -ALIKE) + TOO_FAR * (np.abs(value) > far)
-    return np.where(wrong, np.inf, cost)
+    return np.where(wrong, np.inf, cost + early * (np.abs(d) > ALIKE))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import floor, log10
@@ -73,6 +73,19 @@ class Imported:
         head = f"{self.robot.n} joints ({kinds}), {self.robot.convention.value}, {ends}; base and tool constant"
         return (head, f"{self.snapped}; {self.certificate}", *self.notes)
 
+    def as_dict(self) -> dict[str, object]:
+        """The report as plain data."""
+        return {
+            "robot": self.robot.name,
+            "base": self.links[0],
+            "tip": self.links[1],
+            "joints": list(self.joints),
+            "convention": self.robot.convention.value,
+            "position_error": self.certificate.position,
+            "rotation_error": self.certificate.rotation,
+            "notes": list(self.notes),
+        }
+
 
 def import_urdf(
     urdf: Urdf,
@@ -81,7 +94,7 @@ def import_urdf(
     convention: Convention,
     snap: Fraction,
     name: str | None = None,
-    head: Sequence[str] = (),
+    head: Callable[[str, str], str] | None = None,
 ) -> Imported:
     """The robot of a chain of a URDF.
 
@@ -92,7 +105,7 @@ def import_urdf(
         convention: Of the table.
         snap: Angles closer to simple fractions of pi are taken for them [rad].
         name: Of the robot; None for that of the URDF.
-        head: Lines that stand first in the robot file.
+        head: Gives the first line of the robot file, from the names of the links at both ends.
 
     Returns:
         The robot file with its certificate.
@@ -112,10 +125,11 @@ def import_urdf(
             allowed=f"allowed: at most {MOST_MOVED:g} m",
             remedy=f"write --snap {float(snap) * MOST_MOVED / certificate.position / 2:.0e}" if snap else "",
         )
+    first = [head(arm.base, arm.tip)] if head else []
     names = tuple(_plain(axis.joint.name) for axis in arm.axes)
     notes = tuple(map(_plain, _notes(urdf, arm)))
     ends = (_plain(arm.base), _plain(arm.tip))
-    text = robot_text(description, [*head, f"joints: {', '.join(names)}", str(certificate), *notes])
+    text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(certificate), *notes])
     snapped = _snapped([*arm.snaps, *placement.turned])
     return Imported(text, _loaded(urdf, text, description.name), certificate, ends, names, notes, snapped)
 

@@ -1,0 +1,273 @@
+"""Robots from URDF and xacro, from Python: what ``derive import`` makes and ``derive verify`` tests again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from pathlib import Path
+
+from derive.errors import DeriveError, OutputError, RobotFileError, VerificationError, near_miss, quoted
+from derive.exchange.arm import arm_of, moving_tips
+from derive.exchange.certificate import Certificate, certify
+from derive.exchange.from_urdf import Imported
+from derive.exchange.from_urdf import import_urdf as of_urdf
+from derive.exchange.source import Source, open_urdf, opened, relative
+from derive.exchange.space import exactly
+from derive.publish.atomic_folder import write_files
+from derive.robot.description import Convention
+from derive.robot.load import is_robot_name, robot_file_bytes
+from derive.robot.robot import Robot
+
+SNAP = "1e-6"
+"""How near an angle is to a simple fraction of pi that it is taken for [rad]."""
+
+MOST_SNAP = Fraction(1, 10)
+
+
+def import_urdf(
+    file: str | Path | bytes,
+    *,
+    tip: str | None = None,
+    base: str | None = None,
+    convention: str | Convention = Convention.STANDARD,
+    snap: str | float = SNAP,
+    name: str | None = None,
+    packages: Sequence[str | Path] = (),
+    arguments: Mapping[str, str] | None = None,
+    folder: str | Path = ".",
+) -> Imported:
+    """The robot of a chain of a URDF, as ``derive import`` makes it.
+
+    Args:
+        file: Path of a URDF or a .xacro file, or the contents of a URDF.
+        tip: Last link; None where only one carries no other.
+        base: Link that stands; None for the one on which everything hangs.
+        convention: ``standard`` or ``modified``.
+        snap: Angles closer to simple fractions of pi are taken for them [rad].
+        name: Of the robot; None for that of the URDF.
+        packages: Folders in which xacro looks for packages.
+        arguments: Of xacro.
+        folder: Where the robot file will be: it names the URDF from there.
+
+    Returns:
+        Text of the robot file, the robot, the proven bound of its pose error, and what a reader should know.
+
+    Raises:
+        RobotFileError: The file is no URDF, has no such chain, or a joint of it has no place in a table.
+        TargetError: lxml or xacrodoc is not installed.
+    """
+    if name is not None and not is_robot_name(name):
+        raise RobotFileError(f"{quoted(name)} is not a robot name", allowed="allowed: a-z, 0-9 and -, not first")
+    return _Importer(file, convention, snap, packages, arguments, folder).arm(base, tip, name)
+
+
+@dataclass(frozen=True, slots=True)
+class AllTips:
+    """Every arm of a URDF.
+
+    Attributes:
+        arms: One for each tip.
+        refused: Why other tips have none, by their names.
+    """
+
+    arms: tuple[Imported, ...]
+    refused: Mapping[str, str]
+
+
+def import_all(
+    file: str | Path | bytes,
+    *,
+    convention: str | Convention = Convention.STANDARD,
+    snap: str | float = SNAP,
+    name: str | None = None,
+    packages: Sequence[str | Path] = (),
+    arguments: Mapping[str, str] | None = None,
+    folder: str | Path = ".",
+) -> AllTips:
+    """The robots of all chains from the root of a URDF to a tip.
+
+    Args:
+        file: Path of a URDF or a .xacro file, or the contents of a URDF.
+        convention: ``standard`` or ``modified``.
+        snap: Angles closer to simple fractions of pi are taken for them [rad].
+        name: What the names of the robots begin with; None for that of the URDF.
+        packages: Folders in which xacro looks for packages.
+        arguments: Of xacro.
+        folder: Where the robot files will be.
+
+    Returns:
+        The robots, called by name and tip, and why a tip has none.
+
+    Raises:
+        RobotFileError: The file is no URDF, or no tip has a table.
+        TargetError: lxml or xacrodoc is not installed.
+    """
+    importer = _Importer(file, convention, snap, packages, arguments, folder)
+    urdf = importer.opened.urdf
+    arms: list[Imported] = []
+    refused: dict[str, str] = {}
+    for tip in moving_tips(urdf):
+        try:
+            arms.append(importer.arm(None, tip, f"{name or urdf.name or 'arm'}-{tip}"))
+        except RobotFileError as error:
+            refused[tip] = str(error)
+    if not arms:
+        reason = next(iter(refused.values()), "no joint moves")
+        raise RobotFileError(f"{urdf.source}: no arm: {reason}")
+    return AllTips(tuple(arms), refused)
+
+
+@dataclass(frozen=True, slots=True)
+class ImportCheck:
+    """What an imported robot file promises, tested again.
+
+    Attributes:
+        source: Path of the URDF.
+        promised: The bound in the file.
+        found: The bound of the robot as it is now; None where the URDF is not there.
+        changed: Whether the URDF is another than at import.
+    """
+
+    source: str
+    promised: Certificate
+    found: Certificate | None
+    changed: bool = False
+
+    def __str__(self) -> str:
+        if self.found is None:
+            return f"{self.source}: not there, so the promised pose error was not tested"
+        return f"{self.source}: {self.found}" + (" (the URDF has changed since)" if self.changed else "")
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data, for JSON."""
+        position = None if self.found is None else self.found.position
+        rotation = None if self.found is None else self.found.rotation
+        return {"source": self.source, "position_error": position, "rotation_error": rotation, "changed": self.changed}
+
+
+def verify_import(file: str | Path) -> ImportCheck | None:
+    """Test the certificate in the head of a robot file again, against the URDF that it names.
+
+    Args:
+        file: Path of a robot file.
+
+    Returns:
+        What was found; None for a robot that was not imported.
+
+    Raises:
+        VerificationError: The table's poses may be farther from the URDF's than the file says.
+        RobotFileError: One of both files cannot be read.
+    """
+    text = robot_file_bytes(file).decode("utf-8", "replace")
+    told = Source.of(text)
+    if told is None:
+        return None
+    source, promised = told
+    path = source.beside(Path(file))
+    if not source.file or not path.is_file():
+        return ImportCheck(source.file or "standard input", promised, None)
+    folders = [str(path.parent / folder) for folder in source.packages]
+    urdf = open_urdf(path, folders, dict(source.arguments))
+    robot = Robot.from_text(text, str(file))
+    with exactly():
+        arm = arm_of(urdf.urdf, source.base, source.tip, Fraction(0))
+    if len(arm.axes) != robot.n:
+        raise VerificationError(f"{file}: {robot.n} joints, but {path} has {len(arm.axes)}", remedy="import it again")
+    found = certify(arm, robot).printed
+    if found.position > promised.position or found.rotation > promised.rotation:
+        raise VerificationError(
+            f"{file}: poses up to {found.position:.2g} m and {found.rotation:.2g} rad from those of {path}",
+            allowed=f"promised: {promised.position:.2g} m and {promised.rotation:.2g} rad",
+            remedy="import it again",
+        )
+    return ImportCheck(str(path), promised, found, changed=urdf.sha256 != source.sha256)
+
+
+class _Importer:
+    """A URDF and how its arms are wanted."""
+
+    def __init__(
+        self,
+        file: str | Path | bytes,
+        convention: str | Convention,
+        snap: str | float,
+        packages: Sequence[str | Path],
+        arguments: Mapping[str, str] | None,
+        folder: str | Path,
+    ) -> None:
+        self._convention, self._snap = _convention(convention), snap_of(snap)
+        self._path, self._arguments = "", tuple((arguments or {}).items())
+        self._folders: tuple[str, ...] = ()
+        if isinstance(file, bytes):
+            self.opened = opened(file, "<stdin>")
+            return
+        path = Path(file)
+        if not path.is_file():
+            found = f"no file {quoted(str(file), 200)}"
+            raise RobotFileError(found, allowed="allowed: a URDF or a .xacro file, or - for standard input")
+        self.opened = open_urdf(path, list(map(str, packages)), arguments)
+        self._path = relative(path, Path(folder))
+        self._folders = tuple(relative(Path(package), path.parent) for package in packages)
+
+    def arm(self, base: str | None, tip: str | None, name: str | None) -> Imported:
+        """One of its chains."""
+        return of_urdf(self.opened.urdf, base, tip, self._convention, self._snap, name, self._head)
+
+    def _head(self, base: str, tip: str) -> str:
+        return Source(self._path, base, tip, self.opened.sha256, self._folders, self._arguments).line
+
+
+def _convention(convention: str | Convention) -> Convention:
+    try:
+        return Convention(convention)
+    except ValueError:
+        names = [known.value for known in Convention]
+        found = f"the convention {quoted(str(convention))}"
+        raise DeriveError(
+            found, allowed=f"allowed: {', '.join(names)}", remedy=near_miss(str(convention), names)
+        ) from None
+
+
+def snap_of(text: str | float) -> Fraction:
+    """A distance of angles, exactly.
+
+    Args:
+        text: Such as ``1e-6``; from 0 to 0.1 [rad].
+
+    Raises:
+        DeriveError: Anything else.
+    """
+    try:
+        value = Decimal(str(text))
+    except InvalidOperation:
+        value = Decimal("nan")
+    if value.is_finite() and 0 <= value <= 1 and abs(value.adjusted()) < 100 and Fraction(value) <= MOST_SNAP:
+        return Fraction(value)
+    raise DeriveError(f"--snap {quoted(str(text))}", allowed="allowed: a number from 0 to 0.1", remedy=f"write {SNAP}")
+
+
+def write(arms: Mapping[Path, Imported], *, force: bool = False) -> list[Robot]:
+    """Write robot files, all or none.
+
+    Args:
+        arms: By path.
+        force: Whether to write over files that are there.
+
+    Returns:
+        The robots, as read from the files.
+
+    Raises:
+        OutputError: A file is there already, or the system refused to write.
+    """
+    taken = next((path for path in arms if path.exists() or path.is_symlink()), None)
+    if taken is not None and (taken.is_dir() or not force):
+        remedy = "name a file" if taken.is_dir() else "write another -o, or --force"
+        raise OutputError(f"{taken} exists already", remedy=remedy)
+    folders = {
+        path.parent: {p.name: arm.text.encode() for p, arm in arms.items() if p.parent == path.parent} for path in arms
+    }
+    for folder, files in folders.items():
+        write_files(files, folder, force=True)
+    return [Robot.load(f"./{path}" if path.parent == Path() else path) for path in arms]

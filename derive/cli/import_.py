@@ -1,0 +1,129 @@
+"""``derive import``: robot files from URDF and xacro."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from derive.cli.terminal import DONE, one_line, print_json
+
+if TYPE_CHECKING:
+    from derive.exchange.from_urdf import Imported
+
+DESCRIPTION = """\
+Read a URDF, or a .xacro file, and write the robot file of one of its chains, for instance
+
+  derive import panda.urdf --tip panda_hand -o panda.yaml
+  derive import ur5.urdf --chain base..tool0 -o ur5.yaml
+  derive import torso.urdf --all -o arms
+  derive import arm.urdf.xacro --packages ~/ros/src --arg name=arm -o arm.yaml
+
+Axes become lines in space, and these a Denavit-Hartenberg table by common normals, with a constant base and tool. The
+file's head has a bound of the distance between poses of the table and of the URDF, over all joint values, which is
+proven in ball arithmetic; `derive verify` tests it again. Without -o the file is printed.
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The URDF, which chain of it, and where the robot file goes.
+
+    Args:
+        parser: Where the arguments are added.
+    """
+    add = parser.add_argument
+    add("file", metavar="FILE", help="URDF or .xacro file; - reads a URDF from standard input")
+    add("--tip", metavar="LINK", help="last link of the chain (default: the only one that carries no other)")
+    add("--chain", metavar="BASE..TIP", help="first and last link; the way may lead up the tree first")
+    add("--all", action="store_true", help="a robot file for every tip, in the folder -o")
+    add("--convention", default="standard", metavar="C", help="standard or modified (default standard)")
+    add("--snap", default="1e-6", metavar="RAD", help="angles so close to fractions of pi are these (default 1e-6)")
+    add("--name", help="name of the robot (default: that of the URDF)")
+    add("-o", "--output", metavar="FILE", type=Path, help="robot file to write; with --all a folder")
+    add("--force", action="store_true", help="write over files that are there")
+    add("--packages", metavar="DIR", action="append", default=[], help="where xacro looks for packages; repeatable")
+    add("--arg", metavar="NAME=VALUE", action="append", default=[], help="argument of xacro; repeatable")
+    add("--json", action="store_true", help="machine-readable report")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Import and write.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        DeriveError: Options that do not belong together.
+    """
+    from derive.api.importing import import_all, import_urdf
+    from derive.errors import DeriveError
+
+    base, tip = _ends(arguments)
+    if arguments.all and tip is not None:
+        raise DeriveError("--all with --tip or --chain", remedy="leave one out")
+    if arguments.json and arguments.output is None:
+        raise DeriveError("--json without -o", remedy="name the robot file with -o FILE")
+    file = sys.stdin.buffer.read() if arguments.file == "-" else arguments.file
+    pairs = dict(_pair(text) for text in arguments.arg)
+    options = {"convention": arguments.convention, "snap": arguments.snap, "name": arguments.name}
+    options |= {"packages": arguments.packages, "arguments": pairs}
+    if not arguments.all:
+        folder = arguments.output.parent if arguments.output else Path()
+        found = import_urdf(file, tip=tip, base=base, folder=folder, **options)
+        return _deliver({arguments.output: found}, {}, arguments)
+    folder = arguments.output or Path()
+    every = import_all(file, folder=folder, **options)
+    arms = {folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}
+    return _deliver(arms, every.refused, arguments)
+
+
+def _ends(arguments: argparse.Namespace) -> tuple[str | None, str | None]:
+    """Names of the first and the last link."""
+    from derive.errors import DeriveError
+
+    if arguments.chain is None:
+        return None, arguments.tip
+    if arguments.tip is not None:
+        raise DeriveError("--tip with --chain", remedy="leave one out")
+    base, dots, tip = arguments.chain.partition("..")
+    if not (base and dots and tip):
+        raise DeriveError(
+            f"--chain {arguments.chain!r}", allowed="allowed: two names of links", remedy="write BASE..TIP"
+        )
+    return base, tip
+
+
+def _pair(text: str) -> tuple[str, str]:
+    from derive.errors import DeriveError
+
+    name, sign, value = text.partition("=")
+    if not (name.rstrip(":") and sign):
+        raise DeriveError(f"--arg {text!r}", allowed="allowed: NAME=VALUE")
+    return name.rstrip(":"), value
+
+
+def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Namespace) -> int:
+    """Write the files, or print the only one, and the reports."""
+    from derive.api.importing import write
+    from derive.api.robots import with_remarks
+
+    if not arguments.all and arguments.output is None:
+        (arm,) = arms.values()
+        print(arm.text, end="")
+        print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
+        return DONE
+    for robot in write(arms, force=arguments.force):
+        with_remarks(robot)
+    if arguments.json:
+        print_json({"robots": [{"file": str(path), **arm.as_dict()} for path, arm in arms.items()], "refused": refused})
+        return DONE
+    for path, arm in arms.items():
+        head, *rest = arm.report
+        print(one_line(f"{path}: {head}"), *(f"  {one_line(line)}" for line in rest), sep="\n")
+    for tip, reason in refused.items():
+        print(one_line(f"{tip}: not imported: {reason}"))
+    return DONE

@@ -1,0 +1,169 @@
+"""Where an imported robot comes from: URDFs read from files, expanded from xacro, named in the head of a robot file.
+
+The first line of an imported robot file is data, so that what it promises can be tested again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from pathlib import Path
+
+from derive.errors import Location, RobotFileError, TargetError, quoted
+from derive.exchange.certificate import Certificate
+from derive.exchange.urdf import MOST_BYTES, Urdf, read_urdf
+from derive.robot.load import file_bytes
+
+MARK = "derive import: "
+"""Stands before the data in the first line."""
+
+XACRO = ".xacro"
+
+_PROMISE = re.compile(r"^# pose error over all limits <= (\S+) m and (\S+) rad, proven$", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A chain of a file.
+
+    Attributes:
+        file: Its path, from the folder of the robot file; empty for standard input.
+        base: Name of the link that stands.
+        tip: Name of the last link.
+        sha256: Of the file's bytes.
+        packages: Folders in which xacro looks for packages.
+        arguments: Of xacro.
+    """
+
+    file: str
+    base: str
+    tip: str
+    sha256: str
+    packages: tuple[str, ...] = ()
+    arguments: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def line(self) -> str:
+        """The first line of the robot file, without its #."""
+        return MARK + json.dumps({key: value for key, value in asdict(self).items() if value or key == "file"})
+
+    @classmethod
+    def of(cls, text: str) -> tuple[Source, Certificate] | None:
+        """What the head of a robot file says and promises.
+
+        Args:
+            text: Of the file.
+
+        Returns:
+            The source and the bound; None for a file that says neither.
+        """
+        first = text.partition("\n")[0]
+        promise = _PROMISE.search(text)
+        if not first.startswith(f"# {MARK}") or promise is None:
+            return None
+        try:
+            said = json.loads(first.removeprefix(f"# {MARK}"))
+            pairs = tuple((str(key), str(value)) for key, value in said.get("arguments", ()))
+            packages = tuple(map(str, said.get("packages", ())))
+            names = (str(said[key]) for key in ("file", "base", "tip", "sha256"))
+            return cls(*names, packages, pairs), Certificate(float(promise[1]), float(promise[2]))
+        except (ValueError, TypeError, KeyError, AttributeError):
+            return None
+
+    def beside(self, robot_file: Path) -> Path:
+        """The file that is meant.
+
+        Args:
+            robot_file: Path of the robot file.
+        """
+        return robot_file.parent / self.file
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A URDF as it was found.
+
+    Attributes:
+        urdf: The robot.
+        sha256: Of the bytes of the file.
+    """
+
+    urdf: Urdf
+    sha256: str
+
+
+def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None) -> Opened:
+    """Read a URDF or a xacro file.
+
+    Args:
+        path: Of the file; one that ends with .xacro is expanded.
+        packages: Folders in which xacro looks for packages.
+        arguments: Of xacro.
+
+    Returns:
+        The robot.
+
+    Raises:
+        RobotFileError: The file cannot be read, is no URDF, or xacro refuses it.
+        TargetError: lxml or xacrodoc is not installed.
+    """
+    data, name = file_bytes(path, MOST_BYTES), str(path)
+    if path.suffix.lower() == XACRO:
+        return Opened(read_urdf(_expanded(path, packages, arguments or {}), name), sha256(data).hexdigest())
+    return opened(data, name)
+
+
+def opened(data: bytes, name: str) -> Opened:
+    """A URDF that has been read already.
+
+    Args:
+        data: Its bytes.
+        name: For messages.
+
+    Raises:
+        RobotFileError: It is no URDF.
+        TargetError: lxml is not installed.
+    """
+    return Opened(read_urdf(data, name if name.isprintable() else quoted(name, 200)), sha256(data).hexdigest())
+
+
+def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str]) -> bytes:
+    """What xacro makes of a file; what it prints is kept from the terminal."""
+    try:
+        import xacrodoc
+    except ImportError:
+        remedy = "pip install 'derive-robot[exchange]'"
+        raise TargetError("reading xacro needs xacrodoc, which is not installed", remedy=remedy) from None
+    said = io.StringIO()
+    xacrodoc.packages.reset()
+    if packages:
+        xacrodoc.packages.look_in([str(folder) for folder in packages])
+    try:
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+            document = xacrodoc.XacroDoc.from_file(str(path), subargs=dict(arguments), resolve_packages=False)
+            return document.to_urdf_string().encode()
+    except (Exception, SystemExit) as error:
+        reason = " ".join(str(error).split()) or " ".join(said.getvalue().split()) or type(error).__name__
+        remedy = "give the folder of its packages with --packages DIR, and its arguments with --arg NAME=VALUE"
+        raise RobotFileError(
+            f"xacro: {quoted(reason, 200)[1:-1]}", remedy=remedy, location=Location(str(path))
+        ) from None
+
+
+def relative(path: Path, folder: Path) -> str:
+    """A path as it is written into a file of a folder.
+
+    Args:
+        path: Of a file.
+        folder: Where the other one will be.
+    """
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # another drive
+        return path.as_posix()
