@@ -101,8 +101,8 @@ class Arm:
 
     @cached_property
     def reach(self) -> float:
-        """How far the tip can get from the first axis, by the way through all joints [m]."""
-        stations = [*(axis.line.point for axis in self.axes), self.end.origin]
+        """How far the tip can get from the base, by the way through all joints [m]."""
+        stations = [WORLD.origin, *(axis.line.point for axis in self.axes), self.end.origin]
         travels = (max(map(abs, axis.joint.limits)) for axis in self.axes if not axis.is_revolute and axis.joint.limits)
         return sum(float(length(plus(b, a, -1))) for a, b in pairwise(stations)) + float(sum(travels))
 

@@ -20,6 +20,9 @@ from derive.robot.description import Convention, Matrix
 from derive.robot.expression import Call, Expression, Number, Pi, Power, Product, Sum
 from derive.robot.robot import Robot
 
+EXACT = 1e-30
+"""A bound below is one of exact numbers."""
+
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
@@ -162,8 +165,8 @@ def _travel(axis: Axis) -> Real:
 
 
 def _above(value: float) -> str:
-    """Two digits, rounded up."""
-    return f"{float(Context(prec=2, rounding=ROUND_CEILING).create_decimal_from_float(value)):.2g}"
+    """Two digits, rounded up; smaller bounds than `EXACT` are not told apart."""
+    return f"{float(Context(prec=2, rounding=ROUND_CEILING).create_decimal_from_float(max(value, EXACT))):.2g}"
 
 
 def _up(value: Real) -> float:

@@ -71,8 +71,8 @@ class Source:
             said = json.loads(first.removeprefix(f"# {MARK}"))
             pairs = tuple((str(key), str(value)) for key, value in said.get("arguments", ()))
             packages = tuple(map(str, said.get("packages", ())))
-            names = (str(said[key]) for key in ("file", "base", "tip", "sha256"))
-            return cls(*names, packages, pairs), Certificate(float(promise[1]), float(promise[2]))
+            file, base, tip, digest = (str(said[key]) for key in ("file", "base", "tip", "sha256"))
+            return cls(file, base, tip, digest, packages, pairs), Certificate(float(promise[1]), float(promise[2]))
         except (ValueError, TypeError, KeyError, AttributeError):
             return None
 
@@ -147,7 +147,7 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
     try:
         with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
             document = xacrodoc.XacroDoc.from_file(str(path), subargs=dict(arguments), resolve_packages=False)
-            return document.to_urdf_string().encode()
+            return str(document.to_urdf_string()).encode()
     except (Exception, SystemExit) as error:
         reason = " ".join(str(error).split()) or " ".join(said.getvalue().split()) or type(error).__name__
         remedy = "give the folder of its packages with --packages DIR, and its arguments with --arg NAME=VALUE"

@@ -1,0 +1,124 @@
+"""Robots from URDF, from Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import derive
+from derive.api.importing import import_all, import_urdf, snap_of, verify_import
+from derive.errors import DeriveError, RobotFileError, VerificationError
+from derive.robot.expression import to_text
+from derive.verification.oracle.functions import Oracle
+from tests.exchange.urdfs import HALF, J, Reading, body, pose, urdf
+
+TORSO = [
+    J("0 0 1", axis="0 0 1", link="torso"),
+    J("0 0.2 0", "1.57 0 0", link="left", inertial=body("2", "0.1 0 0", moments="0.1 0.1 0.1 0 0 0")),
+    J("0.3 0 0", "0 0.2 0", link="left_hand"),
+    J("0 -0.2 0", "-1.57 0 0", link="right", parent="torso"),
+    J("0.3 0 0", "0 0.2 0", link="right_hand"),
+    J("0 0 0", type="floating", link="head", parent="torso"),
+]
+
+
+@pytest.fixture
+def torso(tmp_path: Path) -> Path:
+    path = tmp_path / "torso.urdf"
+    path.write_text(urdf(TORSO, name="torso"))
+    return path
+
+
+def test_the_method_and_the_function_give_the_same_robot(torso: Path) -> None:
+    robot = derive.Robot.from_urdf(torso, tip="left_hand")
+    assert isinstance(robot, derive.Robot)
+    assert robot.joints == derive.import_urdf(torso, tip="left_hand").robot.joints
+    assert robot.n == 3
+
+
+def test_every_tip_gets_an_arm_or_a_reason(torso: Path) -> None:
+    found = import_all(torso)
+    assert [arm.robot.name for arm in found.arms] == ["torso-left-hand", "torso-right-hand"]
+    assert "is floating" in found.refused["head"]
+
+
+def test_a_chain_may_go_up_the_tree_first(torso: Path) -> None:
+    """From hand to hand: joints on the way up turn the other way round."""
+    robot = import_urdf(torso, base="left_hand", tip="right_hand").robot
+    reading = Reading(torso.read_text(), ("j1", "j2", "j3", "j4", "j5"))
+    q = np.random.default_rng(1).uniform(-1, 1, 4)
+    q_of_file = np.array([0.3, q[1], q[0], q[2], q[3]])
+    wanted = reading.pose(q_of_file, "right_hand", "left_hand")
+    assert np.abs(pose(robot, q) - wanted).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        ({}, "left_hand, right_hand, head"),
+        ({"tip": "left_hnd"}, "did you mean 'left_hand'"),
+        ({"tip": "head"}, "is floating"),
+        ({"tip": "left_hand", "base": "left_hand"}, "no joint moves between"),
+        ({"tip": "left_hand", "convention": "modifed"}, "did you mean 'modified'"),
+        ({"tip": "left_hand", "snap": "2"}, "a number from 0 to 0.1"),
+        ({"tip": "left_hand", "snap": "0.01"}, r"would move a pose by up to 0\.\d+ m; allowed: at most 0.0001 m"),
+        ({"tip": "left_hand", "name": "My Arm"}, "is not a robot name"),
+    ],
+)
+def test_wrong_wishes_are_refused_with_what_is_allowed(torso: Path, options: dict[str, str], found: str) -> None:
+    with pytest.raises(DeriveError, match=found) as refused:
+        import_urdf(torso, **options)
+    assert "\n" not in str(refused.value)
+
+
+def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> None:
+    (tmp_path / "robots").mkdir()
+    path = tmp_path / "robots" / "left.yaml"
+    text = import_urdf(torso, tip="left_hand", folder=path.parent).text
+    path.write_text(text)
+    check = verify_import(path)
+    assert check is not None
+    assert check.found == check.promised
+    assert not check.changed
+
+    path.write_text(text.replace("d: 1.51004", "d: 1.51005"))
+    with pytest.raises(VerificationError, match=r"1e-05 m|e-05 m"):
+        verify_import(path)
+
+    path.write_text(text)
+    torso.write_text(torso.read_text().replace("0.3 0 0", "0.31 0 0"))
+    with pytest.raises(VerificationError, match="promised"):
+        verify_import(path)
+
+    torso.unlink()
+    check = verify_import(path)
+    assert check is not None
+    assert check.found is None
+    assert "not tested" in str(check)
+
+
+def test_robots_that_were_not_imported_promise_nothing() -> None:
+    assert verify_import("scara-perugia") is None
+
+
+def test_gravity_is_that_of_the_root_wherever_the_chain_begins(tmp_path: Path) -> None:
+    """Seen from a link that lies on its side."""
+    heavy = body("2", "0.1 0.2 0.3", moments="0.1 0.1 0.1 0 0 0")
+    text = urdf([J(rpy=f"{HALF} 0 0", type="fixed", link="side"), J("0 0 1", "0.3 0 0", inertial=heavy)])
+    robot = import_urdf(text.encode(), base="side").robot
+    torque = Oracle.of(robot).evaluate("gravity_vector", [0.4])
+    assert torque == pytest.approx(Reading(text, ["j2"]).torque(np.array([0.4]), np.zeros(1), np.zeros(1)))
+    assert [to_text(cell) for cell in robot.gravity or ()] == ["0", "-g", "0"]
+
+
+def test_a_snap_is_read_exactly() -> None:
+    assert snap_of("1e-6") * 10**6 == 1
+    with pytest.raises(DeriveError):
+        snap_of("nan")
+
+
+def test_no_file_is_said(tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match="no file"):
+        import_urdf(tmp_path / "none.urdf")

@@ -1,0 +1,116 @@
+"""``derive import`` as it is typed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from unittest import mock
+
+import pytest
+
+from derive.cli import import_
+from tests.cli.command import derive, is_one_message
+from tests.exchange.urdfs import HALF, J, body, urdf
+
+ARM = urdf(
+    [
+        J("0 0 0.3", inertial=body("3", "0 0 0.1", moments="0.3 0.1 0.1 0 0 0"), more='<safety_controller k="1"/>'),
+        J("0 0 0.2", "1.570796 0 0", inertial=body("2", "0.1 0 0", moments="0.1 0.1 0.1 0 0 0")),
+        J("0.4 0 0", f"0 {HALF} 0", type="fixed", link="tool"),
+    ]
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "arm.urdf").write_text(ARM)
+    return tmp_path
+
+
+def test_a_file_is_written_and_reported_on(folder: Path) -> None:
+    done = derive("import", "arm.urdf", "-o", "arm.yaml", folder=folder)
+    assert done.status == 0, done.stderr
+    head, snapped, *notes = done.stdout.splitlines()
+    assert head == "arm.yaml: 2 joints (RR), standard, l0 to tool; base and tool constant"
+    assert snapped.startswith("  snapped: 2 angles, largest change 3.3e-07 rad; pose error over all limits <= ")
+    assert notes == [
+        "  link l1: no body has its inertia (A + B < C by 0.1 kg m^2)",
+        "  not read: safety_controller",
+    ]
+    text = (folder / "arm.yaml").read_text()
+    assert all(f"# {note.strip()}" in text.splitlines() for note in notes)
+    assert "proven" in derive("verify", "arm.yaml", folder=folder).stdout
+    assert derive("show", "arm.yaml", "p", folder=folder).status == 0
+
+
+def test_without_an_output_the_file_is_printed(folder: Path) -> None:
+    done = derive("import", "arm.urdf", folder=folder)
+    (folder / "printed.yaml").write_text(done.stdout)
+    assert derive("show", "printed.yaml", "p", folder=folder).status == 0
+    assert "2 joints" in done.stderr
+
+
+def test_a_urdf_comes_from_standard_input(folder: Path) -> None:
+    with mock.patch("sys.stdin") as stdin:
+        stdin.buffer.read.return_value = ARM.encode()
+        done = derive("import", "-", "-o", "arm.yaml", folder=folder)
+    assert done.status == 0, done.stderr
+    assert "not tested" in derive("verify", "arm.yaml", folder=folder).stdout
+
+
+def test_a_file_that_is_there_stays(folder: Path) -> None:
+    (folder / "arm.yaml").write_text("mine")
+    done = derive("import", "arm.urdf", "-o", "arm.yaml", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+    assert (folder / "arm.yaml").read_text() == "mine"
+    assert derive("import", "arm.urdf", "-o", "arm.yaml", "--force", folder=folder).status == 0
+
+
+def test_all_tips_get_files(folder: Path) -> None:
+    two = urdf([J(link="left"), J(link="right", parent="l0"), J(link="head", parent="l0", type="planar")], name="torso")
+    (folder / "torso.urdf").write_text(two)
+    done = derive("import", "torso.urdf", "--all", "-o", "arms", "--json", folder=folder)
+    assert done.status == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert [robot["tip"] for robot in report["robots"]] == ["left", "right"]
+    assert "planar" in report["refused"]["head"]
+    assert sorted(path.name for path in (folder / "arms").iterdir()) == ["torso-left.yaml", "torso-right.yaml"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["none.urdf"],
+        ["arm.urdf", "--tip", "nothing"],
+        ["arm.urdf", "--chain", "l0"],
+        ["arm.urdf", "--chain", "l0..tool", "--tip", "tool"],
+        ["arm.urdf", "--all", "--tip", "tool"],
+        ["arm.urdf", "--convention", "craig"],
+        ["arm.urdf", "--snap", "much"],
+        ["arm.urdf", "--arg", "name"],
+        ["arm.urdf", "--json"],
+        ["arm.urdf", "-o", "."],
+        ["."],
+    ],
+)
+def test_wrong_input_is_one_message_and_writes_nothing(folder: Path, arguments: list[str]) -> None:
+    before = sorted(folder.iterdir())
+    done = derive("import", *arguments, folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr), done.stderr
+    assert not done.stdout
+    assert sorted(folder.iterdir()) == before
+
+
+def test_without_lxml_the_message_says_what_to_install(folder: Path) -> None:
+    with mock.patch.dict("sys.modules", {"lxml": None}):
+        done = derive("import", "arm.urdf", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+    assert "pip install 'derive-robot[exchange]'" in done.stderr
+
+
+def test_the_help_says_what_a_chain_is() -> None:
+    assert "BASE..TIP" not in import_.DESCRIPTION
+    assert "--chain base..tool0" in import_.DESCRIPTION

@@ -1,0 +1,70 @@
+"""Where an imported robot comes from is said in its file, whatever names there are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.errors import RobotFileError
+from derive.exchange.source import MARK, Source, open_urdf, relative
+from tests.exchange.urdfs import J, urdf
+
+XACRO = """\
+<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="length" default="0.5"/>
+  <xacro:macro name="bar" params="name parent far">
+    <link name="${name}"/>
+    <joint name="to_${name}" type="revolute">
+      <parent link="${parent}"/><child link="${name}"/>
+      <origin xyz="${far} 0 0"/><axis xyz="0 0 1"/><limit lower="${-pi}" upper="${pi}" effort="1" velocity="1"/>
+    </joint>
+  </xacro:macro>
+  <link name="l0"/>
+  <xacro:bar name="l1" parent="l0" far="0"/>
+  <xacro:bar name="l2" parent="l1" far="$(arg length)"/>
+</robot>
+"""
+
+
+def test_names_with_quotes_line_breaks_and_braces_come_back() -> None:
+    source = Source('a "b".urdf', "base\n# x", "tip: {1}", "0" * 64, ("..",), (("a", "b"),))
+    assert "\n" not in source.line
+    text = f"# {source.line}\n# pose error over all limits <= 1.2e-16 m and 3e-16 rad, proven\nname: arm\n"
+    told = Source.of(text)
+    assert told is not None
+    assert told[0] == source
+    assert (told[1].position, told[1].rotation) == (1.2e-16, 3e-16)
+
+
+@pytest.mark.parametrize("head", ["", "# derive import: {}", "# derive import: [1", f"# {MARK}3", "name: arm"])
+def test_a_head_that_says_nothing_is_none(head: str) -> None:
+    text = f"{head}\n# pose error over all limits <= 1 m and 1 rad, proven\n"
+    assert Source.of(text) is None
+
+
+def test_xacro_is_expanded_with_its_arguments(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(XACRO)
+    assert float(open_urdf(path).urdf.joints[1].origin.xyz[0]) == 0.5
+    assert float(open_urdf(path, arguments={"length": "0.25"}).urdf.joints[1].origin.xyz[0]) == 0.25
+
+
+def test_what_xacro_does_not_find_is_one_message(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xacro"
+    path.write_text(XACRO.replace("$(arg length)", "$(find nowhere)"))
+    with pytest.raises(RobotFileError, match="nowhere") as refused:
+        open_urdf(path)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_digest_is_that_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(urdf([J()]))
+    before = open_urdf(path).sha256
+    path.write_text(urdf([J("0 0 1")]))
+    assert open_urdf(path).sha256 != before
+
+
+def test_a_file_is_named_from_the_folder_of_the_other(tmp_path: Path) -> None:
+    assert relative(tmp_path / "urdf" / "arm.urdf", tmp_path / "robots") == "../urdf/arm.urdf"
