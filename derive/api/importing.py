@@ -212,7 +212,13 @@ class _Importer:
         self._folders = tuple(relative(Path(package), path.parent) for package in packages)
 
     def arm(self, base: str | None, tip: str | None, name: str | None) -> Imported:
-        """One of its chains."""
+        """One of its chains.
+
+        Args:
+            base: Name of the link that stands.
+            tip: Name of the last link.
+            name: Of the robot.
+        """
         return of_urdf(self.opened.urdf, base, tip, self._convention, self._snap, name, self._head)
 
     def _head(self, base: str, tip: str) -> str:

@@ -303,12 +303,20 @@ class _Tree:
                 self._beside.setdefault(joint.child, []).append((joint, True))
 
     def around(self, link: str, frame: Frame) -> tuple[list[Mass], list[str]]:
-        """The bodies that move with a link, joints beside the chain at zero, and the names of these joints."""
+        """What moves with a link, joints beside the chain at zero.
+
+        Args:
+            link: Its name.
+            frame: Where it is.
+
+        Returns:
+            Bodies, and the names of these joints.
+        """
         found: list[Mass] = []
         held: list[str] = []
         seen, waiting = {link}, [(link, frame)]
         while waiting:
-            name, at = waiting.pop(0)
+            name, at = waiting.pop()
             body = self._bodies[name]
             if body is not None:
                 found.append(_mass(body, at, name, self._snap))

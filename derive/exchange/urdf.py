@@ -223,19 +223,46 @@ class _Reader:
     source: str
 
     def place(self, element: etree._Element) -> Location:
+        """Where an element is.
+
+        Args:
+            element: Of the file.
+        """
         return Location(self.source, element.sourceline or 1)
 
     def refused(self, element: etree._Element, found: str, remedy: str, allowed: str = "") -> RobotFileError:
+        """What to raise.
+
+        Args:
+            element: Where it was found.
+            found: What.
+            remedy: What to do.
+            allowed: What may be there.
+        """
         return RobotFileError(found, allowed=allowed, remedy=remedy, location=self.place(element))
 
     def name(self, element: etree._Element) -> str:
+        """Of a link or joint.
+
+        Args:
+            element: It.
+        """
         name = element.get("name", "").strip()
         if not name:
             raise self.refused(element, f"a {element.tag} without a name", 'write name="..."')
         return str(name)
 
     def numbers(self, element: etree._Element, attribute: str, count: int) -> tuple[Fraction, ...] | None:
-        """The decimals of an attribute; None where it is not there."""
+        """The decimals of an attribute.
+
+        Args:
+            element: Which has it.
+            attribute: Its name.
+            count: How many there must be.
+
+        Returns:
+            They; None where the attribute is not there.
+        """
         text = element.get(attribute)
         if text is None:
             return None
@@ -246,6 +273,15 @@ class _Reader:
         return tuple(self._number(element, attribute, word) for word in words)
 
     def number(self, element: etree._Element, attribute: str) -> Fraction | None:
+        """The decimal of an attribute.
+
+        Args:
+            element: Which has it.
+            attribute: Its name.
+
+        Returns:
+            It; None where the attribute is not there.
+        """
         found = self.numbers(element, attribute, 1)
         return found[0] if found else None
 
@@ -261,6 +297,11 @@ class _Reader:
         raise self.refused(element, found, "write a decimal such as 0.42", allowed)
 
     def origin(self, element: etree._Element) -> Origin:
+        """Where something is.
+
+        Args:
+            element: A joint or ``inertial``.
+        """
         child = element.find("origin")
         if child is None:
             return Origin()
@@ -268,7 +309,14 @@ class _Reader:
         return Origin((xyz[0], xyz[1], xyz[2]), (rpy[0], rpy[1], rpy[2]))
 
     def body(self, element: etree._Element) -> UrdfBody | None:
-        """What a link weighs; None where nothing is said."""
+        """What a link weighs.
+
+        Args:
+            element: The link.
+
+        Returns:
+            It; None where nothing is said.
+        """
         inertial = element.find("inertial")
         if inertial is None:
             return None
@@ -282,7 +330,12 @@ class _Reader:
         return UrdfBody(value, self.origin(inertial), entries, self.place(inertial))
 
     def joint(self, element: etree._Element, links: Mapping[str, object]) -> UrdfJoint:
-        """A joint whose links exist."""
+        """A joint.
+
+        Args:
+            element: It.
+            links: By their names.
+        """
         name, kind = self.name(element), element.get("type", "").strip()
         if kind not in TYPES:
             allowed = f"allowed: {', '.join(TYPES)}"
