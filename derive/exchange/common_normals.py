@@ -22,6 +22,9 @@ from derive.robot.description import Convention
 ALIKE = 1e-9
 """Of floats: what differs by less is the same."""
 
+ROUNDING = 1e-13
+"""Of floats, relative: frames that fit no worse fit exactly."""
+
 BASE_CELL = 1.6
 """What a number of the base or the tool counts beside a cell of the table, so that rows hold what they can."""
 
@@ -114,7 +117,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     ]
     columns = [*options, free] if standard else [free, *options]
     candidates = _candidates(arm, columns, spots, standard, snap)
-    chosen = _cheapest(arm, candidates, standard)
+    chosen = _cheapest(arm, candidates, standard, min(max(snap, ROUNDING), ALIKE))
     rows = tuple(_row(a.frame, b.frame, standard) for a, b in pairwise(chosen))
     frames = tuple(candidate.frame for candidate in chosen)
     tool, changes = arm.end.seen_from(frames[-1]), tuple(float(sine) for sine in turned if sine > NOTHING)
@@ -218,7 +221,7 @@ def _candidates(
             for origin, x in _normals(line, partners, _near(spots, i), known[i], snap):
                 for sign in (1, -1):
                     frame = Frame.of(origin, times(x, sign), line.direction)
-                    key = tuple(round(float(c), 9) for v in (origin, frame.x, frame.z) for c in v)
+                    key = tuple(round(float(c), 12) for v in (origin, frame.x, frame.z) for c in v)
                     frames.setdefault(key, frame)
         found.append([_Candidate(frame) for frame in frames.values()])
     return found
@@ -268,12 +271,13 @@ def _angle(a: Point, b: Point, about: Point) -> Real:
     return arb.atan2(sine, cosine)
 
 
-def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool) -> list[_Candidate]:
+def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool, loose: float) -> list[_Candidate]:
     """The frames whose table has the fewest numbers (Viterbi)."""
     costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
     back: list[np.ndarray] = []
     for behind, (column, following) in zip(range(len(candidates) - 1, 0, -1), pairwise(candidates), strict=True):
-        steps = _step_costs(column, following, standard, FAR * arm.reach + ALIKE, EARLY * behind)
+        steps, cells = _step_costs(column, following, standard, loose)
+        steps = steps + EARLY * behind * (cells[0] > ALIKE) + TOO_FAR * (cells > FAR * arm.reach + ALIKE).sum(axis=0)
         total = costs[:, None] + steps
         back.append(total.argmin(axis=0))
         costs = total.min(axis=0)
@@ -295,15 +299,16 @@ def _frame_cost(outer: Frame, inner: Frame) -> float:
 
 
 def _step_costs(
-    column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool, far: float, early: float
-) -> np.ndarray:
-    """Of each pair of frames: the numbers of their row; infinite where x is no common normal."""
+    column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool, loose: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of each pair of frames: the numbers of their row, infinite where x is no common normal; sizes of d and a."""
     o0, x0, z0 = np.moveaxis(np.array([c.numbers for c in column]), 1, 0)[:, :, None, :]
     o1, x1, z1 = np.moveaxis(np.array([c.numbers for c in following]), 1, 0)[:, None, :, :]
     x, turning = (x1, z0) if standard else (x0, z1)
     apart = o1 - o0
-    wrong = np.abs((x * turning).sum(-1)) > ALIKE
-    wrong = wrong | (np.abs((apart * np.cross(x, turning)).sum(-1)) > ALIKE)
+    wrong = np.abs((x * turning).sum(-1)) > loose
+    far = 1 + np.abs(apart).sum(-1)
+    wrong = wrong | (np.abs((apart * np.cross(x, turning)).sum(-1)) > loose * far)
     d, a = (apart * turning).sum(-1), (apart * x).sum(-1)
     sin_theta, cos_theta = (np.cross(x0, x1) * turning).sum(-1), (x0 * x1).sum(-1)
     sin_alpha, cos_alpha = (np.cross(z0, z1) * x).sum(-1), (z0 * z1).sum(-1)
@@ -312,5 +317,5 @@ def _step_costs(
         cost += (np.abs(sine) > ALIKE) | (cosine < 0)
         cost += NEGATIVE * (sine < -ALIKE) + NEGATIVE / 4 * ((np.abs(sine) <= ALIKE) & (cosine < 0))
     for value in (d, a):
-        cost += (np.abs(value) > ALIKE) + NEGATIVE * (value < -ALIKE) + TOO_FAR * (np.abs(value) > far)
-    return np.where(wrong, np.inf, cost + early * (np.abs(d) > ALIKE))
+        cost += (np.abs(value) > ALIKE) + NEGATIVE * (value < -ALIKE)
+    return np.where(wrong, np.inf, cost), np.abs(np.array([d, a]))
