@@ -8,9 +8,10 @@ from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
 
-from derive.errors import DeriveError, OutputError, RobotFileError, VerificationError, near_miss, quoted
+from derive.errors import DeriveError, OutputError, RobotFileError, VerificationError, quoted
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
+from derive.exchange.convert import convention_named
 from derive.exchange.from_urdf import Imported
 from derive.exchange.from_urdf import import_urdf as of_urdf
 from derive.exchange.source import Source, open_urdf, opened, relative
@@ -197,7 +198,7 @@ class _Importer:
         arguments: Mapping[str, str] | None,
         folder: str | Path,
     ) -> None:
-        self._convention, self._snap = _convention(convention), snap_of(snap)
+        self._convention, self._snap = convention_named(str(convention)), snap_of(snap)
         self._path, self._arguments = "", tuple((arguments or {}).items())
         self._folders: tuple[str, ...] = ()
         if isinstance(file, bytes):
@@ -223,17 +224,6 @@ class _Importer:
 
     def _head(self, base: str, tip: str) -> str:
         return Source(self._path, base, tip, self.opened.sha256, self._folders, self._arguments).line
-
-
-def _convention(convention: str | Convention) -> Convention:
-    try:
-        return Convention(convention)
-    except ValueError:
-        names = [known.value for known in Convention]
-        found = f"the convention {quoted(str(convention))}"
-        raise DeriveError(
-            found, allowed=f"allowed: {', '.join(names)}", remedy=near_miss(str(convention), names)
-        ) from None
 
 
 def snap_of(text: str | float) -> Fraction:
