@@ -11,6 +11,7 @@ from derive.handouts.document import Block, Document, Section
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import text_for
 from derive.handouts.parts.bodies import energies, has_rotors, inertia, link_jacobians
+from derive.handouts.parts.conversion import conversion
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
 from derive.handouts.parts.inverse import inverse
@@ -82,6 +83,7 @@ def section_of(context: Context, name: str) -> Section | None:
         "convention": Part(_("Convention"), convention),
         "parameters": Part(_("Parameters"), parameters),
         "transforms": Part(_("Transforms between successive frames"), transforms),
+        "conversion": Part(_("The other convention"), conversion),
         "kinematics": Part(_("End effector"), end_effector),
         "orientation": Part(_("Position and orientation"), orientation),
         "jacobian": Part(_("Geometric Jacobian"), jacobian),

@@ -30,6 +30,7 @@ PAGE = 780.0
 """What a page holds by the heights below, which are on the high side [pt]; the text of a page is 731 pt high."""
 
 USEFULNESS = (
+    "conversion",
     "skew",
     "christoffel",
     "link-jacobians",

@@ -16,6 +16,7 @@ PARTS = (
     "convention",
     "parameters",
     "transforms",
+    "conversion",
     "kinematics",
     "orientation",
     "jacobian",
@@ -34,6 +35,8 @@ PARTS = (
 )
 """Parts of a handout, in their order; title and footer are always there."""
 
+USUAL_PARTS = tuple(part for part in PARTS if part != "conversion")
+"""What a handout shows unless parts are named: the table of the other convention is asked for."""
 
 MOST_PAGES = 9999
 """Largest number of pages that can be asked for."""
@@ -118,14 +121,14 @@ class HandoutOptions:
     """What a handout shows.
 
     Attributes:
-        parts: Which parts, a subset of `PARTS`; printed in their order there.
+        parts: Which parts, a subset of `PARTS`, by default `USUAL_PARTS`; printed in their order there.
         derivation: Results only, or the steps to them.
         language: Code of a language that has a message catalogue.
         notation: How symbols are written.
         pages: Most pages of the printed sheet; 0 for any number.
     """
 
-    parts: tuple[str, ...] = PARTS
+    parts: tuple[str, ...] = USUAL_PARTS
     derivation: Derivation = Derivation.RESULT
     language: str = "en"
     notation: NotationOptions = field(default_factory=NotationOptions)

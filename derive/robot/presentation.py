@@ -15,6 +15,7 @@ from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.handout_options import (
     PARTS,
+    USUAL_PARTS,
     AngleLetter,
     FigureOptions,
     FrameIndices,
@@ -110,11 +111,11 @@ def _parts(document: Document) -> tuple[str, ...]:
     """The chosen parts in the order in which they are printed."""
     path: KeyPath = ("handout", "parts")
     if document.find(path) is None:
-        return PARTS
+        return USUAL_PARTS
     chosen = [document.text(*path, index) for index in range(document.length(path))]
     allowed = f"allowed: {listed(PARTS)}"
     if not chosen:
-        raise document.error(path, "no parts", allowed, "leave parts out to have all")
+        raise document.error(path, "no parts", allowed, "leave parts out to have the usual ones")
     for index, name in enumerate(chosen):
         if name not in PARTS:
             raise document.error((*path, index), f"unknown part {quoted(name)}", allowed, near_miss(name, PARTS))

@@ -16,6 +16,7 @@ from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScal
 from derive.robot.handout_options import (
     MOST_PAGES,
     PARTS,
+    USUAL_PARTS,
     AngleLetter,
     Derivation,
     FrameIndices,
@@ -137,7 +138,7 @@ class HandoutRow(Strict):
     """What the handout shows and how."""
 
     parts: list[Part] = Field(
-        default=list(PARTS),
+        default=list(USUAL_PARTS),
         description="Which parts; printed in their usual order.",
         json_schema_extra={"minItems": 1, "uniqueItems": True},
     )

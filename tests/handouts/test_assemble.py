@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from derive.handouts.assemble import context_of, document, section_of
-from derive.robot.handout_options import PARTS, HandoutOptions
+from derive.robot.handout_options import PARTS, USUAL_PARTS, HandoutOptions
 from derive.robot.robot import Robot
 
 
 def test_every_part_is_there_in_its_order() -> None:
-    context = context_of(Robot.load("planar-2r-perugia"))
+    usual = context_of(Robot.load("planar-2r-perugia"))
+    assert [section.part for section in document(usual).sections] == list(USUAL_PARTS)
+    context = context_of(Robot.load("planar-2r-perugia"), HandoutOptions(parts=PARTS))
     assert [section.part for section in document(context).sections] == list(PARTS)
     assert all(section.title and section.blocks for section in document(context).sections)
 

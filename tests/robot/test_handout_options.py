@@ -14,6 +14,7 @@ from derive.errors import DeriveError
 from derive.robot.evaluate import evaluate
 from derive.robot.handout_options import (
     PARTS,
+    USUAL_PARTS,
     AngleLetter,
     Derivation,
     FigureOptions,
@@ -98,7 +99,7 @@ def robot(tail: str = "") -> Robot:
 
 
 def test_without_the_blocks_everything_has_its_default() -> None:
-    assert robot().handout == HandoutOptions() == HandoutOptions(parts=PARTS, language="en")
+    assert robot().handout == HandoutOptions() == HandoutOptions(parts=USUAL_PARTS, language="en")
     assert robot().figure == FigureOptions(q=None, values=())
 
 

@@ -61,12 +61,8 @@ def dh_table(context: Context) -> Iterator[Block]:
     else:
         units = _("Angles are in radians, lengths in metres, all other quantities in SI units.")
     yield Paragraph(f"{kind} {units}")
-    yield _rows(context)
-    frames: list[str] = []
-    for symbol, frame in ((BASE, context.robot.base), (TOOL, context.robot.tool)):
-        if frame != IDENTITY:
-            rows = [[context.data.value(cell) for cell in row] for row in frame]
-            frames += matrix_lines(symbol, rows, entry_namer(symbol))
+    yield table_rows(context)
+    frames = end_lines(context)
     if frames:
         yield Paragraph(
             _(
@@ -78,8 +74,34 @@ def dh_table(context: Context) -> Iterator[Block]:
         yield Rows(tuple(frames))
 
 
-def _rows(context: Context) -> Block:
-    """The table, or its cells joint by joint where it is too wide for the page."""
+def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]:
+    """Base and tool as matrices, where they are not the identity.
+
+    Args:
+        context: The handout.
+        base: What the base is called.
+        tool: What the tool is called.
+
+    Returns:
+        LaTeX of each line.
+    """
+    lines: list[str] = []
+    for symbol, frame in ((base, context.robot.base), (tool, context.robot.tool)):
+        if frame != IDENTITY:
+            rows = [[context.data.value(cell) for cell in row] for row in frame]
+            lines += matrix_lines(symbol, rows, entry_namer(symbol))
+    return lines
+
+
+def table_rows(context: Context) -> Block:
+    """The table, or its cells joint by joint where it is too wide for the page.
+
+    Args:
+        context: The handout.
+
+    Returns:
+        A table, or displayed mathematics.
+    """
     _ = context.text
     joints = context.robot.joints
     has_limits = any(joint.limits is not None for joint in joints)
@@ -149,11 +171,19 @@ def parameters(context: Context) -> Iterator[Block]:
         )
     for i, link in enumerate(context.robot.links, 1):
         yield Paragraph(_("Link %(index)s:", index=i))
-        yield Rows(tuple(equation_lines(_link(context, link))))
+        yield Rows(tuple(equation_lines(link_equations(context, link))))
 
 
-def _link(context: Context, link: Link) -> Iterator[Equation]:
-    """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero."""
+def link_equations(context: Context, link: Link) -> Iterator[Equation]:
+    """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero.
+
+    Args:
+        context: The handout.
+        link: The link.
+
+    Yields:
+        One equation for each of them.
+    """
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
     com: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]

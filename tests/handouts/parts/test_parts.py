@@ -13,6 +13,7 @@ from derive.handouts.context import Context
 from derive.handouts.document import Block, Formula, Paragraph, Rows, Section, Steps, blocks_of
 from derive.handouts.dynamics import DynamicsLayout
 from derive.handouts.parts.bodies import energies, inertia, link_jacobians
+from derive.handouts.parts.conversion import conversion
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
 from derive.handouts.parts.jacobian import jacobian
@@ -29,7 +30,7 @@ from derive.robot.robot import Robot
 KINEMATICS = {
     part.__name__: part
     for part in (arm, dh_table, convention, parameters, transforms, end_effector, orientation, jacobian, singularities)
-}
+} | {"conversion": conversion}
 DYNAMICS = {
     part.__name__: part
     for part in (

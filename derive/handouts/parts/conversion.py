@@ -1,0 +1,138 @@
+"""The part with the table of the other convention: the same factors in other brackets, and what moves to the ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Paragraph, Rows
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
+from derive.handouts.notation.pieces import Box, Break, Piece, concatenate, italic, script
+from derive.handouts.notation.symbols import bold
+from derive.handouts.parts.kinematics import transforms
+from derive.handouts.parts.table import BASE, TOOL, end_lines, link_equations, table_rows
+from derive.mechanics.convention import Conversion, convert
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
+from derive.robot.description import IDENTITY
+from derive.robot.expression import ZERO
+from derive.robot.robot import Robot
+
+NEW_BASE = Box("\\mathbf{T}'_{\\mathrm{base}}", 32.0)
+NEW_TOOL = Box("\\mathbf{T}'_{\\mathrm{tool}}", 32.0)
+
+FEW_FACTORS = 6
+"""So many brackets of a product are all written; of more the first two and the last."""
+
+_DEFINITIONS = (
+    "\\mathbf{Z}_i = \\mathrm{Rot}_z(\\theta_i)\\,\\mathrm{Trans}_z(d_i)",
+    "\\mathbf{X}_i = \\mathrm{Trans}_x(a_i)\\,\\mathrm{Rot}_x(\\alpha_i) "
+    "= \\mathrm{Rot}_x(\\alpha_i)\\,\\mathrm{Trans}_x(a_i)",
+)
+
+
+def conversion(context: Context) -> Iterator[Block]:
+    """Both tables as one product, the new table with its transforms, and the links in its frames.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    found = convert(context.robot)
+    other = Robot.of(found.result)
+    new = Context(ModelEntries(Model(other)), context.options, _, context.version, policy=context.policy)
+    yield Paragraph(
+        _(
+            "The standard and the modified convention multiply the same motions $\\mathbf{Z}_i$ and the same constant "
+            "factors $\\mathbf{X}_i$, in other brackets:"
+        )
+    )
+    yield Rows(_DEFINITIONS)
+    words = {True: _("standard"), False: _("modified")}
+    ends = _ends(found)
+    for one, base, tool in ((context, BASE, TOOL), (new, NEW_BASE, NEW_TOOL)):
+        yield Paragraph(f"{words[one.is_standard].capitalize()}:")
+        yield Rows(tuple(equation_lines([_product(one, base if ends[0] else None, tool if ends[1] else None)])))
+    yield Paragraph(
+        _(
+            "Each row of the new table has the constant factor of a neighbour; what is left over is in the base or in "
+            "the tool."
+        )
+    )
+    if moved := pack(_moved(context, *ends)):
+        yield Rows(tuple(moved))
+    yield table_rows(new)
+    if lines := end_lines(new, NEW_BASE, NEW_TOOL):
+        yield Rows(tuple(lines))
+    yield from transforms(new)
+    yield Paragraph(
+        _(
+            "The product of the same factors is the same $%(end)s$, and the Jacobian, the inertia matrix and the "
+            "torques are the same functions.",
+            end=bold("T").tex,
+        )
+    )
+    yield from _links(new, found)
+
+
+def _ends(found: Conversion) -> tuple[bool, bool]:
+    """Whether one of the two tables has a base, and a tool."""
+    pairs = ((found.source.base, found.result.base), (found.source.tool, found.result.tool))
+    base, tool = (any(frame != IDENTITY for frame in pair) for pair in pairs)
+    return base, tool
+
+
+def _factor(letter: str, index: int) -> Box:
+    return script(bold(letter), italic(str(index)))
+
+
+def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
+    """T as the product of base, brackets and tool."""
+    n = context.robot.n
+    shown = range(1, n + 1) if n <= FEW_FACTORS else (1, 2, n)
+    opening, closing = Box("(", 5.0), Box(")", 5.0)
+    boxes = [] if base is None else [base]
+    for i in shown:
+        pair = (_factor("Z", i), _factor("X", i)) if context.is_standard else (_factor("X", i - 1), _factor("Z", i))
+        boxes += [Box("\\cdots ", 15.0)] if i == n and n > FEW_FACTORS else []
+        boxes.append(concatenate(opening, *pair, closing))
+    boxes += [] if tool is None else [tool]
+    return Equation(bold("T"), tuple(Piece(box, Break.COMMA if k else Break.NEVER) for k, box in enumerate(boxes)))
+
+
+def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
+    """What base and tool of the new table are."""
+    n, inverse = context.robot.n, Box("-1", 8.0)
+    first, last = _factor("X", 0), _factor("X", n)
+    if context.is_standard:
+        first = script(bold("X"), italic("0"), inverse)
+    else:
+        last = script(bold("X"), italic(str(n)), inverse)
+    if has_base:
+        yield concatenate(NEW_BASE, EQUALS, BASE, first)
+    if has_tool:
+        yield concatenate(NEW_TOOL, EQUALS, last, TOOL)
+
+
+def _links(new: Context, found: Conversion) -> Iterator[Block]:
+    """The links that are written otherwise in the frames of the new table."""
+    _ = new.text
+    pairs = enumerate(zip(found.source.links, found.result.links, strict=True), 1)
+    changed = [(i, after) for i, (before, after) in pairs if before != after]
+    if changed:
+        yield Paragraph(_("Frame $i$ of the new table stands elsewhere on link $i$; seen from there:"))
+    for i, link in changed:
+        yield Paragraph(_("Link %(index)s:", index=i))
+        body = replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO)
+        yield Rows(tuple(equation_lines(link_equations(new, body))))
+    if found.notes:
+        yield Paragraph(
+            _(
+                "A rotor whose place the conventions say otherwise stays where it is: the link that carries it makes "
+                "up for the difference."
+            )
+        )
