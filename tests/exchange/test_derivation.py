@@ -9,8 +9,8 @@ import pytest
 from derive.exchange.derivation import derivation_text
 from derive.mechanics.convention import convert, has_equal_poses
 from derive.robot.expression import ONE
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
+from tests.random_robots import swept_catalogue
 
 PLANAR = """\
 standard: T = (Z_1 X_1) (Z_2 X_2) T_tool
@@ -32,7 +32,7 @@ def test_a_planar_arm_is_regrouped_as_on_a_blackboard() -> None:
     assert text.endswith("are equal, entry by entry, in exact arithmetic.\n")
 
 
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue(usual=("skeleton-modified", "human-body", "spherical-wrist")))
 def test_products_of_every_built_in_robot_are_equal_up_to_seven_rows(name: str) -> None:
     robot = Robot.load(name)
     conversion = convert(robot)

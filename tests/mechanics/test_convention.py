@@ -14,12 +14,12 @@ from derive.model.model import Model
 from derive.robot.description import Convention
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import ONE, ZERO, to_text
-from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.random_robots import robot_text
+from tests.random_robots import robot_text, swept_catalogue
 
+FEW = ("stanford-deluca", "dh-modified-deluca", "planar-2r-perugia", "skeleton-modified")
 OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
 MOTORS = """\
 name: motors
@@ -74,7 +74,7 @@ def assert_same_functions(robot: Robot, other: Robot, seed: int = 3) -> None:
         np.testing.assert_allclose(theirs[name], value, rtol=0, atol=1e-12 * scale, err_msg=name)
 
 
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue(usual=FEW))
 def test_every_built_in_robot_is_the_same_arm_and_comes_back_as_the_same_table(name: str) -> None:
     robot = Robot.load(name)
     there = convert(robot)
@@ -87,7 +87,7 @@ def test_every_built_in_robot_is_the_same_arm_and_comes_back_as_the_same_table(n
     assert convert(other).result.joints == robot.joints, "no built-in robot needs to be told its last row"
 
 
-@pytest.mark.parametrize("name", ["scara-perugia", "stanford-deluca", "dh-modified-deluca", "planar-2r-perugia"])
+@pytest.mark.parametrize("name", FEW)
 def test_closed_forms_are_equal_exactly(name: str) -> None:
     robot = Robot.load(name)
     model, other = Model(robot), Model(Robot.of(convert(robot).result))
@@ -101,8 +101,7 @@ def test_closed_forms_are_equal_exactly(name: str) -> None:
             assert model.equal(quantity + index, value[i, j]), quantity + index
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue())
 def test_closed_forms_of_every_built_in_robot_are_equal_exactly(name: str) -> None:
     test_closed_forms_are_equal_exactly(name)
 
