@@ -81,7 +81,10 @@ def converted(robot: Robot, convention: Convention, name: str | None = None) -> 
             f"{quoted(name)} is not a robot name",
             allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
         )
-    conversion = convert(robot, _way_back(robot))
+    try:
+        conversion = convert(robot, _way_back(robot))
+    except (ExpressionError, ArithmeticError):  # the comment has been edited to what is no number
+        conversion = convert(robot)
     result = conversion.result
     title = result.title if name is None or result.title != robot.name else name
     result = replace(result, name=name or result.name, title=title)
