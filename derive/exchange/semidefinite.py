@@ -1,0 +1,138 @@
+"""Small problems over symmetric matrices: least x^T Q x / 2 + c.x, affine functions of x in cones.
+
+Symmetric matrices go as vectors of their upper triangles, column by column, what is off the diagonal times sqrt(2): so
+the product of two vectors is the trace of the product of the matrices. The interior-point method is Clarabel's
+(Goulart and Chen, 2024), of the extra ``exchange``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.errors import DeriveError
+
+Array = npt.NDArray[Any]
+
+TOLERANCE = 1e-11
+"""Of gap and feasibility."""
+
+
+class Cone(Enum):
+    """What the values of an affine function must be."""
+
+    NOT_NEGATIVE = "each is not negative"
+    LONGEST_FIRST = "the first is at least the length of the others"
+    SEMIDEFINITE = "a matrix without a negative eigenvalue"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """An affine function of x, in a cone.
+
+    Attributes:
+        cone: The cone.
+        constant: Its value at x = 0.
+        slope: A row for each value, a column for each variable.
+    """
+
+    cone: Cone
+    constant: Array
+    slope: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Optimum:
+    """Where the least is.
+
+    Attributes:
+        x: The variables.
+        prices: For each limit the dual vector.
+    """
+
+    x: Array
+    prices: tuple[Array, ...]
+
+
+def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None) -> Optimum:
+    """The least of a function within limits.
+
+    Args:
+        linear: c.
+        limits: Where x may be.
+        quadratic: Q, positive semidefinite; None for zero.
+
+    Returns:
+        The optimum.
+
+    Raises:
+        DeriveError: There is none, or the packages of the extra are missing.
+    """
+    try:
+        import clarabel
+        from scipy import sparse
+    except ImportError:
+        found = "possible inertias need packages of an extra"
+        raise DeriveError(found, remedy='pip install "derive-robot[exchange]"') from None
+    kinds = {
+        Cone.NOT_NEGATIVE: clarabel.NonnegativeConeT,
+        Cone.LONGEST_FIRST: clarabel.SecondOrderConeT,
+        Cone.SEMIDEFINITE: lambda size: clarabel.PSDTriangleConeT(round((sqrt(8 * size + 1) - 1) / 2)),
+    }
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    matrix = sparse.csc_matrix(-np.vstack([limit.slope for limit in limits]))
+    square = sparse.csc_matrix(np.zeros((len(linear), len(linear))) if quadratic is None else np.triu(quadratic))
+    constant = np.concatenate([limit.constant for limit in limits])
+    cones = [kinds[limit.cone](len(limit.constant)) for limit in limits]
+    found = clarabel.DefaultSolver(square, linear, matrix, constant, cones, settings).solve()
+    x = np.array(found.x)
+    if "Infeasible" in str(found.status) or not np.isfinite(x).all():
+        raise DeriveError(f"a search within convex limits ended: {found.status}")
+    ends = np.cumsum([len(limit.constant) for limit in limits])
+    return Optimum(x, tuple(np.split(np.array(found.z), ends[:-1])))
+
+
+def packed(matrices: Array) -> Array:
+    """Symmetric matrices as vectors.
+
+    Args:
+        matrices: (..., m, m).
+
+    Returns:
+        (..., m (m + 1)/2).
+    """
+    rows, columns = _triangle(matrices.shape[-1])
+    found: Array = matrices[..., rows, columns] * np.where(rows == columns, 1.0, sqrt(2))
+    return found
+
+
+def unpacked(vectors: Array) -> Array:
+    """Vectors as symmetric matrices.
+
+    Args:
+        vectors: (..., m (m + 1)/2).
+
+    Returns:
+        (..., m, m).
+    """
+    size = round((sqrt(8 * vectors.shape[-1] + 1) - 1) / 2)
+    rows, columns = _triangle(size)
+    values = vectors / np.where(rows == columns, 1.0, sqrt(2))
+    found = np.zeros((*vectors.shape[:-1], size, size))
+    found[..., rows, columns] = values
+    found[..., columns, rows] = values
+    return found
+
+
+def _triangle(size: int) -> tuple[Array, Array]:
+    """Rows and columns of the upper triangle, column by column."""
+    columns, rows = np.tril_indices(size)
+    return rows, columns

@@ -1,0 +1,164 @@
+"""Bodies that exist and move as the given ones: torques by the oracle, acceptance and accelerations by MuJoCo."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from derive.errors import DeriveError
+from derive.exchange.exact_scalars import ExactDomain, as_fraction
+from derive.exchange.possible import possible
+from derive.exchange.same_motion import bare_chain, combined, directions, parameters_of
+from derive.exchange.space import exactly
+from derive.robot.description import Inertia, Link
+from derive.robot.evaluate import parameter_values
+from derive.robot.expression import number
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+from tests.motion.mjcf import mjcf
+
+pytest.importorskip("clarabel")
+
+TABLES = {
+    "spatial": "[{type: revolute, d: 0.3, alpha: 0.7}, {type: prismatic, theta: 0.4, a: 0.2, alpha: pi/2}, "
+    "{type: revolute, a: 0.25, d: 0.1, alpha: -1.1}, {type: revolute, d: 0.1}]",
+    "planar": "[{type: revolute, a: 0.5}, {type: revolute, a: 0.4}, {type: revolute, a: 0.3}]",
+    "upright": "[{type: revolute, d: 0.3, a: 0.2, alpha: pi/2}, {type: revolute, a: 0.4}, {type: prismatic, a: 0.1}]",
+}
+
+
+def arm(name: str, convention: str = "standard") -> Robot:
+    """An arm of random bodies that exist."""
+    random = np.random.default_rng(len(name))
+    rows = TABLES[name].replace("type: revolute", "type: revolute, theta: Q").replace("prismatic", "prismatic, d: Q")
+    for i in range(1, rows.count("Q") + 1):
+        rows = rows.replace("Q", f"q{i}", 1)
+    lines = [f"name: {name}", f"convention: {convention}", f"joints: {rows}", "gravity: [0, 0, -9.81]", "links:"]
+    for _ in range(rows.count("type")):
+        points = random.integers(-20, 21, size=(6, 3)) / 100
+        away = points - points.mean(axis=0)
+        second = away.T @ away
+        tensor = np.trace(second) * np.eye(3) - second
+        cells = ", ".join(
+            f"{x}{y}: {tensor['xyz'.index(x), 'xyz'.index(y)]:.6f}" for x, y in ("xx", "yy", "zz", "xy", "xz", "yz")
+        )
+        lines.append(
+            f"  - {{mass: 6, com: [{', '.join(f'{c:.3f}' for c in points.mean(axis=0))}], "
+            f"inertia: {{{cells}}}, armature: 0.1}}"
+        )
+    return Robot.from_text("\n".join(lines) + "\n")
+
+
+def spoiled(robot: Robot, by: float) -> Robot:
+    """The same torques from bodies that are moved far along a direction that no torque notices."""
+    random = np.random.default_rng(1)
+    with exactly():
+        domain = ExactDomain(robot)
+        chain = bare_chain(robot, domain)
+        basis = directions(robot, chain, domain)
+        weights = [domain.number(Fraction(round(float(w) * 1000), 1000)) for w in random.normal(0, by, len(basis))]
+        # heavier outwards, so that no mass falls below zero, and tensors that no body has
+        moved = combined(basis, weights)
+        links = []
+        for i, (link, body) in enumerate(zip(robot.links, chain.bodies, strict=True)):
+            change = moved[10 * i : 10 * i + 10]
+            if robot.convention == "standard":
+                links.append(link)
+                continue
+            m, hx, hy, hz, *tensor = (
+                as_fraction(a) + as_fraction(b) for a, b in zip(parameters_of(body), change, strict=True)
+            )
+            r = np.array([hx / m, hy / m, hz / m])
+            steiner = m * (np.dot(r, r) * np.eye(3, dtype=int) - np.outer(r, r))
+            places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+            own = (number(Fraction(t - steiner[place])) for t, place in zip(tensor, places, strict=True))
+            links.append(replace(link, mass=number(m), com=tuple(map(number, r)), inertia=Inertia(*own)))
+    return replace(robot, links=tuple(links))
+
+
+def slack(robot: Robot) -> float:
+    """How far all bodies are from the limit of the triangle inequality, as a part of their largest moment."""
+    oracle = Oracle.of(robot).arm
+    assert (oracle.mass > 0).all()
+    moments = np.linalg.eigvalsh(oracle.inertia)
+    return float(((moments[:, 0] + moments[:, 1] - moments[:, 2]) / moments[:, 2]).min())
+
+
+def same_torques(one: Robot, other: Robot) -> None:
+    random = np.random.default_rng(3)
+    q, qd, qdd = random.uniform(-2, 2, (3, 30, one.n))
+    given, found = Oracle.of(one), Oracle.of(other)
+    calls = {"inverse_dynamics": (q, qd, qdd), "inertia_matrix": (q,), "gravity_vector": (q,)}
+    for name, arguments in (calls | {"coriolis_vector": (q, qd)}).items():
+        expected = given.evaluate(name, *arguments)
+        largest, all_of_them = np.abs(expected).max(axis=0), np.abs(expected).max()
+        error = np.abs(found.evaluate(name, *arguments) - expected).max(axis=0)
+        assert (error <= 1e-12 * np.where(largest > 1e-9 * all_of_them, largest, all_of_them)).all(), name
+
+
+def test_cork_s_puma_has_bodies_that_exist_and_move_the_same() -> None:
+    robot = Robot.load("puma560-corke")
+    found = possible(robot)
+    assert slack(robot.of(replace(robot, links=robot.links[1:3] * 3))) < 0 < slack(found.robot)
+    same_torques(robot, found.robot)
+    assert [change.link for change in found.changes] == [1, 3]
+    for i in (1, 3, 4, 5):  # nothing moved that need not
+        assert found.robot.links[i] == robot.links[i]
+    assert not found.border
+    assert "2 of 6 links changed" in found.report[0]
+
+
+def test_mujoco_takes_the_bodies_and_accelerates_as_the_given_ones() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    robot = Robot.load("puma560-corke")
+    found = possible(robot).robot
+    values = {name: float(value) for name, value in parameter_values(robot).items()}
+    with pytest.raises(ValueError, match="inertia must"):
+        mujoco.MjModel.from_xml_string(mjcf(robot, values, 1e-3))
+    model = mujoco.MjModel.from_xml_string(mjcf(found, values, 1e-3))
+    data, oracle = mujoco.MjData(model), Oracle.of(robot)
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        q, qd, tau = random.uniform(-3, 3, (3, 6))
+        data.qpos[:], data.qvel[:], data.qfrc_applied[:] = q, qd, 20 * tau
+        mujoco.mj_forward(model, data)
+        expected = oracle.evaluate("forward_dynamics", q, qd, 20 * tau)
+        assert np.abs(expected - data.qacc).max() <= 1e-12 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_bodies_that_exist_are_found_from_others_with_the_same_torques(name: str) -> None:
+    robot = arm(name, "modified")
+    wrong = spoiled(robot, 0.5)
+    same_torques(robot, wrong)
+    found = possible(wrong)
+    same_torques(robot, found.robot)
+    assert found.changes
+    assert slack(found.robot) > 1e-6
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_bodies_that_exist_stay_as_they_are(name: str) -> None:
+    robot = arm(name)
+    found = possible(robot)
+    assert found.robot == robot
+    assert found.report == ("all links exist as they are",)
+
+
+def test_robots_without_numbers_or_links_are_refused_by_name() -> None:
+    with pytest.raises(DeriveError, match="no number for a1, a2"):
+        possible(replace(Robot.load("planar-2r-perugia"), parameters=()))
+    with pytest.raises(DeriveError, match="no masses"):
+        possible(Robot.load("kuka-kr5"))
+
+
+def test_a_massless_link_gets_a_mass_where_torques_allow_it() -> None:
+    robot = arm("upright")
+    bare = replace(robot, links=(Link(inertia=robot.links[0].inertia), *robot.links[1:]))
+    found = possible(bare)
+    assert [change.link for change in found.changes] == [1]
+    same_torques(bare, found.robot)
+    assert slack(found.robot) > 1e-6
