@@ -281,7 +281,11 @@ class _Body:
     inertia: Matrix[Polynomial]
 
     def through(self, frame: Frame[Polynomial]) -> _Body:
-        """The body in the frame in which a frame is given in which it is known."""
+        """The body, known in some frame, seen from the frame in which that one is given.
+
+        Args:
+            frame: That frame.
+        """
         turn = frame.rotation
         com = add(frame.position, multiply(turn, self.com))
         return _Body(self.mass, com, matmul(matmul(turn, self.inertia), transpose(turn)))
