@@ -12,7 +12,7 @@ from derive.errors import DeriveError, OutputError, RobotFileError, Verification
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.convert import convention_named
-from derive.exchange.from_urdf import Imported
+from derive.exchange.from_urdf import Imported, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
 from derive.exchange.source import Source, open_urdf, opened, relative
 from derive.exchange.space import exactly
@@ -110,8 +110,10 @@ def import_all(
     arms: list[Imported] = []
     refused: dict[str, str] = {}
     for tip in moving_tips(urdf):
+        called = robot_name(f"{name or urdf.name or 'arm'}-{tip}")
+        taken = any(arm.robot.name == called for arm in arms)
         try:
-            arms.append(importer.arm(None, tip, f"{name or urdf.name or 'arm'}-{tip}"))
+            arms.append(importer.arm(None, tip, f"{called}-{len(arms) + 1}" if taken else called))
         except RobotFileError as error:
             refused[tip] = str(error)
     if not arms:
@@ -266,4 +268,4 @@ def write(arms: Mapping[Path, Imported], *, force: bool = False) -> list[Robot]:
     }
     for folder, files in folders.items():
         write_files(files, folder, force=True)
-    return [Robot.load(f"./{path}" if path.parent == Path() else path) for path in arms]
+    return [Robot.from_text(arm.text, str(path)) for path, arm in arms.items()]

@@ -229,6 +229,8 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
 
 def _only_tip(urdf: Urdf) -> str:
     ends = moving_tips(urdf)
+    if not tips(urdf):
+        _ancestry(urdf, _carrying(urdf), next(iter(urdf.bodies)))  # raises: every link carries another
     if not ends:
         remedy = "give a robot with a joint that moves"
         raise RobotFileError(f"{urdf.source}: no joint moves", remedy=remedy)

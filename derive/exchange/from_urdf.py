@@ -70,7 +70,8 @@ class Imported:
         """What was made, in lines."""
         kinds = "".join("R" if joint.is_revolute else "P" for joint in self.robot.joints)
         ends = " to ".join(self.links)
-        head = f"{self.robot.n} joints ({kinds}), {self.robot.convention.value}, {ends}; base and tool constant"
+        count = f"{self.robot.n} joint{'s' * (self.robot.n > 1)}"
+        head = f"{count} ({kinds}), {self.robot.convention.value}, {ends}; base and tool constant"
         return (head, f"{self.snapped}; {self.certificate}", *self.notes)
 
     def as_dict(self) -> dict[str, object]:

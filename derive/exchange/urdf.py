@@ -21,6 +21,9 @@ MOST_BYTES = 16 * 2**20
 MOST_ELEMENTS = 20_000
 """Links and joints of a robot."""
 
+MOST_TAGS = 200_000
+"""Of a file, opening and closing ones; they take the memory."""
+
 MOST_DIGITS = 400
 """Of a number."""
 
@@ -44,7 +47,7 @@ READ = {
 }
 """The elements within each that an arm is made of."""
 
-_DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,19 +198,23 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
     if len(data) > MOST_BYTES:
         found = f"{source} has {len(data)} bytes"
         raise RobotFileError(found, allowed=f"allowed: at most {MOST_BYTES}", remedy="give the URDF without meshes")
+    if (tags := data.count(b"<")) > MOST_TAGS:
+        found, allowed = f"{source} has {tags} tags", f"allowed: at most {MOST_TAGS}"
+        raise RobotFileError(found, allowed=allowed, remedy="give one robot")
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True, recover=True
     )
     root = etree.fromstring(data, parser) if data.strip() else None
     unbound = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE
     errors = [error for error in parser.error_log if error.level > 1 and error.type != unbound]
+    has_types = root is not None and root.getroottree().docinfo.internalDTD is not None
+    if has_types or (errors and b"<!DOCTYPE" in data):
+        place = Location(source, data[: max(data.find(b"<!DOCTYPE"), 0)].count(b"\n") + 1)
+        raise RobotFileError("a document type definition", remedy="write the file without DOCTYPE", location=place)
     if root is None or errors:
         found = " ".join(errors[0].message.split())[:120] if errors else "an empty file"
         place = Location(source, max(errors[0].line, 1), max(errors[0].column, 1)) if errors else Location(source)
         raise RobotFileError(f"no XML: {found}", remedy="give a well-formed URDF", location=place)
-    if root.getroottree().docinfo.internalDTD is not None:
-        remedy = "write the file without DOCTYPE"
-        raise RobotFileError("a document type definition", remedy=remedy, location=Location(source))
     prefixes = sorted({error.message.split()[2] for error in parser.error_log if error.type == unbound})
     return root, tuple(f"the XML prefix {prefix} is not bound" for prefix in prefixes)
 
