@@ -166,7 +166,7 @@ def _travel(axis: Axis) -> Real:
 
 def _above(value: float) -> str:
     """Two digits, rounded up; smaller bounds than `EXACT` are not told apart."""
-    return f"{float(Context(prec=2, rounding=ROUND_CEILING).create_decimal_from_float(max(value, EXACT))):.2g}"
+    return f"{float(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(max(value, EXACT)))):.2g}"
 
 
 def _up(value: Real) -> float:

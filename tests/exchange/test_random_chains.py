@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from fractions import Fraction
 
@@ -9,17 +10,29 @@ import numpy as np
 import pytest
 
 from derive.exchange.arm import arm_of
-from derive.exchange.common_normals import FAR
+from derive.exchange.common_normals import FAR, TURNED
 from derive.exchange.from_urdf import import_urdf
 from derive.exchange.space import exactly
 from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
+from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.chains import random_chain
 from tests.exchange.urdfs import Reading, pose
 
 ROUNDING = 1e-12
+
+
+def furthest(robot: Robot) -> float:
+    """The largest cell that is a length."""
+    return max(abs(evaluate(cell, {})) for joint in robot.joints for cell in (joint.d, joint.a))
+
+
+def least_slant(robot: Robot, least: float) -> float:
+    """The smallest sine of an angle between axes that nobody may take as parallel; 1 where there is none."""
+    sines = (abs(math.sin(evaluate(joint.alpha, {}))) for joint in robot.joints)
+    return min((sine for sine in sines if sine > 0.99 * least), default=1.0)
 
 
 def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convention) -> None:
@@ -38,10 +51,8 @@ def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convent
         said = f"{seed} {convention.value}"
         assert np.linalg.norm(apart[:3, 3]) <= bound.position + ROUNDING, said
         assert np.linalg.norm(apart[:3, :3], 2) <= bound.rotation + ROUNDING, said
-        for joint in imported.robot.joints:
-            alike = (abs(evaluate(cell, {})) for cell in (joint.d, joint.a))
-            # axes that are honestly slanted by little meet far away
-            assert max(alike) <= max(FAR * reach, 1.0) * 1000 + ROUNDING, said
+        far, slant = furthest(imported.robot), least_slant(imported.robot, TURNED / reach)
+        assert far <= FAR * reach + ROUNDING or far <= 2 * reach / slant, said
         if imported.robot.links:
             wanted = reading.torque(q, qd, qdd)
             got = oracle.evaluate("inverse_dynamics", q, qd, qdd)
