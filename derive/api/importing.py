@@ -181,7 +181,7 @@ def verify_import(file: str | Path) -> ImportCheck | None:
     found = certify(arm, robot).printed
     if found.position > promised.position or found.rotation > promised.rotation:
         raise VerificationError(
-            f"{file}: poses up to {found.position:.2g} m and {found.rotation:.2g} rad from those of {path}",
+            f"{file}: poses may be up to {found.position:.2g} m and {found.rotation:.2g} rad from those of {path}",
             allowed=f"promised: {promised.position:.2g} m and {promised.rotation:.2g} rad",
             remedy="import it again",
         )
