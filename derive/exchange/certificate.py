@@ -16,9 +16,8 @@ from flint import arb
 from derive.errors import QuantityError
 from derive.exchange.arm import Arm, Axis
 from derive.exchange.space import Frame, Line, Point, Real, dot, exactly, length, plus, real, times
-from derive.robot.description import Convention, Matrix
+from derive.robot.description import Convention, Description, Matrix
 from derive.robot.expression import Call, Expression, Number, Pi, Power, Product, Sum
-from derive.robot.robot import Robot
 
 EXACT = 1e-30
 """A bound below is one of exact numbers."""
@@ -45,7 +44,7 @@ class Certificate:
         return Certificate(float(_above(self.position)), float(_above(self.rotation)))
 
 
-def certify(arm: Arm, robot: Robot) -> Certificate:
+def certify(arm: Arm, robot: Description) -> Certificate:
     """The bound.
 
     Args:
@@ -79,7 +78,7 @@ def certify(arm: Arm, robot: Robot) -> Certificate:
         return Certificate(_up(position), _up(rotation))
 
 
-def screws(robot: Robot) -> tuple[list[Line], Frame]:
+def screws(robot: Description) -> tuple[list[Line], Frame]:
     """The axes of a table and its end at q = 0, in the world.
 
     Args:

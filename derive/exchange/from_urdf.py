@@ -118,8 +118,7 @@ def import_urdf(
         arm = arm_of(urdf, base, tip, snap)
         placement = place(arm, convention, float(snap))
         description = _description(urdf, arm, placement, snap, name)
-        robot = _loaded(urdf, robot_text(description), description.name)
-        certificate = certify(arm_of(urdf, base, tip, Fraction(0)), robot)
+        certificate = certify(arm_of(urdf, base, tip, Fraction(0)), description)
     if certificate.position > MOST_MOVED:
         raise RobotFileError(
             f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {certificate.position:.2g} m",
