@@ -44,7 +44,7 @@ TURNED = 1e-5
 """How far the arm may move where axes with such a far common normal are taken as parallel [m]."""
 
 TOO_FAR = 1000.0
-"""What a far cell counts."""
+"""What a far cell counts for each power of ten."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,10 +146,13 @@ def _meets_far(line: Line, before: Line, reach: float) -> bool:
     wrote 1.5708.
     """
     sine = _sine(line.direction, before.direction)
-    if not sine > NOTHING or sine * reach > TURNED:
-        return False
-    apart = length(plus(line.nearest(before), line.point, -1)), length(plus(before.nearest(line), before.point, -1))
-    return bool(max(map(float, apart)) > FAR * reach)
+    return bool(sine > NOTHING and sine * reach <= TURNED) and _is_far(line, before, reach)
+
+
+def _is_far(line: Line, other: Line, reach: float) -> bool:
+    """Whether two lines that are not parallel are nearest to each other beyond all that the arm reaches."""
+    apart = length(plus(line.nearest(other), line.point, -1)), length(plus(other.nearest(line), other.point, -1))
+    return max(map(float, apart)) > FAR * reach
 
 
 def _straightened(arm: Arm, snap: float) -> list[Line]:
@@ -176,8 +179,10 @@ def _along(line: Line, direction: Point) -> Line:
 def _free_lines(arm: Arm, lines: Sequence[Line], standard: bool) -> list[Line]:
     """Where z may be that no joint has: before a modified table, behind a standard one."""
     frame, axis = (arm.end, lines[-1]) if standard else (WORLD, lines[0])
-    found = [Line(frame.origin, frame.z), axis, Line(frame.origin, axis.direction)]
-    return found
+    own = Line(frame.origin, frame.z)
+    if parallel(own.direction, axis.direction, NOTHING) or not _is_far(own, axis, arm.reach):
+        return [own, axis, Line(frame.origin, axis.direction)]
+    return [axis, Line(frame.origin, axis.direction)]
 
 
 def _moved(line: Line, spots: Sequence[Point]) -> list[Line]:
@@ -277,7 +282,8 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
     back: list[np.ndarray] = []
     for behind, (column, following) in zip(range(len(candidates) - 1, 0, -1), pairwise(candidates), strict=True):
         steps, cells = _step_costs(column, following, standard, loose)
-        steps = steps + EARLY * behind * (cells[0] > ALIKE) + TOO_FAR * (cells > FAR * arm.reach + ALIKE).sum(axis=0)
+        far = np.maximum(cells / (FAR * arm.reach + ALIKE), 1)
+        steps = steps + EARLY * behind * (cells[0] > ALIKE) + TOO_FAR * ((far > 1) + np.log10(far)).sum(axis=0)
         total = costs[:, None] + steps
         back.append(total.argmin(axis=0))
         costs = total.min(axis=0)
