@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-sweep test-release test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
+.PHONY: all setup models test test-sweep test-release test-robots test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -24,7 +24,7 @@ models: $(READY)
 
 # Less than nine minutes on two cores.
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release and not robots'
 
 # More robots of the same kinds; CI runs them.
 test-sweep: $(READY)
@@ -34,8 +34,13 @@ test-sweep: $(READY)
 test-release: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m release
 
+# All chains of two packages of URDFs, 180 MB: CI runs them.
+test-robots: $(READY)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[robots]'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m robots tests/exchange
+
 test-fast: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep and not release'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep and not release and not robots'
 
 check: $(READY)
 	$(BIN)/ruff check .

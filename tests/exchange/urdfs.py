@@ -92,9 +92,7 @@ class Reading:
     """
 
     def __init__(self, text: str, names: Sequence[str]) -> None:
-        whole = pin.buildModelFromXML(text)
-        held = [k for k in range(1, whole.njoints) if whole.names[k] not in names]
-        self.model = pin.buildReducedModel(whole, held, pin.neutral(whole))
+        self.model = pin.buildModelFromXML(text)
         self.data = self.model.createData()
         self.names = tuple(names)
 
@@ -117,8 +115,9 @@ class Reading:
     def pose(self, q: Array, tip: str, base: str | None = None) -> Array:
         """Of a link in another one, or in the root."""
         pin.framesForwardKinematics(self.model, self.data, self._state(q))
-        end = self.data.oMf[self.model.getFrameId(tip)]
-        start = pin.SE3.Identity() if base is None else self.data.oMf[self.model.getFrameId(base)]
+        end = self.data.oMf[self.model.getFrameId(tip, pin.FrameType.BODY)]
+        link = base and self.model.getFrameId(base, pin.FrameType.BODY)
+        start = pin.SE3.Identity() if base is None else self.data.oMf[link]
         return np.asarray((start.inverse() * end).homogeneous)
 
     def torque(self, q: Array, qd: Array, qdd: Array, gravity: float = 9.81) -> Array:
