@@ -21,10 +21,11 @@ from derive.exchange.urdf import MOST_BYTES, Urdf, read_urdf
 from derive.robot.load import file_bytes
 
 MARK = "derive import: "
-"""Stands before the data in the first line."""
+"""Stands before the data in the first line; another command may have put its own lines before it."""
 
 XACRO = ".xacro"
 
+_DATA = re.compile(rf"\A(?:#.*\n)*?# {MARK}(.*)$", re.MULTILINE)
 _PROMISE = re.compile(r"^# pose error over all limits <= (\S+) m and (\S+) rad, proven$", re.MULTILINE)
 
 
@@ -63,12 +64,11 @@ class Source:
         Returns:
             The source and the bound; None for a file that says neither.
         """
-        first = text.partition("\n")[0]
-        promise = _PROMISE.search(text)
-        if not first.startswith(f"# {MARK}") or promise is None:
+        line, promise = _DATA.search(text), _PROMISE.search(text)
+        if line is None or promise is None:
             return None
         try:
-            said = json.loads(first.removeprefix(f"# {MARK}"))
+            said = json.loads(line[1])
             pairs = tuple((str(key), str(value)) for key, value in said.get("arguments", ()))
             packages = tuple(map(str, said.get("packages", ())))
             file, base, tip, digest = (str(said[key]) for key in ("file", "base", "tip", "sha256"))

@@ -99,6 +99,16 @@ def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> No
     assert "not tested" in str(check)
 
 
+def test_the_promise_holds_for_the_table_in_the_other_convention(torso: Path, tmp_path: Path) -> None:
+    """The head of the file is kept by `derive convert`."""
+    path = tmp_path / "left.yaml"
+    path.write_text(import_urdf(torso, tip="left_hand", folder=tmp_path).text)
+    derive.convert(path, "modified", tmp_path / "modified.yaml")
+    check = verify_import(tmp_path / "modified.yaml")
+    assert check is not None
+    assert check.found is not None
+
+
 def test_robots_that_were_not_imported_promise_nothing() -> None:
     assert verify_import("scara-perugia") is None
 
