@@ -151,7 +151,7 @@ def as_fraction(value: Exact) -> Fraction:
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
-def null_space(rows: Sequence[Sequence[Exact]], width: int) -> list[list[Exact]]:
+def null_space(rows: Sequence[Sequence[Exact]], width: int) -> dict[int, list[Exact]]:
     """Vectors that span what all rows send to zero, by elimination with the largest pivots.
 
     Args:
@@ -159,7 +159,7 @@ def null_space(rows: Sequence[Sequence[Exact]], width: int) -> list[list[Exact]]
         width: Number of its columns.
 
     Returns:
-        A basis; each vector has a 1 where all others have a 0.
+        A basis, each vector by the column where it has a 1 and all others have a 0.
     """
     matrix = [list(row) for row in rows]
     pivots: list[int] = []
@@ -177,10 +177,10 @@ def null_space(rows: Sequence[Sequence[Exact]], width: int) -> list[list[Exact]]
                 factor = row[column]
                 matrix[k] = [entry - factor * own for entry, own in zip(row, matrix[at], strict=True)]
         pivots.append(column)
-    basis = []
+    basis = {}
     for free in (column for column in range(width) if column not in pivots):
         vector: list[Exact] = [fmpq(int(column == free)) for column in range(width)]
         for row, pivot_column in zip(matrix, pivots, strict=False):
             vector[pivot_column] = -row[free]
-        basis.append(vector)
+        basis[free] = vector
     return basis

@@ -26,6 +26,7 @@ from flint import arb, fmpq
 from derive.errors import DeriveError
 from derive.exchange.exact_scalars import Exact, ExactDomain, is_zero
 from derive.exchange.from_urdf import decimal
+from derive.exchange.no_bodies import refusal
 from derive.exchange.same_motion import (
     WIDTH,
     Direction,
@@ -70,10 +71,6 @@ HEAVIEST = 1e-6
 
 LARGEST = 1e-3
 """A link is at least this part of the arm's largest length."""
-
-
-class NoSuchBodies(DeriveError):
-    """No bodies move as these numbers say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +158,9 @@ def possible(robot: Robot) -> Possible:
         bodies = in_own_units(parameters, basis, size_of(chain))
         room = most_room(bodies)
         if room.value < -BORDER:
-            raise refusal(robot, chain, basis, bodies, room)
+            raise refusal(
+                robot, parameters, basis, np.einsum("nba,nbc,ncd->nad", bodies.units, room.prices, bodies.units)
+            )
         target = _targets(bodies, room)
         if (target < 0).any() and float(_least(bodies).min()) >= -BORDER:
             return Possible(robot, (), border=True)
@@ -401,16 +400,3 @@ def _differences(old: Link, new: Link) -> Iterator[tuple[str, Expression, Expres
 def _short(cell: Expression) -> str:
     """A cell for a message."""
     return to_text(cell, lambda value: f"{float(value):.6g}")
-
-
-def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], bodies: Bodies, room: Room) -> NoSuchBodies:
-    """Why there are no bodies.
-
-    Args:
-        robot: The robot.
-        chain: Its links.
-        basis: What may change.
-        bodies: The links in their own units.
-        room: What was found.
-    """
-    return NoSuchBodies(f"{robot.name}: no bodies have these torques")

@@ -130,7 +130,7 @@ def keeping(basis: Sequence[Direction], links: Sequence[int]) -> list[Direction]
     places = [WIDTH * i + k for i in links for k in range(WIDTH)]
     rows = [[direction[place] for direction in basis] for place in places]
     rows = [row for row in rows if not all(map(is_zero, row))]
-    return [combined(basis, weights) for weights in null_space(rows, len(basis))]
+    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()]
 
 
 def combined(basis: Sequence[Direction], weights: Sequence[Exact]) -> Direction:

@@ -1,0 +1,219 @@
+"""Why there are no bodies that move as some numbers say: a witness that anybody can check.
+
+For each link a quadratic function f_i of place, nowhere negative: then the sum of the integrals of f_i over the masses
+of the links is not negative, whatever the bodies. Where f_i and f_{i-1} agree on the axis of joint i, and no torque
+notices the rest of them either, this sum is one of base parameters: it is the same for all bodies with these torques.
+If it comes out negative from the given numbers, these contradict mechanics, and no choice of bodies helps.
+
+The functions come from the dual of the search for bodies (`derive.exchange.possible`), rounded to rational numbers,
+with some kinetic energy added (which is such a sum, and positive) so that they stay above zero. All three claims are
+then checked again in the scalars of `derive.exchange.exact_scalars`: exactly where the geometry is rational, in balls
+of 256 bits otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import fmpq
+
+from derive.errors import DeriveError
+from derive.exchange.exact_scalars import Exact, as_fraction, is_rational, is_zero, null_space
+from derive.exchange.same_motion import WIDTH, Direction, combined
+from derive.mechanics.chain import build_chain
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.regressor import with_unit_rotors
+from derive.model.identification.unit_dynamics import UnitDynamics
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter
+from derive.robot.robot import Robot
+
+Array = npt.NDArray[Any]
+
+ADDED = (0.0, 1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)
+"""Parts of kinetic energy that are tried."""
+
+DIGITS = 10
+"""Of the largest coefficient of a function."""
+
+SHOWN = 100
+"""Coefficients smaller by this factor are left out of messages."""
+
+STATES = 12
+"""Of which kinetic energies are added up."""
+
+MONOMIALS = {"x^2": (0, 0), "y^2": (1, 1), "z^2": (2, 2), "x y": (0, 1), "x z": (0, 2), "y z": (1, 2)} | {
+    "x": (0, 3),
+    "y": (1, 3),
+    "z": (2, 3),
+    "": (3, 3),
+}
+"""Terms of a function of place, and where their coefficients stand in its symmetric matrix."""
+
+
+class NoSuchBodies(DeriveError):
+    """No bodies move as these numbers say.
+
+    Attributes:
+        witness: Why; None where only the search says so.
+    """
+
+    witness: Witness | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """A sum that no bodies can have.
+
+    Attributes:
+        functions: By link, from 1, the symmetric 4x4 matrix of its function of (x, y, z, 1) in the joint frame; links
+            whose function is zero are left out.
+        value: The sum of their integrals for the given numbers; negative.
+        exact: Whether all is rational; else it is true within balls of 256 bits.
+    """
+
+    functions: tuple[tuple[int, tuple[tuple[Fraction, ...], ...]], ...]
+    value: Fraction
+    exact: bool
+
+    def __str__(self) -> str:
+        sizes = {link: _largest(matrix) for link, matrix in self.functions}
+        main = [pair for pair in self.functions if sizes[pair[0]] > max(sizes.values()) / SHOWN]
+        terms = "; ".join(f"link {link}: f = {_polynomial(matrix)}" for link, matrix in main)
+        more = "; smaller elsewhere" if len(main) < len(self.functions) else ""
+        return (
+            f"torques fix the integral of f dm over all links at {float(self.value):.3g} kg m^2, though f is nowhere "
+            f"negative ({terms}{more}; in joint frames, rounded)"
+        )
+
+
+def _largest(matrix: Sequence[Sequence[Fraction]]) -> Fraction:
+    return max(abs(entry) for row in matrix for entry in row)
+
+
+def _polynomial(matrix: Sequence[Sequence[Fraction]]) -> str:
+    """A function of place to three digits, without what is small."""
+    text = ""
+    for name, (i, j) in MONOMIALS.items():
+        value = float(matrix[i][j] * (1 if i == j else 2))
+        if abs(value) > _largest(matrix) / SHOWN:
+            factor = "" if name and abs(value) == 1 else f"{abs(value):.3g}"
+            term = f"{factor} {name}".strip()
+            text += f" {'-' if value < 0 else '+'} {term}" if text else f"{'-' * (value < 0)}{term}"
+    return text
+
+
+def refusal(robot: Robot, parameters: Sequence[Exact], basis: Sequence[Direction], prices: Array) -> NoSuchBodies:
+    """The error that says why there are no bodies.
+
+    Args:
+        robot: The robot.
+        parameters: Of its links, in joint frames.
+        basis: All changes that no torque notices.
+        prices: See `find_witness`.
+    """
+    witness = find_witness(robot, parameters, basis, prices)
+    why = str(witness) if witness else "the search finds none, by a little more than rounding"
+    error = NoSuchBodies(f"{robot.name}: no bodies have these torques: {why}", remedy="correct masses and inertias")
+    error.witness = witness
+    return error
+
+
+def find_witness(
+    robot: Robot, parameters: Sequence[Exact], basis: Sequence[Direction], prices: Array
+) -> Witness | None:
+    """A witness from approximate functions.
+
+    Args:
+        robot: The robot.
+        parameters: Of its links, in joint frames.
+        basis: All changes that no torque notices.
+        prices: (n, 4, 4) matrices of functions that nearly are one.
+
+    Returns:
+        The witness, or None where rounding them does not give one.
+    """
+    seen = null_space(basis, len(parameters))
+    given = np.array([coefficients(matrix) for matrix in prices]).ravel()
+    energy = _kinetic_energy(robot)
+    given, energy = given / np.abs(given).max(), energy / np.abs(energy).max()
+    for part in ADDED:
+        wanted = (1 - part) * given + part * energy
+        weights = [fmpq(round(float(wanted[k]) * 10**DIGITS), 10**DIGITS) for k in seen]
+        total = combined(list(seen.values()), weights)
+        value = sum((c * p for c, p in zip(total, parameters, strict=True)), fmpq(0))
+        matrices = [function_matrix(total[WIDTH * i : WIDTH * (i + 1)]) for i in range(robot.n)]
+        if not value < 0 or not all(map(is_semidefinite, matrices)):
+            continue
+        unit = max(abs(as_fraction(entry)) for matrix in matrices for row in matrix for entry in row)
+        functions = tuple(
+            (i, tuple(tuple(as_fraction(entry) / unit for entry in row) for row in matrix))
+            for i, matrix in enumerate(matrices, 1)
+            if not all(is_zero(entry) for row in matrix for entry in row)
+        )
+        exact = all(is_rational(entry) for entries in (total, parameters, *basis) for entry in entries)
+        return Witness(functions, as_fraction(value) / unit, exact)
+    return None
+
+
+def coefficients(matrix: Array) -> Array:
+    """What multiplies a body's ten parameters in the integral of a function over its mass.
+
+    Args:
+        matrix: Symmetric 4x4, of (x, y, z, 1).
+
+    Returns:
+        (10,) in the order of `LINK_PARTS`.
+    """
+    (xx, xy, xz, x), (_, yy, yz, y), (_, _, zz, z), (*_, one) = matrix
+    turning = [(yy + zz - xx) / 2, (xx + zz - yy) / 2, (xx + yy - zz) / 2, -2 * xy, -2 * xz, -2 * yz]
+    return np.array([one, 2 * x, 2 * y, 2 * z, *turning])
+
+
+def function_matrix(factors: Sequence[Exact]) -> list[list[Exact]]:
+    """The function whose integral over a body is the sum of its parameters times some factors.
+
+    Args:
+        factors: In the order of `LINK_PARTS`.
+
+    Returns:
+        Symmetric 4x4, of (x, y, z, 1).
+    """
+    one, x, y, z, xx, yy, zz, xy, xz, yz = factors
+    x, y, z, xy, xz, yz = x / 2, y / 2, z / 2, -xy / 2, -xz / 2, -yz / 2
+    return [[yy + zz, xy, xz, x], [xy, xx + zz, yz, y], [xz, yz, xx + yy, z], [x, y, z, one]]
+
+
+def is_semidefinite(matrix: Sequence[Sequence[Exact]]) -> bool:
+    """Whether a symmetric matrix has no negative eigenvalue, by elimination.
+
+    Args:
+        matrix: Its rows.
+    """
+    if not matrix:
+        return True
+    (pivot, *row), *rest = matrix
+    if is_zero(pivot):
+        return all(map(is_zero, row)) and is_semidefinite([line[1:] for line in rest])
+    if not pivot > 0:
+        return False
+    return is_semidefinite(
+        [[entry - line[0] * own / pivot for entry, own in zip(line[1:], row, strict=True)] for line in rest]
+    )
+
+
+def _kinetic_energy(robot: Robot) -> Array:
+    """The factors of all parameters in a sum of kinetic energies."""
+    random = np.random.default_rng(1)
+    alone, total = with_unit_rotors(robot), np.zeros(WIDTH * robot.n)
+    for _ in range(STATES):
+        q, qd = random.uniform(-2, 2, (2, robot.n))
+        units = UnitDynamics(build_chain(alone, FloatDomain(alone, [float(angle) for angle in q])), ends=False)
+        for k in range(len(total)):
+            entries = units.inertia(Parameter(k // WIDTH + 1, LINK_PARTS[k % WIDTH]))
+            total[k] += sum((1 if a == b else 2) * value * qd[a] * qd[b] for (a, b), value in entries.items())
+    return total
