@@ -15,6 +15,7 @@ from itertools import takewhile
 from pathlib import Path
 
 from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss, quoted
+from derive.robot.body_remarks import remarks_on_bodies
 from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.document import Document, KeyPath, YamlMapping, read_document
@@ -194,7 +195,10 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         comments=_comments(data),
     )
     validate(document, cells, robot)
-    return replace(robot, remarks=remarks_on(document, robot))
+    # built-in robots are cited as they are published
+    bodies = () if source in catalogue_names() else remarks_on_bodies(document, robot)
+    remarks = sorted((*remarks_on(document, robot), *bodies), key=lambda r: (r.location.line, r.location.column))
+    return replace(robot, remarks=tuple(remarks))
 
 
 def _comments(data: bytes) -> tuple[str, ...]:

@@ -1,0 +1,90 @@
+"""Remarks on inertia tensors that no body has.
+
+The second moments of a body about its centre of mass, tr(I)/2 - I, have no negative eigenvalue: no principal moment of
+inertia is larger than the sum of the other two. Published tensors often break this; torques may be right all the same,
+since they know base parameters alone, but simulators refuse such a body.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import acos, cos, pi, sqrt
+
+from derive.robot.description import Description, Inertia, Remark
+from derive.robot.document import Document, KeyPath
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import ZERO, Expression, names
+
+ROUNDING = Fraction(1, 10**9)
+"""Part of the largest moment that may be missing."""
+
+Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
+"""xx, yy, zz, xy, xz, yz."""
+
+
+def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, ...]:
+    """Which links of a robot file have a tensor of numbers that no body has.
+
+    A tensor of which one diagonal entry alone is given is that of a planar arm, and not meant to be whole.
+
+    Args:
+        document: The file, accepted.
+        robot: What it says.
+
+    Returns:
+        A remark for each, in the order of the file.
+    """
+    try:
+        values = parameter_values(robot)
+    except ArithmeticError:
+        return ()
+    found = []
+    for index, link in enumerate(robot.links):
+        cells = _cells(link.inertia)
+        if sum(cell != ZERO for cell in cells[:3]) < 2 or any(n not in values for c in cells for n in names(c)):
+            continue
+        try:
+            xx, yy, zz, xy, xz, yz = (Fraction(evaluate(cell, values)) for cell in cells)
+        except ArithmeticError:
+            continue
+        lack = missing_moment((xx, yy, zz, xy, xz, yz))
+        if lack > 0:
+            path: KeyPath = ("links", index, "inertia")
+            what = f"links entry {index + 1}, inertia: no body has it, a principal moment is {lack:.3g} kg m^2 larger"
+            remedy = "for bodies that exist and give the same torques see derive export --inertia possible"
+            found.append(Remark(document.location(path), f"{what} than the sum of the other two", remedy))
+    return tuple(found)
+
+
+def _cells(inertia: Inertia) -> tuple[Expression, ...]:
+    return (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
+
+
+def missing_moment(tensor: Tensor) -> float:
+    """By how much the largest principal moment is beyond the sum of the others; 0 where a body has the tensor.
+
+    Whether it is, is decided exactly, by the principal minors of the second moments.
+
+    Args:
+        tensor: xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
+    """
+    xx, yy, zz, xy, xz, yz = tensor
+    half, slack = (xx + yy + zz) / 2, ROUNDING * max(map(abs, tensor))
+    a, b, c = half - xx + slack, half - yy + slack, half - zz + slack
+    determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * xz) - xz * (xy * yz + b * xz)
+    minors = (a, b, c, a * b - xy * xy, a * c - xz * xz, b * c - yz * yz, determinant)
+    if all(minor >= 0 for minor in minors):
+        return 0.0
+    return -2 * _least_eigenvalue(*map(float, (half - xx, half - yy, half - zz, -xy, -xz, -yz)))
+
+
+def _least_eigenvalue(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> float:
+    """Of a symmetric matrix, by Cardano's formula with cosines."""
+    mean = (xx + yy + zz) / 3
+    a, b, c = xx - mean, yy - mean, zz - mean
+    spread = sqrt((a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6)
+    if spread == 0:
+        return mean
+    determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)
+    angle = acos(max(-1.0, min(1.0, determinant / (2 * spread**3)))) / 3
+    return mean + 2 * spread * cos(angle + 2 * pi / 3)
