@@ -48,7 +48,7 @@ def import_urdf(
         convention: ``standard`` or ``modified``.
         snap: Angles closer to simple fractions of pi are taken for them [rad].
         name: Of the robot; None for that of the URDF.
-        packages: Folders in which xacro looks for packages.
+        packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
         folder: Where the robot file will be: it names the URDF from there.
 
@@ -94,7 +94,7 @@ def import_all(
         convention: ``standard`` or ``modified``.
         snap: Angles closer to simple fractions of pi are taken for them [rad].
         name: What the names of the robots begin with; None for that of the URDF.
-        packages: Folders in which xacro looks for packages.
+        packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
         folder: Where the robot files will be.
 
@@ -171,7 +171,7 @@ def verify_import(file: str | Path) -> ImportCheck | None:
     path = source.beside(Path(file))
     if not source.file or not path.is_file():
         return ImportCheck(source.file or "standard input", promised, None)
-    folders = [str(path.parent / folder) for folder in source.packages]
+    folders = [_moved(folder, path.parent, Path()) for folder in source.packages]
     urdf = open_urdf(path, folders, dict(source.arguments))
     robot = Robot.from_text(text, str(file))
     with exactly():
@@ -212,7 +212,7 @@ class _Importer:
             raise RobotFileError(found, allowed="allowed: a URDF or a .xacro file, or - for standard input")
         self.opened = open_urdf(path, list(map(str, packages)), arguments)
         self._path = relative(path, Path(folder))
-        self._folders = tuple(relative(Path(package), path.parent) for package in packages)
+        self._folders = tuple(_moved(str(package), Path(), path.parent) for package in packages)
 
     def arm(self, base: str | None, tip: str | None, name: str | None) -> Imported:
         """One of its chains.
@@ -226,6 +226,12 @@ class _Importer:
 
     def _head(self, base: str, tip: str) -> str:
         return Source(self._path, base, tip, self.opened.sha256, self._folders, self._arguments).line
+
+
+def _moved(package: str, from_folder: Path, to_folder: Path) -> str:
+    """A folder, or ``NAME=DIR``, seen from another folder."""
+    name, sign, folder = package.rpartition("=")
+    return f"{name}{sign}{relative(from_folder / folder, to_folder)}"
 
 
 def snap_of(text: str | float) -> Fraction:

@@ -42,7 +42,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--name", help="name of the robot (default: that of the URDF)")
     add("-o", "--output", metavar="FILE", type=Path, help="robot file to write; with --all a folder")
     add("--force", action="store_true", help="write over files that are there")
-    add("--packages", metavar="DIR", action="append", default=[], help="where xacro looks for packages; repeatable")
+    add(
+        "--packages",
+        metavar="DIR",
+        action="append",
+        default=[],
+        help="where xacro looks for packages, or NAME=DIR; repeatable",
+    )
     add("--arg", metavar="NAME=VALUE", action="append", default=[], help="argument of xacro; repeatable")
     add("--json", action="store_true", help="machine-readable report")
 

@@ -26,6 +26,7 @@ MARK = "derive import: "
 XACRO = ".xacro"
 
 _DATA = re.compile(rf"\A(?:#.*\n)*?# {MARK}(.*)$", re.MULTILINE)
+_KIND = re.compile(r"^<class '[^']*'>: ")
 _PROMISE = re.compile(r"^# pose error over all limits <= (\S+) m and (\S+) rad, proven$", re.MULTILINE)
 
 
@@ -103,7 +104,7 @@ def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, 
 
     Args:
         path: Of the file; one that ends with .xacro is expanded.
-        packages: Folders in which xacro looks for packages.
+        packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
 
     Returns:
@@ -142,18 +143,34 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
         raise TargetError("reading xacro needs xacrodoc, which is not installed", remedy=remedy) from None
     said = io.StringIO()
     xacrodoc.packages.reset()
-    if packages:
-        xacrodoc.packages.look_in([str(folder) for folder in packages])
+    folders = [str(Path(text).resolve()) for text in packages if "=" not in text]
+    xacrodoc.packages.look_in(folders)
+    xacrodoc.packages.update_package_cache(_by_name(packages))
+    whole = path.resolve()
     try:
-        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
-            document = xacrodoc.XacroDoc.from_file(str(path), subargs=dict(arguments), resolve_packages=False)
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said), contextlib.chdir(whole.parent):
+            document = xacrodoc.XacroDoc.from_file(str(whole), subargs=dict(arguments), resolve_packages=False)
             return str(document.to_urdf_string()).encode()
     except (Exception, SystemExit) as error:
         reason = " ".join(str(error).split()) or " ".join(said.getvalue().split()) or type(error).__name__
         remedy = "give the folder of its packages with --packages DIR, and its arguments with --arg NAME=VALUE"
         raise RobotFileError(
-            f"xacro: {quoted(reason, 200)[1:-1]}", remedy=remedy, location=Location(str(path))
+            f"xacro: {quoted(_KIND.sub('', reason), 200)[1:-1]}", remedy=remedy, location=Location(str(path))
         ) from None
+
+
+def _by_name(packages: Sequence[str]) -> dict[str, Path]:
+    """Folders of packages: what ``NAME=DIR`` says, and each folder by its own name, with or without a manifest."""
+    found: dict[str, Path] = {}
+    for text in packages:
+        name, sign, folder = text.rpartition("=")
+        if sign:
+            found[name] = Path(folder).resolve()
+            continue
+        whole = Path(text).resolve()
+        inner = sorted(whole.iterdir()) if whole.is_dir() else []
+        found = {entry.name: entry for entry in (whole, *inner) if entry.is_dir()} | found
+    return found
 
 
 def relative(path: Path, folder: Path) -> str:

@@ -51,7 +51,7 @@ def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convent
         said = f"{seed} {convention.value}"
         assert np.linalg.norm(apart[:3, 3]) <= bound.position + ROUNDING, said
         assert np.linalg.norm(apart[:3, :3], 2) <= bound.rotation + ROUNDING, said
-        far, slant = furthest(imported.robot), least_slant(imported.robot, TURNED / arm.reach)
+        far, slant = furthest(imported.robot), least_slant(imported.robot, TURNED / max(arm.reach, ROUNDING))
         assert far <= FAR * arm.reach + ROUNDING or far <= 2 * arm.reach / slant, said
         if imported.robot.links:
             wanted = reading.torque(q, qd, qdd)

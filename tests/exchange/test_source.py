@@ -58,6 +58,26 @@ def test_what_xacro_does_not_find_is_one_message(tmp_path: Path) -> None:
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize("by_name", [False, True])
+def test_packages_are_found_by_folder_or_by_name(tmp_path: Path, by_name: bool) -> None:
+    folder = tmp_path / "src" / ("other" if by_name else "bars")
+    folder.mkdir(parents=True)
+    (folder / "arm.xacro").write_text(XACRO)
+    path = tmp_path / "cell.xacro"
+    include = '<xacro:include filename="$(find bars)/arm.xacro"/>'
+    path.write_text(f'<robot name="cell" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>')
+    package = f"bars={folder}" if by_name else str(tmp_path / "src")
+    assert len(open_urdf(path, [package]).urdf.joints) == 2
+
+
+def test_includes_are_found_beside_the_file(tmp_path: Path) -> None:
+    (tmp_path / "arm.xacro").write_text(XACRO)
+    path = tmp_path / "cell.xacro"
+    include = '<xacro:include filename="arm.xacro"/>'
+    path.write_text(f'<robot name="cell" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>')
+    assert len(open_urdf(path).urdf.joints) == 2
+
+
 def test_a_digest_is_that_of_the_file(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(urdf([J()]))
