@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
+from itertools import takewhile
 from pathlib import Path
 
-from derive.errors import DeriveError, OutputError, RobotFileError, VerificationError, quoted
+from derive.errors import DeriveError, OutputError, RobotFileError, VerificationError, near_miss, quoted
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.convert import convention_named
@@ -20,9 +21,13 @@ from derive.publish.atomic_folder import write_files
 from derive.robot.description import Convention
 from derive.robot.load import is_robot_name, robot_file_bytes
 from derive.robot.robot import Robot
+from derive.robot.writer import robot_text
 
 SNAP = "1e-6"
 """How near an angle is to a simple fraction of pi that it is taken for [rad]."""
+
+INERTIAS = ("given", "possible")
+"""What becomes of inertias that no body has."""
 
 MOST_SNAP = Fraction(1, 10)
 
@@ -37,6 +42,7 @@ def import_urdf(
     name: str | None = None,
     packages: Sequence[str | Path] = (),
     arguments: Mapping[str, str] | None = None,
+    inertia: str = "given",
     folder: str | Path = ".",
 ) -> Imported:
     """The robot of a chain of a URDF, as ``derive import`` makes it.
@@ -50,6 +56,7 @@ def import_urdf(
         name: Of the robot; None for that of the URDF.
         packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
+        inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
         folder: Where the robot file will be: it names the URDF from there.
 
     Returns:
@@ -61,7 +68,7 @@ def import_urdf(
     """
     if name is not None and not is_robot_name(name):
         raise RobotFileError(f"{quoted(name)} is not a robot name", allowed="allowed: a-z, 0-9 and -, not first")
-    return _Importer(file, convention, snap, packages, arguments, folder).arm(base, tip, name)
+    return _Importer(file, convention, snap, packages, arguments, inertia, folder).arm(base, tip, name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +92,7 @@ def import_all(
     name: str | None = None,
     packages: Sequence[str | Path] = (),
     arguments: Mapping[str, str] | None = None,
+    inertia: str = "given",
     folder: str | Path = ".",
 ) -> AllTips:
     """The robots of all chains from the root of a URDF to a tip.
@@ -96,6 +104,7 @@ def import_all(
         name: What the names of the robots begin with; None for that of the URDF.
         packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
+        inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
         folder: Where the robot files will be.
 
     Returns:
@@ -105,7 +114,7 @@ def import_all(
         RobotFileError: The file is no URDF, or no tip has a table.
         TargetError: lxml or xacrodoc is not installed.
     """
-    importer = _Importer(file, convention, snap, packages, arguments, folder)
+    importer = _Importer(file, convention, snap, packages, arguments, inertia, folder)
     urdf = importer.opened.urdf
     arms: list[Imported] = []
     refused: dict[str, str] = {}
@@ -198,8 +207,13 @@ class _Importer:
         snap: str | float,
         packages: Sequence[str | Path],
         arguments: Mapping[str, str] | None,
+        inertia: str,
         folder: str | Path,
     ) -> None:
+        if inertia not in INERTIAS:
+            allowed = f"allowed: {', '.join(INERTIAS)}"
+            raise DeriveError(f"--inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS))
+        self._possible = inertia == "possible"
         self._convention, self._snap = convention_named(str(convention)), snap_of(snap)
         self._path, self._arguments = "", tuple((arguments or {}).items())
         self._folders: tuple[str, ...] = ()
@@ -222,10 +236,32 @@ class _Importer:
             tip: Name of the last link.
             name: Of the robot.
         """
-        return of_urdf(self.opened.urdf, base, tip, self._convention, self._snap, name, self._head)
+        found = of_urdf(self.opened.urdf, base, tip, self._convention, self._snap, name, self._head)
+        return with_possible_bodies(found) if self._possible and found.robot.links else found
 
     def _head(self, base: str, tip: str) -> str:
         return Source(self._path, base, tip, self.opened.sha256, self._folders, self._arguments).line
+
+
+def with_possible_bodies(arm: Imported) -> Imported:
+    """The arm with the nearest bodies that exist and give the same torques.
+
+    Args:
+        arm: As imported.
+
+    Returns:
+        It with these links, which its notes tell of.
+
+    Raises:
+        DeriveError: There are none, or the packages of the extra are missing.
+    """
+    from derive.exchange.possible import possible
+
+    found = possible(arm.robot)
+    head = [line.removeprefix("# ") for line in takewhile(lambda line: line.startswith("#"), arm.text.splitlines())]
+    text = robot_text(found.robot, [*head, *found.report])
+    robot = Robot.from_text(text, f"{arm.robot.name}.yaml")
+    return replace(arm, text=text, robot=robot, notes=(*arm.notes, *found.report))
 
 
 def _moved(package: str, from_folder: Path, to_folder: Path) -> str:

@@ -39,6 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--all", action="store_true", help="a robot file for every tip, in the folder -o")
     add("--convention", default="standard", metavar="C", help="standard or modified (default standard)")
     add("--snap", default="1e-6", metavar="RAD", help="angles so close to fractions of pi are these (default 1e-6)")
+    add("--inertia", default="given", metavar="I", help="given, or possible: the nearest bodies that exist and move so")
     add("--name", help="name of the robot (default: that of the URDF)")
     add("-o", "--output", metavar="FILE", type=Path, help="robot file to write; with --all a folder")
     add("--force", action="store_true", help="write over files that are there")
@@ -76,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     file = sys.stdin.buffer.read() if arguments.file == "-" else arguments.file
     pairs = dict(_pair(text) for text in arguments.arg)
     options = {"convention": arguments.convention, "snap": arguments.snap, "name": arguments.name}
-    options |= {"packages": arguments.packages, "arguments": pairs}
+    options |= {"packages": arguments.packages, "arguments": pairs, "inertia": arguments.inertia}
     if not arguments.all:
         folder = arguments.output.parent if arguments.output else Path()
         found = import_urdf(file, tip=tip, base=base, folder=folder, **options)

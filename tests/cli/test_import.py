@@ -43,6 +43,17 @@ def test_a_file_is_written_and_reported_on(folder: Path) -> None:
     assert derive("show", "arm.yaml", "p", folder=folder).status == 0
 
 
+def test_bodies_that_cannot_be_are_exchanged_for_ones_that_can(folder: Path) -> None:
+    """Their torques are the same."""
+    assert derive("import", "arm.urdf", "-o", "given.yaml", folder=folder).status == 0
+    done = derive("import", "arm.urdf", "--inertia", "possible", "-o", "possible.yaml", folder=folder)
+    assert done.status == 0, done.stderr
+    assert "base parameters and torques stay the same" in done.stdout
+    shown = [derive("show", name, "B", folder=folder).stdout for name in ("given.yaml", "possible.yaml")]
+    assert shown[0] == shown[1]
+    assert "proven" in derive("verify", "possible.yaml", folder=folder).stdout
+
+
 def test_without_an_output_the_file_is_printed(folder: Path) -> None:
     done = derive("import", "arm.urdf", folder=folder)
     (folder / "printed.yaml").write_text(done.stdout)
@@ -88,6 +99,7 @@ def test_all_tips_get_files(folder: Path) -> None:
         ["arm.urdf", "--all", "--tip", "tool"],
         ["arm.urdf", "--convention", "craig"],
         ["arm.urdf", "--snap", "much"],
+        ["arm.urdf", "--inertia", "better"],
         ["arm.urdf", "--arg", "name"],
         ["arm.urdf", "--json"],
         ["arm.urdf", "-o", "."],
