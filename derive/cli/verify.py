@@ -60,6 +60,6 @@ def run(arguments: argparse.Namespace) -> int:
         print(one_line(str(imported)))
     rows = [(row.target, row.function, str(row.samples), f"{row.worst:.1e}") for row in report.rows]
     print_columns(rows, ("target", "function", "samples", "worst error"))
-    for file in report.left_out:
-        print(f"{file}: not verified, there is no C compiler")
+    for reason in report.reasons:
+        print(reason)
     return 0

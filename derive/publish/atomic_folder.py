@@ -12,7 +12,7 @@ import secrets
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
@@ -54,7 +54,7 @@ def publish(
     """Writes files into a folder that replaces ``target``.
 
     Args:
-        files: Contents by file name.
+        files: Contents by file name; a name may have a folder and a slash before it.
         target: The folder; its parent is made if there is none.
         robot_name: The robot that the folder is for.
         check: Called with the finished temporary folder; what it raises stops the build, and the old folder stays.
@@ -79,8 +79,10 @@ def publish(
                 staging.mkdir()
                 lock = hold(staging)
             for name, data in files.items():
+                (staging / name).parent.mkdir(exist_ok=True)
                 _write_new(staging / name, data)
-            flush_folder(staging)
+            for folder in {(staging / name).parent for name in files} | {staging}:
+                flush_folder(folder)
         result = check(staging)
         with _system_errors(target), exclusively(target.parent):
             require_replaceable(target, robot_name, names)
@@ -179,7 +181,8 @@ def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> 
         raise _refusal(target, f"holds files, but no {MANIFEST} of derive", "move it away, or choose another --out")
     if manifest.get("robot") != robot_name:
         raise _refusal(target, f"belongs to the robot {manifest.get('robot')!r}", "choose another --out")
-    taken = sorted(set(files) & set(users_files(target)))
+    wanted = {place.as_posix() for name in files for place in (PurePosixPath(name), *PurePosixPath(name).parents)}
+    taken = sorted(wanted & set(users_files(target)))
     if taken:
         raise _refusal(target / taken[0], f"is not listed in {MANIFEST}, but a build would write it", "move it away")
 
@@ -191,13 +194,17 @@ def users_files(target: Path) -> list[str]:
         target: The folder.
 
     Returns:
-        Names of files, links and folders, sorted.
+        Names of files, links and folders, sorted; those in a folder that a build wrote have it and a slash before them.
     """
     if target.is_symlink() or not target.is_dir():
         return []
     manifest = read_manifest(target) or {"files": {}}
     ours = {MANIFEST, _CACHE, *manifest["files"], *compiled_files(manifest)}
-    return sorted(path.name for path in target.iterdir() if path.name not in ours)
+    folders = {name.partition("/")[0] for name in ours if "/" in name} - {"", ".", ".."}
+    shared = {name for name in folders if (target / name).is_dir() and not (target / name).is_symlink()}
+    found = [path for path in target.iterdir() if path.name not in shared]
+    found += [path for folder in shared for path in (target / folder).iterdir()]
+    return sorted(name for name in (path.relative_to(target).as_posix() for path in found) if name not in ours)
 
 
 def carry_over(target: Path, staging: Path) -> None:
@@ -209,6 +216,7 @@ def carry_over(target: Path, staging: Path) -> None:
     """
     for name in users_files(target):
         source, copy = target / name, staging / name
+        copy.parent.mkdir(exist_ok=True)
         if source.is_symlink():
             copy.symlink_to(source.readlink())
         elif source.is_dir():

@@ -88,7 +88,7 @@ def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.F
     Returns:
         The robot with its program.
     """
-    names = (PACKAGE, *(name for target in targets for name in target.files), MANIFEST)
+    names = (PACKAGE, *(name for target in targets for name in target.names(robot)), MANIFEST)
     return Source(
         robot, build_program(robot, effort, inverse=True, spread=in_two_processes), __version__, tuple(sorted(names))
     )

@@ -11,6 +11,7 @@ from derive.targets.casadi import TARGET as CASADI
 from derive.targets.javascript import TARGET as JAVASCRIPT
 from derive.targets.native import TARGET as NATIVE
 from derive.targets.numpy import TARGET as NUMPY
+from derive.targets.octave import TARGET as OCTAVE
 from derive.targets.readme import TARGET as README
 from derive.targets.target import Source, Target
 
@@ -30,7 +31,7 @@ LATEX = Target(
     needs_program=False,
 )
 
-_ALL = (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, LATEX, README)
+_ALL = (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, OCTAVE, LATEX, README)
 
 TARGETS: dict[str, Target] = {target.name: target for target in _ALL}
 """By name, in the order in which they are written."""

@@ -76,6 +76,12 @@ _MARKDOWN_LINK = re.compile(r"(?i)(?<=www)\.|:(?=//)|@|(?<=mailto):")
 _C_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
 """First letters of the pairs that end or open a C comment or begin a trigraph."""
 
+_MATLAB_NAME_LENGTH = 63
+"""Characters of a name that MATLAB tells apart."""
+
+_MATLAB_KEYWORDS = frozenset({"end_try_catch", "end_unwind_protect", "unwind_protect", "unwind_protect_cleanup"})
+"""Keywords, Octave's among them, that have underscores."""
+
 _C_RESERVED = re.compile(r"(is|mem|str|to|wcs)[a-z]|[0-9_]")
 """How names of functions begin that belong to C's library, now or later (C99 7.26), or to nobody."""
 
@@ -144,6 +150,59 @@ def c_prefix(name: str) -> str:
     """
     plain = re.sub(r"[^A-Za-z0-9]", "_", name)
     return f"robot_{plain}_" if _C_RESERVED.match(plain) else f"{plain}_"
+
+
+def matlab_package(name: str) -> str:
+    """A robot's name as that of a package of MATLAB and Octave, which keywords and functions of theirs do not have.
+
+    Functions of one word are many, and a package of that name would hide them or be hidden; hardly one has underscores.
+
+    Args:
+        name: Name of the robot.
+
+    Returns:
+        Letters, digits and underscores, ``robot_`` first where it is one word or begins with a digit.
+    """
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
+    is_free = "_" in plain and plain[0].isalpha() and plain not in _MATLAB_KEYWORDS
+    return (plain if is_free else f"robot_{plain}")[:_MATLAB_NAME_LENGTH].rstrip("_")
+
+
+def matlab_symbol(name: str, place: int) -> str:
+    """What a user's symbol is called in the names of variables, behind letters of ours.
+
+    Args:
+        name: The symbol.
+        place: Its place among the parameters, from 1.
+
+    Returns:
+        The symbol, or its place where the name would be too long.
+    """
+    return name if len(name) < _MATLAB_NAME_LENGTH - 2 else str(place)
+
+
+def matlab_string(text: str) -> str:
+    """A string literal of MATLAB and Octave.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        The literal, single quotes included, on one line.
+    """
+    return "'" + one_line(text).replace("'", "''") + "'"
+
+
+def matlab_comment(text: str) -> str:
+    """Text for a comment, behind a percent sign and a space.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        One line, which opens no block of comments.
+    """
+    return one_line(text)
 
 
 def html_text(text: str) -> str:

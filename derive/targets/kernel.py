@@ -37,6 +37,9 @@ LINE_WIDTH = 104
 """Longest line of a list of values or names."""
 
 
+_MATLAB_NAMES = {Op.ROOT: "root", Op.MAXIMUM: "max", Op.MINIMUM: "min", Op.ABSOLUTE: "abs"}
+
+
 @dataclass(frozen=True, slots=True)
 class Piece:
     """Text of a value, and how tightly its outermost operation binds."""
@@ -64,12 +67,16 @@ class Language:
         assignment: The statement that names a value, with ``{name}`` and ``{value}`` in it.
         double_minus: Whether ``--2`` is 2; where it is a mistake, a negative number is no atom.
         has_choice: Whether it has ``case ? a : b``, and a comparison is a number; elsewhere functions do both.
+        times: How it multiplies.
+        over: How it divides.
         names: What it calls functions.
     """
 
     assignment: str
     double_minus: bool = False
     has_choice: bool = False
+    times: str = "*"
+    over: str = "/"
     names: Mapping[Op, str] = field(default_factory=lambda: ALL_NAMES)
 
     def number(self, value: Constant | None) -> Piece:
@@ -102,9 +109,9 @@ class Language:
             case Op.SUBTRACT:
                 return Piece(f"{a.inside(SUM)} - {b.inside(PRODUCT)}", SUM)
             case Op.MULTIPLY:
-                return Piece(f"{a.inside(PRODUCT)}*{b.inside(ATOM)}", PRODUCT)
+                return Piece(f"{a.inside(PRODUCT)}{self.times}{b.inside(ATOM)}", PRODUCT)
             case Op.DIVIDE:
-                return Piece(f"{a.inside(PRODUCT)}/{b.inside(ATOM)}", PRODUCT)
+                return Piece(f"{a.inside(PRODUCT)}{self.over}{b.inside(ATOM)}", PRODUCT)
             case Op.NEGATE:
                 return Piece(f"-{a.inside(PRODUCT)}", SUM)
             case Op.LESS if self.has_choice:
@@ -139,6 +146,9 @@ PYTHON = Language("{name} = {value}", double_minus=True)
 
 JAVASCRIPT = Language("const {name} = {value};")
 """JavaScript: numbers, with ``sin``, ``cos``, ``sqrt``, ``sign`` and the like taken from ``Math``."""
+
+OCTAVE = Language("{name} = {value};", times=".*", over="./", names=ALL_NAMES | _MATLAB_NAMES)
+"""MATLAB and Octave: rows of numbers, one for each configuration; ``less``, ``select`` and a real ``root`` are ours."""
 
 C = Language(
     "const double {name} = {value};",

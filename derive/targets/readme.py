@@ -37,6 +37,10 @@ OWN_FORMULA = replace(FORMULA_LIMITS, digits=FORMULA_LIMITS.text_length, number_
 """Limits that a formula of ours keeps: exact products of the user's numbers may have many digits."""
 
 
+PACKAGE = "the same functions for MATLAB and Octave, a file each; a configuration is a column"
+"""What a folder with a plus sign is."""
+
+
 def render(source: Source) -> dict[str, str]:
     """The page.
 
@@ -60,9 +64,14 @@ def render(source: Source) -> dict[str, str]:
         "convention": robot.convention.value,
         "n": robot.n,
         "joints": joint_lines(robot),
-        "files": [(name, FILES.get(name, "")) for name in source.files if name != "README.md"],
+        "files": [
+            (name, PACKAGE if name.startswith("+") else FILES.get(name, ""))
+            for name in source.files
+            if name != "README.md"
+        ],
         "has_numpy": "model_numpy.py" in source.files,
         "has_casadi": "model_casadi.py" in source.files,
+        "matlab": next((name[1:-1] for name in source.files if name.startswith("+")), ""),
         "has_dynamics": robot.has_dynamics,
         "functions": _functions(program),
         "inverse": inverse.summary if inverse is not None else "",
@@ -83,6 +92,8 @@ def render(source: Source) -> dict[str, str]:
         "digits": DIGITS if any(rounded != exact for rounded, exact in written.values()) else None,
         "free": free,
         "example": ", ".join(["0.1"] * robot.n),
+        "column": "; ".join(["0.1"] * robot.n),
+        "struct": ", ".join(f"'{name}', 1.0" for name in free),
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }
     return {"README.md": templating.render("readme/README.md.jinja", **context)}

@@ -42,6 +42,7 @@ class Target:
         requires: Names of the targets whose files it needs.
         compiled: Libraries that a build compiles from them: for each the files that it depends on, the first of
             which is given to the compiler.
+        package: Name of the folder of a robot that it writes besides; None for none.
     """
 
     name: str
@@ -52,6 +53,18 @@ class Target:
     default: bool = True
     requires: tuple[str, ...] = ()
     compiled: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    package: Callable[[Robot], str] | None = None
+
+    def names(self, robot: Robot) -> tuple[str, ...]:
+        """What it writes for a robot, as the page of the folder lists it.
+
+        Args:
+            robot: The robot.
+
+        Returns:
+            Names of files, and of a folder with a slash.
+        """
+        return (*self.files, f"{self.package(robot)}/") if self.package else self.files
 
 
 def package_name(robot: Robot) -> str:

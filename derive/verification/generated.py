@@ -340,7 +340,7 @@ _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
 _LIBRARIES = {"model_native.py"}
 """Modules that load a library of their own."""
 
-TARGETS = ("numpy", "casadi", "native", "c", "casadi-c")
+TARGETS = ("numpy", "casadi", "native", "c", "casadi-c", "octave")
 """The order in which reports list what was verified."""
 
 COMPILED = frozenset(_COMPILED)

@@ -16,6 +16,7 @@ from derive.targets.compiler import Command, compiling_meanwhile, find_compiler
 from derive.verification import inverse
 from derive.verification.expectation import Expectation, PartialExpectation, expectation
 from derive.verification.generated import COMPILED, MODULES, TARGETS, GeneratedModel, compile_models, load_models
+from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import sample_sets
@@ -55,7 +56,7 @@ class Report:
         robot: Name of the robot.
         seed: Seed of the random configurations and parameters.
         rows: One per target and function.
-        left_out: Files that were not verified since there is no C compiler.
+        left_out: Files that were not verified since there is no C compiler, and packages since there is no Octave.
     """
 
     robot: str
@@ -79,6 +80,12 @@ class Report:
             "rows": [asdict(row) for row in self.rows],
         }
 
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """What was not verified and why, a line each."""
+        lack = {True: "there is no Octave", False: "there is no C compiler"}
+        return tuple(f"{file}: not verified, {lack[file.startswith('+')]}" for file in self.left_out)
+
 
 def verify(
     robot: Robot,
@@ -96,8 +103,8 @@ def verify(
 
     Args:
         robot: The robot.
-        folder: Its generated folder, with any of ``model_numpy.py``, ``model_casadi.py`` and ``model.c``; the last is
-            left out where there is no C compiler, and the report says so.
+        folder: Its generated folder, with any of ``model_numpy.py``, ``model_casadi.py``, ``model.c`` and a package of
+            MATLAB; the last two are left out where there is no C compiler or no Octave, and the report says so.
         samples: Number of configurations.
         seed: Seed of their random choice.
         libraries: Waits for the libraries that modules in the folder need, where they are still being compiled.
@@ -109,13 +116,15 @@ def verify(
         VerificationError: A function differs by more than 1e-9, raises, returns another shape, or is missing.
     """
     compiler = find_compiler()
+    octave, package = find_octave(), octave_package(folder)
     left_out = frozenset() if compiler else COMPILED & {path.name for path in folder.iterdir()}
+    left_out |= {package} if package and not octave else set()
     sets = sample_sets(robot, samples, np.random.default_rng(seed))
     wanted = sets[0].oracle.functions
     rows: list[Row] = []
     models: list[GeneratedModel] = []
     answers: _Answers = {}
-    for model in _models(folder, compiler, libraries):
+    for model in _models(folder, compiler, octave, libraries):
         models.append(model)
         _check_interface(robot, folder, model)
         rare = {name for name in ANGLES if name in model.constants}  # Jacobians that may hardly ever have a value
@@ -131,13 +140,16 @@ def verify(
     return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
 
 
-def _models(folder: Path, compiler: Command | None, libraries: Callable[[], None]) -> Iterator[GeneratedModel]:
-    """All targets; the C compiler works while the others are verified."""
-    with compiling_meanwhile(compile_models, folder, compiler) as compiled:
+def _models(
+    folder: Path, compiler: Command | None, octave: Command | None, libraries: Callable[[], None]
+) -> Iterator[GeneratedModel]:
+    """All targets; the C compiler works and Octave starts while the others are verified."""
+    with running_octave(folder, octave) as packages, compiling_meanwhile(compile_models, folder, compiler) as compiled:
         yield from load_models(folder, needing_library=False)
         libraries()
         yield from load_models(folder, needing_library=True)
         yield from compiled()
+        yield from packages
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> Row:
@@ -225,7 +237,8 @@ def _check_coverage(
     if not isinstance(manifest, dict):
         manifest = {}
     listed = {*wanted, *manifest.get("operations", ())}
-    absent = {name for name in manifest.get("files", ()) if name in MODULES - left_out}
+    modules = {str(name).partition("/")[0] for name in manifest.get("files", ())}
+    absent = {name for name in modules if name in MODULES or name.startswith("+")} - left_out
     absent -= {model.file for model in models}
     if absent or not (models or manifest):
         missing = ", ".join(sorted(absent or MODULES))

@@ -35,7 +35,7 @@ def verified(name: str) -> tuple[str, bool]:
     except (DeriveError, OSError) as error:
         return f"{name}: {error}", False
     targets = ", ".join(dict.fromkeys(row.target for row in report.rows))
-    left_out = "".join(f"; {file} not verified, there is no C compiler" for file in report.left_out)
+    left_out = "".join(f"; {reason}" for reason in report.reasons)
     return f"{name}: {len(report.rows)} functions of {targets}, worst error {report.worst:.1e}{left_out}", True
 
 

@@ -1,0 +1,377 @@
+"""``+robot/*.m``: the functions of a robot as a package of MATLAB and Octave, a file each, from the same tapes.
+
+A configuration is a column and a batch has a column for each, as MATLAB's users have them. Every file stands alone:
+Octave has no private functions in packages.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import inf, isfinite
+
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Around, Function, Inverse, Program, joint_lines
+from derive.programs.tape.tape import BRANCHING_NAMES, Layer, Op
+from derive.robot.robot import Robot
+from derive.targets.escape import matlab_comment, matlab_package, matlab_string, matlab_symbol
+from derive.targets.kernel import LINE_WIDTH, OCTAVE, entry_names, input_name, write_kernel
+from derive.targets.target import Source, Target, joint_limits, shape_text
+from derive.targets.templating import render
+
+_WIDE = "x N"
+"""How the shape of a batch ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class OctaveFunction:
+    """One function, ready for a template; every text is finished.
+
+    Attributes:
+        name: ``inertia_matrix``.
+        result: The variable that is returned, ``B``.
+        signature: ``q, qd, params``.
+        summary: First line of its help.
+        documentation: Lines of its help.
+        arguments: ``q, qd``.
+        argument_count: How many these are.
+        quoted: ``'q', 'qd'``.
+        unpack: Statements that name the entries of the arguments.
+        needed: Names of the run-time parameters that it needs, as the inside of a cell array, in lines.
+        unpack_parameters: Statements that name them.
+        hoists: Whether there are values on parameters alone.
+        hoisted: Statements on parameters alone.
+        hoisted_results: The values that the body takes from there.
+        unpack_constants: Statements that name these where they come as a vector.
+        name_constants: Statements that name them where they are at hand.
+        body: Statements on the arguments.
+        results: The outputs, column by column, a line each.
+        extent: Lengths of the axes of one result, with commas; nothing for a column or a number.
+        has_root: Whether roots are taken.
+        has_cases: Whether cases are told apart.
+        has_zeros: Whether entries of the result are constants.
+    """
+
+    name: str
+    result: str
+    signature: str
+    summary: str
+    documentation: tuple[str, ...]
+    arguments: str
+    argument_count: int
+    quoted: str
+    unpack: tuple[str, ...]
+    needed: tuple[str, ...]
+    unpack_parameters: tuple[str, ...]
+    hoists: bool
+    hoisted: tuple[str, ...]
+    hoisted_results: tuple[str, ...]
+    unpack_constants: tuple[str, ...]
+    name_constants: tuple[str, ...]
+    body: tuple[str, ...]
+    results: tuple[str, ...]
+    extent: str
+    has_root: bool
+    has_cases: bool
+    has_zeros: bool
+
+
+@dataclass(frozen=True, slots=True)
+class OctaveInverse:
+    """Inverse kinematics, ready for a template.
+
+    Attributes:
+        kernel: The texts of its program.
+        step: Those of its Newton step.
+        summary: What it does.
+        documentation: Lines of its help.
+        nearest_documentation: Lines of the help of the nearest solution.
+        branches: Number of branches.
+        closed: Error of the pose of a branch in doubt up to which it is a solution.
+        around: Where further solutions are looked for.
+        given_count: Number of given joints.
+        given: Places of the given joints, from 1.
+        turning: Which joints turn and are not given.
+        inputs: Arguments behind ``T``, each with a comma before it.
+        params_place: Place of the argument ``params``.
+        near_place: Place of the argument ``near``.
+        size: Joint variables of all branches.
+        error_place: Where a step has the error.
+        unit_place: Where it has the unit of length.
+    """
+
+    kernel: OctaveFunction
+    step: OctaveFunction
+    summary: str
+    documentation: tuple[str, ...]
+    nearest_documentation: tuple[str, ...]
+    branches: int
+    closed: str
+    around: Around
+    given_count: int
+    given: str
+    turning: str
+    inputs: str
+    params_place: int
+    near_place: int
+    size: int
+    error_place: int
+    unit_place: int
+
+
+def render_octave(source: Source) -> dict[str, str]:
+    """The package ``+robot``.
+
+    Args:
+        source: The robot and its program.
+
+    Returns:
+        Texts by file name, the folder before it.
+    """
+    robot, program = source.robot, source.program
+    folder, package = package_folder(robot), matlab_package(robot.name)
+    functions = tuple(_function(function, program.parameters, robot, package) for function in program)
+    inverse = _inverse(program.inverse, program, robot, package) if program.inverse else None
+    context: dict[str, object] = {
+        "package": package,
+        "title": matlab_comment(robot.title or robot.name),
+        "version": matlab_comment(source.version),
+        "digest": robot.digest,
+        "convention": robot.convention.value,
+        "joints": joint_lines(robot),
+        "dof": robot.n,
+        "revolute": ", ".join("true" if joint.is_revolute else "false" for joint in robot.joints),
+        "parameters": _wrapped([matlab_string(name) for name in program.parameters]),
+        "limits": [", ".join(map(_bound, pair or (-inf, inf))) for pair in joint_limits(robot)],
+        "has_parameters": bool(program.parameters),
+        "functions": functions,
+        "inverse": inverse,
+        "without_inverse": _without_inverse(program),
+    }
+    texts = {f"{folder}/Contents.m": render("octave/Contents.m.jinja", **context)}
+    texts[f"{folder}/model.m"] = render("octave/model.m.jinja", **context, constants=_constants(robot, program))
+    for function in functions:
+        texts[f"{folder}/{function.name}.m"] = render("octave/function.m.jinja", **context, function=function)
+    for name in ("inverse_kinematics", "inverse_kinematics_nearest") if inverse else ():
+        texts[f"{folder}/{name}.m"] = render(f"octave/{name}.m.jinja", **context)
+    return texts
+
+
+def package_folder(robot: Robot) -> str:
+    """The folder of a robot's package.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Its name, a plus sign before it.
+    """
+    return f"+{matlab_package(robot.name)}"
+
+
+TARGET = Target(
+    name="octave",
+    summary="a package of MATLAB and Octave, one file for each function",
+    files=(),
+    render=render_octave,
+    default=False,
+    package=package_folder,
+)
+
+
+def _without_inverse(program: Program) -> str:
+    """Why there is no inverse kinematics; nothing where there is, or where nobody asked."""
+    if program.search:
+        return "its solutions come from eigenvalues or a search, which NumPy and C have"
+    return matlab_comment(program.without_inverse)
+
+
+def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Lists of texts about a robot, by the names of their fields."""
+    standard = program["regressor"].columns if "regressor" in program else ()
+    base = program["base_parameters"].columns if "base_parameters" in program else ()
+    lists: dict[str, Iterable[str]] = {
+        "joint_names": [joint.variable for joint in robot.joints],
+        "joint_types": [joint.type.value for joint in robot.joints],
+        "parameters": program.parameters,
+        "standard_parameters": [column.name for column in standard],
+        "base_parameters": [column.name for column in base],
+        "base_formulas": [column.formula for column in base],
+        "given_joints": [robot.joints[i].variable for i in program.inverse.given] if program.inverse else [],
+    }
+    return tuple((name, _wrapped([matlab_string(text) for text in texts])) for name, texts in lists.items())
+
+
+def _function(function: Function, parameters: Sequence[str], robot: Robot, package: str) -> OctaveFunction:
+    """The texts of one function."""
+    tape = function.tape
+    kernel = write_kernel(tape, OCTAVE, [matlab_symbol(name, k) for k, name in enumerate(parameters, 1)])
+    needed = [parameters[index] for index in kernel.parameters]
+    names = [matlab_symbol(parameters[index], index + 1) for index in kernel.parameters]
+    layers = [tape.nodes[output.node].layer for output in tape.outputs]
+    operators = {node.op for node in tape.nodes}
+    is_row = [layer is Layer.BODY and Op.SELECT not in operators for layer in layers]  # a choice may be a constant
+    results = [text if row else _spread(text) for text, row in zip(kernel.results, is_row, strict=True)]
+    places, extent = _column_major(function.shape)
+    return OctaveFunction(
+        name=function.name,
+        result=re.sub(r"\W", "_", function.interface.symbol),
+        signature=", ".join((*function.arguments, *(["params"] if parameters else []))),
+        summary=function.interface.summary,
+        documentation=_documentation(function, package, robot.n, parameters) if not function.widths else (),
+        arguments=", ".join(function.arguments),
+        argument_count=len(function.arguments),
+        quoted=", ".join(f"'{name}'" for name in function.arguments),
+        unpack=_unpacked(function, robot.n),
+        needed=_wrapped([matlab_string(name) for name in needed]),
+        unpack_parameters=tuple(f"p_{name} = p({k});" for k, name in enumerate(names, 1)),
+        hoists=bool(kernel.constants),
+        hoisted=kernel.hoisted,
+        hoisted_results=kernel.constant_values,
+        unpack_constants=tuple(f"{name} = k({place});" for place, name in enumerate(kernel.constants, 1)),
+        name_constants=tuple(
+            f"{name} = {value};"
+            for name, value in zip(kernel.constants, kernel.constant_values, strict=True)
+            if name != value
+        ),
+        body=kernel.body,
+        results=tuple(results[place] for place in places),
+        extent=", ".join(map(str, extent)) if len(extent) > 1 else "",
+        has_root=Op.ROOT in operators,
+        has_cases=not operators.isdisjoint(BRANCHING_NAMES),
+        has_zeros=not all(is_row),
+    )
+
+
+def _spread(text: str) -> str:
+    """A result as a row, one number for each configuration, also where it is the same in all."""
+    return "z" if text == "0.0" else f"{text} + z"
+
+
+def _column_major(shape: Sequence[int]) -> tuple[list[int], tuple[int, ...]]:
+    """Where the entries of a result stand among the outputs, column by column, and its shape: a stack has pages."""
+    order = (1, 2, 0) if len(shape) == 3 else tuple(range(len(shape)))
+    extent = tuple(shape[axis] for axis in order)
+    strides = [1] * len(shape)
+    for axis in range(len(shape) - 1, 0, -1):
+        strides[axis - 1] = strides[axis] * shape[axis]
+    weights = [strides[axis] for axis in order]
+    places = product(*(range(length) for length in reversed(extent)))
+    return [sum(k * w for k, w in zip(reversed(place), weights, strict=True)) for place in places], extent
+
+
+def _unpacked(function: Function, joints: int) -> tuple[str, ...]:
+    """Statements that name the entries of arguments that the tape reads; those of a pose stand column by column."""
+    used = {input_name(node.source, ()) for node in function.tape.nodes if _is_argument(node.source)}
+    lines = []
+    for kind in function.arguments:
+        for k, name in enumerate(entry_names(function, kind, joints)):
+            row = 4 * (k % 4) + k // 4 if kind == POSE else k
+            lines += [f"{name} = {kind}({row + 1}, :);"] if name in used else []
+    return tuple(lines)
+
+
+def _is_argument(source: object) -> bool:
+    return source is not None and getattr(source, "kind", "") in (*ARGUMENTS, POSE, GIVEN, NEAR, "damping")
+
+
+def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> OctaveInverse:
+    """Inverse kinematics and its help."""
+    names = [matlab_comment(robot.joints[i].variable) for i in inverse.given]
+    params = ["params"] if program.parameters else []
+    inputs = [*([GIVEN] if names else []), *params]
+    size, count = f"{robot.n} x {inverse.branches}", len(names)
+    call = ", ".join([POSE, *inputs])
+    given = [f"given: variables of {', '.join(names)}, {count} x 1 or {count} {_WIDE}."] if names else []
+    documentation = (
+        f"q = {package}.inverse_kinematics({call}) has a column for each branch, {size}; with poses",
+        f"4 x 4 x N it is {size} {_WIDE}. A branch that does not exist is not a number.",
+        f"[q, status] = {package}.inverse_kinematics({call}) says, too, what each branch is, {inverse.branches} x 1 or",
+        f"{inverse.branches} {_WIDE}: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
+        f"q = {package}.inverse_kinematics({call}, near) has free joints where the configuration near has them, by",
+        "default at zero.",
+        "",
+        inverse.summary,
+        "",
+        "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
+        *given,
+        *_parameter_lines(program.parameters),
+        "",
+        *map(matlab_comment, inverse.order),
+        *inverse.function.notes,
+    )
+    nearest = (
+        f"q = {package}.inverse_kinematics_nearest({', '.join([POSE, 'near', *params])}) is the solution nearest to",
+        f"the configuration near, {robot.n} x 1, within the limits of the joints, full turns included; not a number",
+        f"where there is none. Of poses 4 x 4 x N it is {robot.n} {_WIDE}; near is {robot.n} x 1 or {robot.n} {_WIDE}."
+        + (f" {', '.join(names)} stay there." if names else ""),
+        "[q, status] says, too, what it is: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
+        "",
+        "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
+        *_parameter_lines(program.parameters),
+    )
+    turning = [
+        "true" if joint.is_revolute and i not in inverse.given else "false" for i, joint in enumerate(robot.joints)
+    ]
+    return OctaveInverse(
+        kernel=_function(inverse.function, program.parameters, robot, package),
+        step=_function(inverse.step, program.parameters, robot, package),
+        summary=inverse.function.interface.summary,
+        documentation=documentation,
+        nearest_documentation=nearest,
+        branches=inverse.branches,
+        closed=repr(inverse.closed),
+        around=inverse.around,
+        given_count=count,
+        given=", ".join(str(i + 1) for i in inverse.given),
+        turning=", ".join(turning),
+        inputs="".join(f", {name}" for name in inputs),
+        params_place=len(inputs) + 1,
+        near_place=len(inputs) + 2,
+        size=robot.n * inverse.branches,
+        error_place=robot.n + 1,
+        unit_place=robot.n + 2,
+    )
+
+
+def _documentation(function: Function, package: str, joints: int, parameters: Sequence[str]) -> tuple[str, ...]:
+    """The lines of a function's help after its first."""
+    wording = function.interface
+    _, extent = _column_major(function.shape)
+    shape = shape_text((*extent, 1) if len(extent) == 1 else extent)
+    batch = f"{shape_text((*extent, 1)) if not extent else shape_text(extent)} {_WIDE}"
+    call = ", ".join((*function.arguments, *(["params"] if parameters else [])))
+    symbol = re.sub(r"\W", "_", wording.symbol)
+    size = f"{shape}; {batch} for N configurations" if function.arguments else shape
+    return (
+        f"{symbol} = {package}.{function.name}({call}) is {size}:",
+        f"{wording.symbol}: {wording.result}.",
+        "",
+        *(f"{name}: {ARGUMENTS[name]}, {joints} x 1, or {joints} {_WIDE}." for name in function.arguments),
+        *_parameter_lines(parameters),
+        "",
+        *function.notes,
+    )
+
+
+def _parameter_lines(parameters: Sequence[str]) -> tuple[str, ...]:
+    if not parameters:
+        return ()
+    return ("params: numbers of the free parameters, a struct by name or a vector in the order of model().parameters.",)
+
+
+def _bound(value: float) -> str:
+    return repr(value) if isfinite(value) else "-Inf" if value < 0 else "Inf"
+
+
+def _wrapped(values: Sequence[str]) -> tuple[str, ...]:
+    """Values with commas between them, in lines that go on."""
+    lines, line = [], ""
+    for place, value in enumerate(values):
+        text = value if place == len(values) - 1 else f"{value}, "
+        if line and len(line) + len(text) > LINE_WIDTH:
+            lines.append(f"{line.rstrip()} ...")
+            line = ""
+        line += text
+    return (*lines, line) if line else tuple(lines)
