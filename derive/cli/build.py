@@ -101,6 +101,8 @@ def _print_report(results: Sequence[BuildResult | CheckResult | BuildFailure]) -
             built.append((result.robot, state, str(result.folder), files, worst, seconds))
     print_columns(built, ("robot", "status", "folder", "files", "worst error", "seconds") if built else ())
     for result in results:
+        for reason in result.report.reasons if isinstance(result, BuildResult) and result.report else ():
+            print(f"{result.robot}: {reason}")
         if isinstance(result, CheckResult):
             found = {"stale": result.stale, "missing": result.missing, "not ours any more": result.extra}
             differences = "; ".join(f"{what} {', '.join(names)}" for what, names in found.items() if names)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Around, Function, Inverse, Program, joint_lines
-from derive.programs.tape.tape import BRANCHING_NAMES, Layer, Op
+from derive.programs.program import ARGUMENTS, GIVEN, POSE, Around, Function, Inverse, Program, joint_lines
+from derive.programs.tape.tape import BRANCHING_NAMES, PARAMETER, Layer, Op
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_comment, matlab_package, matlab_string, matlab_symbol
 from derive.targets.kernel import LINE_WIDTH, OCTAVE, entry_names, input_name, write_kernel
@@ -30,12 +30,13 @@ class OctaveFunction:
 
     Attributes:
         name: ``inertia_matrix``.
+        heading: The name as help texts begin with it, in capitals.
         result: The variable that is returned, ``B``.
         signature: ``q, qd, params``.
         summary: First line of its help.
         documentation: Lines of its help.
         arguments: ``q, qd``.
-        argument_count: How many these are.
+        params_place: Place of the argument ``params``.
         quoted: ``'q', 'qd'``.
         unpack: Statements that name the entries of the arguments.
         needed: Names of the run-time parameters that it needs, as the inside of a cell array, in lines.
@@ -47,6 +48,7 @@ class OctaveFunction:
         name_constants: Statements that name them where they are at hand.
         body: Statements on the arguments.
         results: The outputs, column by column, a line each.
+        single: The output, where it is one.
         extent: Lengths of the axes of one result, with commas; nothing for a column or a number.
         has_root: Whether roots are taken.
         has_cases: Whether cases are told apart.
@@ -54,12 +56,13 @@ class OctaveFunction:
     """
 
     name: str
+    heading: str
     result: str
     signature: str
     summary: str
     documentation: tuple[str, ...]
     arguments: str
-    argument_count: int
+    params_place: int
     quoted: str
     unpack: tuple[str, ...]
     needed: tuple[str, ...]
@@ -71,6 +74,7 @@ class OctaveFunction:
     name_constants: tuple[str, ...]
     body: tuple[str, ...]
     results: tuple[str, ...]
+    single: str
     extent: str
     has_root: bool
     has_cases: bool
@@ -216,12 +220,13 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
     places, extent = _column_major(function.shape)
     return OctaveFunction(
         name=function.name,
+        heading=function.name.upper(),
         result=re.sub(r"\W", "_", function.interface.symbol),
         signature=", ".join((*function.arguments, *(["params"] if parameters else []))),
         summary=function.interface.summary,
         documentation=_documentation(function, package, robot.n, parameters) if not function.widths else (),
         arguments=", ".join(function.arguments),
-        argument_count=len(function.arguments),
+        params_place=len(function.arguments) + 1,
         quoted=", ".join(f"'{name}'" for name in function.arguments),
         unpack=_unpacked(function, robot.n),
         needed=_wrapped([matlab_string(name) for name in needed]),
@@ -237,6 +242,7 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         ),
         body=kernel.body,
         results=tuple(results[place] for place in places),
+        single=results[0] if len(results) == 1 else "",
         extent=", ".join(map(str, extent)) if len(extent) > 1 else "",
         has_root=Op.ROOT in operators,
         has_cases=not operators.isdisjoint(BRANCHING_NAMES),
@@ -263,17 +269,14 @@ def _column_major(shape: Sequence[int]) -> tuple[list[int], tuple[int, ...]]:
 
 def _unpacked(function: Function, joints: int) -> tuple[str, ...]:
     """Statements that name the entries of arguments that the tape reads; those of a pose stand column by column."""
-    used = {input_name(node.source, ()) for node in function.tape.nodes if _is_argument(node.source)}
+    sources = [node.source for node in function.tape.nodes if node.source is not None]
+    used = {input_name(source, ()) for source in sources if source.kind != PARAMETER}
     lines = []
     for kind in function.arguments:
         for k, name in enumerate(entry_names(function, kind, joints)):
             row = 4 * (k % 4) + k // 4 if kind == POSE else k
             lines += [f"{name} = {kind}({row + 1}, :);"] if name in used else []
     return tuple(lines)
-
-
-def _is_argument(source: object) -> bool:
-    return source is not None and getattr(source, "kind", "") in (*ARGUMENTS, POSE, GIVEN, NEAR, "damping")
 
 
 def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> OctaveInverse:
@@ -358,7 +361,7 @@ def _documentation(function: Function, package: str, joints: int, parameters: Se
 def _parameter_lines(parameters: Sequence[str]) -> tuple[str, ...]:
     if not parameters:
         return ()
-    return ("params: numbers of the free parameters, a struct by name or a vector in the order of model().parameters.",)
+    return ("params: numbers of the free parameters, a struct by name or a vector in the order of those of model().",)
 
 
 def _bound(value: float) -> str:

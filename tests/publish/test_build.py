@@ -128,6 +128,25 @@ def test_one_build_adds_to_another_and_renews_what_it_finds(arm: Robot, tmp_path
     assert contents(added.folder) == contents(at_once.folder)
 
 
+def test_a_package_is_a_folder_of_the_build_and_keeps_what_is_the_users(arm: Robot, tmp_path: Path) -> None:
+    """Its files come and go as all others do; a file of the user's in it stays, and is never replaced."""
+    quickly = partial(build_robot, verified=False, effort=Effort.QUICK)
+    folder = quickly(arm, tmp_path, ["octave"]).folder
+    package = folder / "+two_bars"
+    assert (package / "jacobian.m").is_file()
+    assert quickly(arm, tmp_path, ["octave"]).unchanged
+    (package / "mine.m").write_text("% mine")
+    (package / "jacobian.m").write_text("% edited")
+    assert check_robot(arm, tmp_path, ["octave"], Effort.QUICK).stale == ("+two_bars/jacobian.m",)
+    assert "% edited" not in (quickly(arm, tmp_path, ["octave"]).folder / "+two_bars" / "jacobian.m").read_text()
+    quickly(arm, tmp_path, ["numpy"], only=True)
+    assert [path.name for path in package.iterdir()] == ["mine.m"]
+    (package / "jacobian.m").write_text("% mine")
+    with pytest.raises(OutputError, match=r"\+two_bars"):
+        quickly(arm, tmp_path, ["octave"])
+    assert (package / "jacobian.m").read_text() == "% mine"
+
+
 def test_a_build_that_is_overtaken_by_one_of_other_targets_keeps_what_that_has_added(
     arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -192,7 +211,7 @@ def test_a_failed_verification_keeps_the_old_folder(
 
 def test_unknown_targets_are_refused_before_anything_is_written(arm: Robot, tmp_path: Path) -> None:
     """The message lists the targets there are."""
-    with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, latex, readme"):
+    with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, octave, latex, readme"):
         build_robot(arm, tmp_path / "out", ["fortran"])
     with pytest.raises(TargetError):
         build_robot(arm, tmp_path / "out", [])

@@ -8,6 +8,7 @@ import json
 import re
 import string
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -99,3 +100,33 @@ def test_common_letters_of_titles_stay_readable() -> None:
     )
     assert escape.markdown_text("PUMA 560 (symbolic), 2-link") == "PUMA 560 (symbolic), 2-link"
     assert escape.python_string("q1") == '"q1"'
+
+
+@given(hostile)
+def test_matlab_strings_and_comments_are_one_line(text: str) -> None:
+    literal = escape.matlab_string(text)
+    assert literal[0] == literal[-1] == "'"
+    assert "'" not in literal[1:-1].replace("''", "")
+    assert len(literal.splitlines()) == 1
+    assert len(escape.matlab_comment(text).splitlines()) <= 1
+
+
+@pytest.mark.parametrize(
+    ("name", "package"),
+    [
+        ("puma560-corke", "puma560_corke"),
+        ("plot", "robot_plot"),
+        ("end", "robot_end"),
+        ("unwind-protect", "robot_unwind_protect"),
+        ("3-arm", "robot_3_arm"),
+        ("a-", "robot_a"),
+        ("a-" + "b" * 62, "a_" + "b" * 61),
+    ],
+)
+def test_packages_of_matlab_have_names_that_nothing_of_it_has(name: str, package: str) -> None:
+    assert escape.matlab_package(name) == package
+
+
+def test_symbols_of_matlab_are_no_longer_than_it_tells_apart() -> None:
+    assert escape.matlab_symbol("m2", 3) == "m2"
+    assert escape.matlab_symbol("m" * 64, 3) == "3"

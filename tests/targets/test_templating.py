@@ -52,5 +52,5 @@ def test_targets_are_chosen_by_name() -> None:
     assert [target.name for target in targets_named()] == ["numpy", "casadi", "c", "latex", "readme"]
     assert [target.name for target in targets_named(TARGETS)] == list(TARGETS)
     assert [target.name for target in targets_named(["latex", "numpy", "latex"])] == ["numpy", "latex"]
-    with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, latex, readme"):
+    with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, octave, latex, readme"):
         targets_named(["matlab"])
