@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from derive.api.importing import import_all, import_urdf, verify_import
     from derive.api.move import move
     from derive.api.plot import plot
+    from derive.api.possible import possible
     from derive.api.robots import Robot, catalogue, load
     from derive.api.style import Style, find_style
     from derive.errors import DeriveError, RobotFileWarning
@@ -60,6 +61,7 @@ __all__ = [
     "load",
     "move",
     "plot",
+    "possible",
     "stale",
     "verify",
     "verify_import",
@@ -88,6 +90,7 @@ _HOMES = {
     "load": "derive.api.robots",
     "move": "derive.api.move",
     "plot": "derive.api.plot",
+    "possible": "derive.api.possible",
     "stale": "derive.api.build",
     "verify": "derive.api.build",
     "verify_import": "derive.api.importing",

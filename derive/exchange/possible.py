@@ -44,6 +44,7 @@ from derive.mechanics.vectors import Symmetric, add, from_matrix, matmul, multip
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import Expression, number, to_text
 from derive.robot.robot import Robot
+from derive.robot.writer import robot_text
 
 Array = npt.NDArray[Any]
 
@@ -115,6 +116,11 @@ class Possible:
             lines.append("some body is at the limit of what exists (a thin rod or a plate), and torques allow no other")
         return tuple(lines)
 
+    @property
+    def text(self) -> str:
+        """The robot file of the robot, with the comments at its head and what was changed."""
+        return robot_text(self.robot, (*self.robot.comments, *self.report))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bodies:
@@ -124,11 +130,13 @@ class Bodies:
         given: (n, 10) pseudo-inertias as vectors, see `derive.exchange.semidefinite`.
         along: (n, 10, k) their change along each direction.
         units: (n, 4, 4) what takes a pseudo-inertia in the joint frame to these units, from both sides.
+        weighed: Links given without a mass, which must get enough of it not to be wider than the arm.
     """
 
     given: Array
     along: Array
     units: Array
+    weighed: tuple[int, ...] = ()
 
 
 def possible(robot: Robot) -> Possible:
@@ -156,7 +164,7 @@ def possible(robot: Robot) -> Possible:
             return Possible(robot, (), border=False)
         basis = directions(robot, chain, domain)
         bodies = in_own_units(parameters, basis, size_of(chain))
-        room = most_room(bodies)
+        bodies, room = _weighed(bodies, most_room(bodies))
         if room.value < -BORDER:
             raise refusal(
                 robot, parameters, basis, np.einsum("nba,nbc,ncd->nad", bodies.units, room.prices, bodies.units)
@@ -166,7 +174,8 @@ def possible(robot: Robot) -> Possible:
             return Possible(robot, (), border=True)
         changed = _needed(bodies, target)
         if fewer := keeping(basis, [i for i in range(robot.n) if i not in changed]):
-            basis, bodies = fewer, in_own_units(parameters, fewer, size_of(chain))
+            basis = fewer
+            bodies = replace(in_own_units(parameters, fewer, size_of(chain)), weighed=bodies.weighed)
         steps = _nearest(bodies, target)
         moved = combined(basis, [_decimal_step(step, bodies.along[..., k]) for k, step in enumerate(steps)])
         return _result(robot, chain, domain, moved, border=bool((target < 0).any()))
@@ -270,8 +279,34 @@ def most_room(bodies: Bodies) -> Room:
         for body, slope, weight in zip(bodies.given, slopes, weights, strict=True)
     ]
     room = np.eye(width + 1)[width]
-    found = least(-room, [*limits, Limit(Cone.NOT_NEGATIVE, np.array([MARGIN]), -room[None])])
-    return Room(float(found.x[width]), weights, unpacked(np.array(found.prices[:-1])))
+    limits.append(Limit(Cone.NOT_NEGATIVE, np.array([MARGIN]), -room[None]))
+    found = least(-room, [*limits, *_masses(bodies, 1)])
+    return Room(float(found.x[width]), weights, unpacked(np.array(found.prices[: len(slopes)])))
+
+
+def _weighed(bodies: Bodies, room: Room) -> tuple[Bodies, Room]:
+    """The same with masses for the links that are given none, where torques allow it.
+
+    One that has moments of inertia would else get next to nothing, and a radius of gyration of kilometres.
+    """
+    massless = tuple(i for i, body in enumerate(bodies.given) if body[-1] == 0)
+    if not massless or room.value < MARGIN / 2:
+        return bodies, room
+    heavier = replace(bodies, weighed=massless)
+    try:
+        found = most_room(heavier)
+    except DeriveError:
+        return bodies, room
+    return (heavier, found) if found.value > room.value / 2 else (bodies, room)
+
+
+def _masses(bodies: Bodies, more: int) -> list[Limit]:
+    """What `weighed` asks for, of functions of the steps and of some more variables."""
+    slopes = _slopes(bodies)[:, -1, :]
+    return [
+        Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:] - 1, np.append(slopes[i], np.zeros(more))[None])
+        for i in bodies.weighed
+    ]
 
 
 def _targets(bodies: Bodies, room: Room) -> Array:
@@ -291,7 +326,7 @@ def _targets(bodies: Bodies, room: Room) -> Array:
         Limit(Cone.NOT_NEGATIVE, np.full(n, MARGIN), -rooms),
         Limit(Cone.NOT_NEGATIVE, np.full(n, 2 * BORDER), rooms),
     ]
-    found = least(-rooms.sum(axis=0), limits).x[width:]
+    found = least(-rooms.sum(axis=0), [*limits, *_masses(bodies, n)]).x[width:]
     return np.where(found > 2 * BORDER, room.weights * found / 2, -2 * BORDER)
 
 
@@ -307,14 +342,14 @@ def _needed(bodies: Bodies, target: Array) -> list[int]:
         Limit(Cone.LONGEST_FIRST, np.zeros(11), np.vstack([size, np.column_stack([slope, np.zeros((10, n))])]))
         for size, slope in zip(sizes, slopes, strict=True)
     ]
-    found = least(sizes.sum(axis=0), limits).x[width:]
+    found = least(sizes.sum(axis=0), [*limits, *_masses(bodies, n)]).x[width:]
     return [i for i, size in enumerate(found) if size > KEPT * found.max()]
 
 
 def _nearest(bodies: Bodies, target: Array) -> Array:
     """How far along each direction the nearest bodies are."""
     slopes = _slopes(bodies)
-    limits = [_beyond(*each) for each in zip(bodies.given, slopes, target, strict=True)]
+    limits = [_beyond(*each) for each in zip(bodies.given, slopes, target, strict=True)] + _masses(bodies, 0)
     every = slopes.reshape(-1, slopes.shape[2])
     found: Array = least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies)
     return found
@@ -354,7 +389,7 @@ def _result(robot: Robot, chain: Chain[Exact], domain: ExactDomain, moved: Direc
         cells = tuple(_differences(link, links[i]))
         if cells:
             changes.append(Change(i + 1, float(np.sqrt((shapes.along[i] ** 2).sum())), cells))
-    return Possible(Robot.of(replace(robot, links=tuple(links))), tuple(changes), border)
+    return Possible(replace(robot, links=tuple(links)), tuple(changes), border)
 
 
 def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact], domain: ExactDomain) -> Link:
