@@ -91,7 +91,7 @@ def test_every_built_in_robot_is_the_same_arm_and_comes_back_as_the_same_table(n
 def test_closed_forms_are_equal_exactly(name: str) -> None:
     robot = Robot.load(name)
     model, other = Model(robot), Model(Robot.of(convert(robot).result))
-    for quantity in ("T", *(("B", "g") if robot.has_dynamics else ())):
+    for quantity in ("T", *(("B", "g") if robot.has_dynamics and robot.n <= 4 else ())):
         value = getattr(other, quantity)
         places = [
             (i, j) for i in range(min(value.rows, robot.n + 3)) for j in range(value.cols) if quantity == "T" or i >= j
@@ -101,7 +101,7 @@ def test_closed_forms_are_equal_exactly(name: str) -> None:
             assert model.equal(quantity + index, value[i, j]), quantity + index
 
 
-@pytest.mark.parametrize("name", swept_catalogue())
+@pytest.mark.parametrize("name", swept_catalogue(most_joints=7))
 def test_closed_forms_of_every_built_in_robot_are_equal_exactly(name: str) -> None:
     test_closed_forms_are_equal_exactly(name)
 
