@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from derive.api.build import build, build_all, stale, verify
     from derive.api.check import check, check_formula, check_inverse, check_latex
     from derive.api.convert import convert
+    from derive.api.export import export
     from derive.api.handout import fragment, handout
     from derive.api.importing import import_all, import_urdf, verify_import
     from derive.api.move import move
@@ -53,6 +54,7 @@ __all__ = [
     "check_inverse",
     "check_latex",
     "convert",
+    "export",
     "find_style",
     "fragment",
     "handout",
@@ -82,6 +84,7 @@ _HOMES = {
     "check_inverse": "derive.api.check",
     "check_latex": "derive.api.check",
     "convert": "derive.api.convert",
+    "export": "derive.api.export",
     "find_style": "derive.api.style",
     "fragment": "derive.api.handout",
     "handout": "derive.api.handout",

@@ -80,6 +80,35 @@ class Robot(PlainRobot):
 
         return cls.of(import_urdf(file, tip=tip, base=base, convention=convention, snap=snap, name=name).robot)
 
+    def to_urdf(self) -> str:
+        """The robot as URDF; see `derive.export` for its remarks, files, and numbers of symbols.
+
+        Returns:
+            The text, with what URDF cannot say in its first comment.
+
+        Raises:
+            DeriveError: A symbol has no number.
+        """
+        from derive.exchange.formats import exported  # `import derive` and `load` need none of it
+
+        return exported(self, "urdf").text
+
+    def to_mjcf(self, inertia: str = "given") -> str:
+        """The robot as MJCF, for MuJoCo; see `derive.export` for its remarks, files, and numbers of symbols.
+
+        Args:
+            inertia: ``given``, or ``possible``: the nearest bodies that exist, with the same dynamics.
+
+        Returns:
+            The text, with what MJCF cannot say in its first comment.
+
+        Raises:
+            DeriveError: A symbol has no number, or there are no possible bodies.
+        """
+        from derive.exchange.formats import exported
+
+        return exported(self, "mjcf", inertia).text
+
 
 Loaded = TypeVar("Loaded", bound=PlainRobot)
 

@@ -24,12 +24,13 @@ COMMANDS = {
     "move": "a motion from via points: speeds, torques, work; plots, films, simulation",
     "convert": "the same arm in the other Denavit-Hartenberg convention",
     "import": "a robot file from a URDF or xacro file, with a proven bound of its error",
+    "export": "write a robot for another program: URDF, MJCF, MATLAB, ...",
     "new": "write a commented robot file, or a motion plan, to start from",
     "schema": "print the JSON Schema of the robot file or the motion plan",
 }
 """What each command does; its module `derive.cli.NAME`, or `NAME_`, is imported when it is asked for."""
 
-OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "convert", "new")
+OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "convert", "export", "new")
 """Commands that read robot files."""
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

@@ -87,16 +87,16 @@ def screws(robot: Description) -> tuple[list[Line], Frame]:
     Returns:
         A line for each joint, and the frame of the end effector.
     """
-    frame, lines = _frame(robot.base), []
+    frame, lines = frame_of(robot.base), []
     for joint in robot.joints:
         theta, d, a, alpha = (ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha))
         if robot.convention is Convention.MODIFIED:
-            frame = frame.then(_along_x(a, alpha))
+            frame = frame.then(along_x(a, alpha))
         lines.append(Line(frame.origin, times(frame.z, joint.sign)))
-        frame = frame.then(_along_z(theta, d))
+        frame = frame.then(along_z(theta, d))
         if robot.convention is Convention.STANDARD:
-            frame = frame.then(_along_x(a, alpha))
-    return lines, frame.then(_frame(robot.tool))
+            frame = frame.then(along_x(a, alpha))
+    return lines, frame.then(frame_of(robot.tool))
 
 
 def ball(cell: Expression) -> Real:
@@ -127,17 +127,34 @@ def ball(cell: Expression) -> Real:
     raise QuantityError("a table with symbols has no poses in numbers", remedy="give them numbers under parameters:")
 
 
-def _along_z(theta: Real, d: Real) -> Frame:
+def along_z(theta: Real, d: Real) -> Frame:
+    """Rot(z, theta) Trans(z, d).
+
+    Args:
+        theta: [rad].
+        d: [m].
+    """
     c, s, zero, one = theta.cos(), theta.sin(), arb(0), arb(1)
     return Frame((zero, zero, d), (c, s, zero), (-s, c, zero), (zero, zero, one))
 
 
-def _along_x(a: Real, alpha: Real) -> Frame:
+def along_x(a: Real, alpha: Real) -> Frame:
+    """Trans(x, a) Rot(x, alpha).
+
+    Args:
+        a: [m].
+        alpha: [rad].
+    """
     c, s, zero, one = alpha.cos(), alpha.sin(), arb(0), arb(1)
     return Frame((a, zero, zero), (one, zero, zero), (zero, c, s), (zero, -s, c))
 
 
-def _frame(matrix: Matrix) -> Frame:
+def frame_of(matrix: Matrix) -> Frame:
+    """A transform of numbers.
+
+    Args:
+        matrix: Of cells without names.
+    """
     rows = [[ball(cell) for cell in row] for row in matrix[:3]]
     x, y, z, origin = ((rows[0][k], rows[1][k], rows[2][k]) for k in range(4))
     return Frame(origin, x, y, z)

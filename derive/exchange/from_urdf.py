@@ -6,26 +6,24 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import floor, log10
 
 import numpy as np
 from flint import arb
 
 from derive.errors import DeriveError, RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass, arm_of
+from derive.exchange.carried import carried_table, placement_of, with_table
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import Placement, Row, place
-from derive.exchange.space import NOTHING, Frame, Point, Real, dot, exactly, plus, real
-from derive.exchange.urdf import Urdf
+from derive.exchange.placed import HALVES
+from derive.exchange.space import NOTHING, Frame, Point, Real, decimal, dot, exactly, plus, real
+from derive.exchange.urdf import UNLIMITED, Urdf
 from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
 from derive.robot.load import is_robot_name
 from derive.robot.robot import Robot
 from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.writer import robot_text
-
-DIGITS = 17
-"""Of a number that is none of a few digits."""
 
 DIVISORS = 180
 """Angles that are exact multiples of pi by this are written so."""
@@ -35,9 +33,6 @@ TOUCHING = Fraction(1, 10**9)
 
 MOST_MOVED = 1e-4
 """A table whose poses may be farther from the URDF's is refused [m]."""
-
-HALVES = 1e-9
-"""Part of the largest principal moment that rounding may have taken from A + B - C."""
 
 GRAVITY = Fraction(981, 100)
 """Where a format says nothing [m/s^2]."""
@@ -115,10 +110,13 @@ def import_urdf(
         RobotFileError: There is no such chain, a joint of it has no place in a table, or poses would move too far.
     """
     with exactly():
-        arm = arm_of(urdf, base, tip, snap)
-        placement = place(arm, convention, float(snap))
+        arm, as_written = arm_of(urdf, base, tip, snap), arm_of(urdf, base, tip, Fraction(0))
+        table = carried_table(urdf, as_written, convention)
+        placement = place(arm, convention, float(snap)) if table is None else placement_of(table)
         description = _description(urdf, arm, placement, snap, name)
-        certificate = certify(arm_of(urdf, base, tip, Fraction(0)), description)
+        if table is not None:
+            description = with_table(description, table)
+        certificate = certify(as_written, description)
     if certificate.position > MOST_MOVED:
         raise RobotFileError(
             f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {certificate.position:.2g} m",
@@ -233,7 +231,7 @@ def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
     if of_file.limits is not None and of_file.limits[0] < of_file.limits[1]:
         limits = number(rounded(of_file.limits[0])), number(rounded(of_file.limits[1]))
     speed, torque = (
-        number(rounded(most)) if most and most > 0 else None for most in (of_file.velocity, of_file.effort)
+        number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in (of_file.velocity, of_file.effort)
     )
     return Joint(
         JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC,
@@ -282,20 +280,6 @@ def rounded(value: Fraction) -> Fraction:
         value: As in the file.
     """
     return decimal(real(value))
-
-
-def decimal(value: Real) -> Fraction:
-    """The nearest number of `DIGITS` digits; zero where there is nothing.
-
-    Args:
-        value: Any.
-    """
-    if not abs(value) > NOTHING:
-        return Fraction(0)
-    mantissa, exponent = value.mid().man_exp()
-    exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-    places = DIGITS - 1 - floor(log10(abs(exact)))
-    return Fraction(round(exact * 10**places), 1) / Fraction(10) ** places
 
 
 def _matrix(frame: Frame, snap: Fraction) -> Matrix:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from math import floor, log10
 from typing import Any
 
 from flint import arb, ctx, fmpq
@@ -21,6 +22,9 @@ Real = Any
 
 Point = tuple[Real, Real, Real]
 """A point or a vector in space."""
+
+DIGITS = 17
+"""Of a number that is none of a few digits."""
 
 NOTHING = 1e-40
 """What is smaller is zero: so many digits are lost nowhere."""
@@ -43,6 +47,20 @@ def real(value: Fraction | int) -> Real:
         value: Exact.
     """
     return arb(fmpq(value.numerator, value.denominator))
+
+
+def decimal(value: Real) -> Fraction:
+    """The nearest number of `DIGITS` digits; zero where there is nothing.
+
+    Args:
+        value: Any.
+    """
+    if not abs(value) > NOTHING:
+        return Fraction(0)
+    mantissa, exponent = value.mid().man_exp()
+    exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    places = DIGITS - 1 - floor(log10(abs(exact)))
+    return Fraction(round(exact * 10**places), 1) / Fraction(10) ** places
 
 
 def vector(values: Sequence[Fraction | int]) -> Point:

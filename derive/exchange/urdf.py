@@ -27,6 +27,9 @@ MOST_TAGS = 200_000
 MOST_DIGITS = 400
 """Of a number."""
 
+UNLIMITED = 10**6
+"""Efforts and speeds from here on are none: URDF wants numbers [N m or N, rad/s or m/s]."""
+
 GREATEST = 60
 """Power of ten beyond which a number is no length and no mass; what is as small is zero."""
 
@@ -41,7 +44,7 @@ MOVING = {"revolute": True, "continuous": True, "prismatic": False}
 TYPES = (*MOVING, "fixed", "floating", "planar")
 
 READ = {
-    "robot": {"link", "joint"},
+    "robot": {"link", "joint", "dh_table"},
     "link": {"inertial"},
     "joint": {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"},
 }
@@ -126,6 +129,7 @@ class Urdf:
         notes: What was read though it is not in order, as sentences.
         unread: Kinds of elements that were not read, such as ``visual``.
         source: File name for messages.
+        table: Robot file with the table that the URDF was written from; empty in those of other programs.
     """
 
     name: str
@@ -134,6 +138,7 @@ class Urdf:
     notes: tuple[str, ...] = field(default=())
     unread: tuple[str, ...] = field(default=())
     source: str = "<urdf>"
+    table: str = ""
 
 
 def read_urdf(data: bytes, source: str) -> Urdf:
@@ -177,7 +182,8 @@ def read_urdf(data: bytes, source: str) -> Urdf:
         joints[joint.name] = joint
     if not bodies:
         raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
-    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, _unread(root, elements), source)
+    table = root.findtext("dh_table", "").strip()
+    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, _unread(root, elements), source, table)
 
 
 def _unread(root: etree._Element, elements: Iterable[etree._Element]) -> tuple[str, ...]:

@@ -1,0 +1,80 @@
+"""Robots in the formats of other programs, from Python."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+
+from derive.api.robots import RobotLike, load
+from derive.errors import DeriveError, OutputError, RobotFileWarning, near_miss, quoted
+from derive.exchange.formats import exported
+from derive.publish.atomic_folder import write_files
+from derive.robot.cells import joint_value
+from derive.robot.expression import Expression
+from derive.robot.names import limit_symbols, robot_symbols
+from derive.robot.robot import Robot as PlainRobot
+
+
+def export(
+    robot: RobotLike,
+    to: str,
+    path: str | Path | None = None,
+    *,
+    inertia: str = "given",
+    values: Mapping[str, float | str] | None = None,
+    force: bool = False,
+) -> str:
+    """A robot in the format of another program, as ``derive export`` writes it.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        to: ``urdf``, ``mjcf``, ``rtb`` (Python), ``corke`` or ``rigidbodytree`` (MATLAB), or ``csv``.
+        path: The file that is written; None for none.
+        inertia: ``given``, or ``possible``: the nearest bodies that exist, with the same dynamics.
+        values: Numbers or cells of symbols [SI units, rad]; they go before those of the robot file.
+        force: Whether a file that exists is overwritten.
+
+    Returns:
+        The text; what the format cannot say stands in its first comment, and is issued as `RobotFileWarning`.
+
+    Raises:
+        DeriveError: An unknown format, or a symbol without a number.
+        RobotFileError: The file does not describe a robot.
+        OutputError: There is such a file already, or it cannot be written.
+    """
+    chosen = load(robot)
+    if path is not None and os.path.lexists(path) and not force:
+        found, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
+        raise OutputError(found, allowed="a name that is not taken", remedy=remedy)
+    found = exported(chosen, to, inertia, typed_values(chosen, values or {}))
+    for remark in found.remarks:
+        warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=2)
+    if path is not None:
+        write_files({Path(path).name: found.text.encode()}, Path(path).parent, force=True)
+    return found.text
+
+
+def typed_values(robot: PlainRobot, values: Mapping[str, float | str]) -> dict[str, Expression]:
+    """Numbers of symbols as cells.
+
+    Args:
+        robot: Whose symbols they are.
+        values: Numbers, or cells such as ``pi/2``.
+
+    Returns:
+        Exact cells by name.
+
+    Raises:
+        DeriveError: No symbol of the robot, or no number.
+    """
+    symbols = tuple(dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot))))
+    cells = {}
+    for name, value in values.items():
+        if name not in symbols:
+            allowed = f"allowed: {', '.join(symbols)}" if symbols else "the robot has no symbols"
+            raise DeriveError(f"no {quoted(name)} in {robot.name}", allowed=allowed, remedy=near_miss(name, symbols))
+        text = value if isinstance(value, str) else repr(float(value))
+        cells[name] = joint_value(robot, None, text, name)
+    return cells

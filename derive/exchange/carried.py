@@ -1,0 +1,107 @@
+"""The table that a URDF carries with it: where it is proven to be the arm's, it goes before one by common normals.
+
+Many tables are right for one arm. A URDF that `derive export` wrote says from which it was made, so that it comes back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+from derive.errors import DeriveError
+from derive.exchange.arm import Arm
+from derive.exchange.certificate import along_x, along_z, ball, certify, frame_of
+from derive.exchange.common_normals import Placement, Row
+from derive.exchange.placed import placed_arm
+from derive.exchange.space import WORLD, exactly
+from derive.exchange.urdf import Urdf
+from derive.robot.description import Convention, Description, Link
+from derive.robot.robot import Robot
+from derive.robot.writer import robot_text
+
+SAME = 1e-9
+"""Poses that differ by less are the same: a URDF's numbers have 17 digits [m, rad]."""
+
+
+def carried_table(urdf: Urdf, arm: Arm, convention: Convention) -> Robot | None:
+    """The table that a URDF carries.
+
+    Args:
+        urdf: The file.
+        arm: The chain that a table is asked for, without any rounding.
+        convention: Of the table that is asked for.
+
+    Returns:
+        A robot of numbers; None where there is none, it is of the other convention, or it is not this arm's.
+    """
+    if not urdf.table:
+        return None
+    try:
+        table = Robot.from_text(urdf.table, f"{urdf.source}, dh_table")
+        kinds = [(joint.is_revolute, joint.variable) for joint in table.joints]
+        if table.convention is not convention or kinds != [(a.is_revolute, a.joint.name) for a in arm.axes]:
+            return None
+        certificate = certify(arm, table)
+    except DeriveError:
+        return None
+    return table if certificate.position < SAME and certificate.rotation < SAME else None
+
+
+def placement_of(table: Robot) -> Placement:
+    """Where the frames of a table are at q = 0.
+
+    Args:
+        table: Of numbers.
+    """
+    with exactly():
+        frames, rows = [frame_of(table.base)], []
+        for joint in table.joints:
+            row = Row(*(ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha)))
+            along, across = along_z(row.theta, row.d), along_x(row.a, row.alpha)
+            standard = table.convention is Convention.STANDARD
+            frames.append(frames[-1].then(along.then(across) if standard else across.then(along)))
+            rows.append(row)
+        return Placement(table.convention, tuple(frames), tuple(rows), frame_of(table.tool), ())
+
+
+def table_text(robot: Robot) -> str:
+    """A robot file of what a URDF has no words for: the table, gravity, armatures and motors.
+
+    Args:
+        robot: Of numbers.
+    """
+    joints = tuple(replace(joint, limits=None, speed=None, torque=None) for joint in robot.joints)
+    links = tuple(Link(armature=link.armature, motor=link.motor) for link in robot.links)
+    return robot_text(replace(robot, title="", joints=joints, links=links))
+
+
+def with_table(robot: Description, table: Robot) -> Description:
+    """A robot with the cells of a table to the letter, and with its gravity, armatures and motors.
+
+    Args:
+        robot: Made from the same frames; rotors are part of its links.
+        table: Of numbers.
+
+    Returns:
+        The robot, whose links are without the rotors.
+    """
+    cells = ("variable", "sign", "theta", "d", "a", "alpha")
+    joints = tuple(
+        replace(joint, **{cell: getattr(row, cell) for cell in cells})
+        for joint, row in zip(robot.joints, table.joints, strict=True)
+    )
+    robot = replace(robot, joints=joints, base=table.base, tool=table.tool)
+    if not (robot.links and table.links):
+        return robot
+    links = tuple(
+        replace(link, armature=own.armature, motor=own.motor)
+        for link, own in zip(robot.links, table.links, strict=True)
+    )
+    robot = replace(robot, links=links, gravity=table.gravity, parameters=())
+    segments = placed_arm(Robot.of(robot)).segments
+    bodies = [segment.body for segment in segments]
+    for i, (segment, following) in enumerate(pairwise(segments)):
+        if following.rotor is not None and segment.body is not None:
+            rotor = following.rotor.carried.moved(WORLD.seen_from(segment.dh))
+            bodies[i] = segment.body + rotor.negative
+    return replace(robot, links=tuple(b.link(own) if b else own for b, own in zip(bodies, links, strict=True)))

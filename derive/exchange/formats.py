@@ -1,0 +1,171 @@
+"""The formats of other programs that a robot is written in, and what each of them cannot say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from derive.errors import DeriveError, near_miss, quoted
+from derive.exchange.certificate import ball
+from derive.exchange.numeric import with_numbers
+from derive.exchange.placed import PlacedArm, Segment, given, placed_arm
+from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
+from derive.exchange.space import NOTHING, exactly
+from derive.exchange.to_mjcf import DENSITY, coupled_by_tendon, mjcf_text
+from derive.exchange.to_urdf import SLIDE, urdf_text
+from derive.robot.expression import Expression
+from derive.robot.robot import Robot
+from derive.version import __version__
+
+INERTIAS = ("given", "possible")
+"""Which bodies are written: those of the robot file, or the nearest ones that exist and move alike."""
+
+GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
+    {
+        "limits": ("the limits", lambda segment: segment.joint.limits is not None),
+        "speed": ("the largest speed", lambda segment: given(segment.joint.speed)),
+        "torque": ("the largest torque", lambda segment: given(segment.joint.torque)),
+        "bodies": ("mass and inertia", lambda segment: segment.body is not None),
+        "viscous": ("the viscous friction", lambda segment: given(segment.link.viscous)),
+        "coulomb": ("the Coulomb friction", lambda segment: given(segment.link.coulomb)),
+        "armature": ("the armature", lambda segment: given(segment.link.armature)),
+        "rotor": (
+            "the rotor inertia times ratio squared",
+            lambda segment: segment.rotor is not None and bool(abs(segment.rotor.reflected) > NOTHING),
+        ),
+        "coupling": (
+            "the coupling of the rotor with the joints before it",
+            lambda segment: segment.rotor is not None and segment.rotor.is_coupled,
+        ),
+        "coupling that varies": (
+            "the coupling of the rotor with the joints before it, which depends on q,",
+            lambda segment: (
+                segment.rotor is not None and segment.rotor.is_coupled and not coupled_by_tendon(segment.rotor)
+            ),
+        ),
+    }
+)
+"""What a joint or its link may have: in words, and whether it has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A format.
+
+    Attributes:
+        program: Who reads it.
+        ending: Usual end of its files' names.
+        lacks: Keys of `GIVEN` that it cannot say.
+        write: Makes the text from an arm and the lines of its first comment.
+    """
+
+    program: str
+    ending: str
+    lacks: tuple[str, ...]
+    write: Callable[[PlacedArm, list[str]], str]
+
+
+FORMS: Mapping[str, Form] = MappingProxyType(
+    {
+        "urdf": Form("URDF", ".urdf", ("armature", "rotor", "coupling"), urdf_text),
+        "mjcf": Form("MJCF", ".xml", ("speed", "coupling that varies"), mjcf_text),
+        "rtb": Form("DHRobot", ".py", ("speed", "torque", "coupling"), rtb_text),
+        "corke": Form("SerialLink", ".m", ("speed", "torque", "coupling"), corke_text),
+        "rigidbodytree": Form(
+            "rigidBodyTree",
+            ".m",
+            ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),
+            rigidbodytree_text,
+        ),
+        "csv": Form("CSV", ".csv", (), csv_text),
+    }
+)
+"""By the name that users type."""
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """A robot in another format.
+
+    Attributes:
+        text: The file.
+        remarks: What the format cannot say of this robot, and what was put instead.
+    """
+
+    text: str
+    remarks: tuple[str, ...]
+
+
+def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str, Expression] | None = None) -> Exported:
+    """A robot in the format of another program.
+
+    Args:
+        robot: The robot.
+        to: One of `FORMS`.
+        inertia: One of `INERTIAS`.
+        values: Numbers of symbols; they go before those of the robot file [SI units, rad].
+
+    Returns:
+        The text and what it cannot say.
+
+    Raises:
+        DeriveError: An unknown format or choice of inertias, a symbol without a number, or no possible bodies.
+    """
+    for name, choices, what in ((to, FORMS, "format"), (inertia, INERTIAS, "choice of inertia")):
+        if name not in choices:
+            allowed = f"allowed: {', '.join(choices)}"
+            raise DeriveError(f"no {what} {quoted(name)}", allowed=allowed, remedy=near_miss(name, choices))
+    form, numeric = FORMS[to], with_numbers(robot, values)
+    if inertia == "possible":
+        from derive.exchange.possible import possible  # it needs a solver that others do without
+
+        numeric = possible(numeric)
+    with exactly():
+        arm = placed_arm(numeric)
+        remarks = tuple(_remarks(arm, to, form))
+        head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
+        text = form.write(arm, [line.replace("--", "- -") for line in head])
+    return Exported(text, remarks)
+
+
+def _remarks(arm: PlacedArm, to: str, form: Form) -> Iterator[str]:
+    """What is not in the file, as sentences."""
+    for key in form.lacks:
+        words, has = GIVEN[key]
+        if joints := [segment.joint.variable for segment in arm.segments if has(segment)]:
+            yield f"{form.program} cannot say {words} of {', '.join(joints)}"
+    rotors = [segment.rotor for segment in arm.segments[1:] if segment.rotor is not None]
+    if to != "csv" and any(abs(part) > NOTHING for rotor in rotors for part in (rotor.body.mass, rotor.inertia)):
+        yield "rotors are part of the links that carry them, as far as they do not spin"
+    impossible = [str(i) for i in range(1, arm.robot.n + 1) if _is_impossible(arm, i - 1)]
+    if impossible:
+        refusal = "MuJoCo refuses it; " if to == "mjcf" else ""
+        yield f"no body can be as link {', '.join(impossible)}; {refusal}try inertia possible"
+    if to == "urdf":
+        yield from _remarks_of_urdf(arm)
+    if to == "mjcf" and any(given(segment.link.coulomb) for segment in arm.segments):
+        yield "MuJoCo's dry friction is soft near standstill, and Coulomb's where a joint slips"
+    if to == "mjcf" and not arm.robot.links:
+        yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
+
+
+def _is_impossible(arm: PlacedArm, i: int) -> bool:
+    body = arm.body(i)
+    return body is not None and not body.is_possible
+
+
+def _remarks_of_urdf(arm: PlacedArm) -> Iterator[str]:
+    down = [float(ball(cell)) for cell in arm.robot.gravity or ()]
+    if down and (down[0] or down[1] or down[2] > 0):
+        yield f"URDF cannot say the gravity {down[0]:g}, {down[1]:g}, {down[2]:g} m/s^2"
+    bounds = [
+        segment.joint.variable
+        for segment in arm.segments
+        if not (given(segment.joint.torque) and given(segment.joint.speed))
+    ]
+    if bounds:
+        yield f"URDF wants an effort and a velocity: 1000000 where the robot file gives none, of {', '.join(bounds)}"
+    slides = [s.joint.variable for s in arm.segments if not s.joint.is_revolute and s.joint.limits is None]
+    if slides:
+        yield f"URDF wants limits of slides: {SLIDE} m to either side of {', '.join(slides)}"

@@ -1,0 +1,106 @@
+"""A robot whose cells are numbers, as other programs' formats have them, and how a number is written for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any, TypeVar
+
+from derive.errors import DeriveError
+from derive.exchange.certificate import ball
+from derive.exchange.space import Real, decimal
+from derive.robot.description import Description
+from derive.robot.expression import Expression, Pi, Product, names, number, substitute
+from derive.robot.names import limit_symbols, number_of, robot_symbols
+from derive.robot.writer import cell_text
+
+Some = TypeVar("Some", bound=Description)
+
+MOST_SYMBOLS = 8
+"""Of those that a message names."""
+
+
+def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) -> Some:
+    """The robot with numbers in the place of symbols.
+
+    Args:
+        robot: The robot.
+        chosen: Numbers that go before those of the file [SI units, rad].
+
+    Returns:
+        The robot without parameters.
+
+    Raises:
+        DeriveError: A symbol has no number, or a cell has no finite value.
+    """
+    values: dict[str, Expression] = {}
+    for name, expression in number_of(robot).items():
+        values[name] = substitute(expression, values)
+    values |= chosen or {}
+    bounds = {name for joint in robot.joints for cell in (joint.speed, joint.torque) if cell for name in _names(cell)}
+    symbols = dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot), *sorted(bounds)))
+    missing = [name for name in symbols if name not in values]
+    if missing:
+        shown = ", ".join(missing[:MOST_SYMBOLS]) + (", ..." if len(missing) > MOST_SYMBOLS else "")
+        example = ",".join(f"{name}=0.5" for name in missing[:2])
+        raise DeriveError(
+            f"{robot.name}: no number for {shown}",
+            allowed="other programs take numbers alone",
+            remedy=f"give them under parameters:, or write --values {example}",
+        )
+    cells = {name: _filled(getattr(robot, name), values) for name in ("joints", "base", "tool", "gravity", "links")}
+    return replace(robot, **cells, parameters=(), runtime=())
+
+
+def _names(cell: Expression) -> list[str]:
+    return list(names(cell))
+
+
+def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
+    """A part of a description with all its cells filled in."""
+    if isinstance(part, tuple):
+        return tuple(_filled(entry, values) for entry in part)
+    if isinstance(part, Expression):
+        return _number(part, values)
+    if hasattr(part, "__dataclass_fields__"):
+        return replace(part, **{entry.name: _filled(getattr(part, entry.name), values) for entry in fields(part)})
+    return part
+
+
+def _number(cell: Expression, values: Mapping[str, Expression]) -> Expression:
+    try:
+        found = substitute(cell, values)
+        if ball(found).is_finite():
+            return found
+    except ZeroDivisionError:
+        pass
+    raise DeriveError(f"{cell_text(cell)} has no finite value", remedy="choose other numbers")
+
+
+def text(value: Real) -> str:
+    """A number with 17 digits, fewer where it ends: ``0.4318``, ``1.5707963267948966``.
+
+    Args:
+        value: A ball.
+    """
+    return cell_text(number(decimal(value)))
+
+
+def texts(values: Any, separator: str = " ") -> str:
+    """Numbers side by side.
+
+    Args:
+        values: Balls.
+        separator: What stands between them.
+    """
+    return separator.join(map(text, values))
+
+
+def angle_text(cell: Expression) -> str:
+    """An angle for a program that knows ``pi``: ``-pi/2``, or a number.
+
+    Args:
+        cell: Without names [rad].
+    """
+    whole = cell == Pi() or (isinstance(cell, Product) and len(cell.factors) == 2 and cell.factors[1] == Pi())
+    return cell_text(cell) if whole else text(ball(cell))

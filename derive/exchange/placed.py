@@ -1,0 +1,338 @@
+"""A robot as other programs have it: bodies that hang on each other by joints about or along their own z axis.
+
+The frame of link i stands on the axis of joint i and moves with the link: at q_i = 0 it is frame i-1 of a standard
+table, and frame i of a modified one before Rot(z, theta_i) Trans(z, d_i). So its place in the one before is
+Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions, which a URDF says with the table's own numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+from flint import arb
+
+from derive.exchange.certificate import along_x, along_z, ball, frame_of
+from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, decimal, dot, length, plus, times
+from derive.robot.description import Convention, Inertia, Joint, Link, Motor
+from derive.robot.expression import ZERO, number
+from derive.robot.robot import Robot
+from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
+
+HALVES = 1e-9
+"""Part of the largest principal moment that rounding may have taken from A + B - C."""
+
+CONSTANT = 1e-12
+"""How little the cosine of two axes varies where it does not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rigid body in some frame.
+
+    Attributes:
+        mass: [kg].
+        com: Centre of mass [m].
+        inertia: Rows of the tensor about it, along the axes of the frame [kg m^2].
+    """
+
+    mass: Real
+    com: Point
+    inertia: tuple[Point, Point, Point]
+
+    @classmethod
+    def of(cls, link: Link) -> Body:
+        """A link of numbers in its own DH frame, without its motor.
+
+        Args:
+            link: The link.
+        """
+        xx, yy, zz, xy, xz, yz = moments(link.inertia)
+        com = (ball(link.com[0]), ball(link.com[1]), ball(link.com[2]))
+        return cls(ball(link.mass), com, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+
+    def moved(self, frame: Frame) -> Body:
+        """The same body seen from outside.
+
+        Args:
+            frame: The body's, seen from there.
+        """
+        axes = (frame.x, frame.y, frame.z)
+        rows = [
+            tuple(
+                sum((axes[k][i] * self.inertia[k][m] * axes[m][j] for k in range(3) for m in range(3)), arb(0))
+                for j in range(3)
+            )
+            for i in range(3)
+        ]
+        return Body(self.mass, frame.point(self.com), (rows[0], rows[1], rows[2]))
+
+    def about(self, point: Point) -> list[list[Real]]:
+        """The tensor about a point (Steiner).
+
+        Args:
+            point: [m].
+        """
+        away = plus(self.com, point, -1)
+        far = dot(away, away)
+        return [
+            [self.inertia[i][j] + self.mass * ((far if i == j else arb(0)) - away[i] * away[j]) for j in range(3)]
+            for i in range(3)
+        ]
+
+    def __add__(self, other: Body) -> Body:
+        """Both as one body."""
+        mass, com = self.mass + other.mass, self.com
+        if mass > 0:
+            com = times(plus(times(self.com, self.mass), other.com, other.mass), 1 / mass)
+        both = [
+            tuple(a + b for a, b in zip(*rows, strict=True))
+            for rows in zip(self.about(com), other.about(com), strict=True)
+        ]
+        return Body(mass, com, (both[0], both[1], both[2]))
+
+    @property
+    def negative(self) -> Body:
+        """What is added to take the body away."""
+        rows = tuple(times(row, -1) for row in self.inertia)
+        return Body(-self.mass, self.com, (rows[0], rows[1], rows[2]))
+
+    def link(self, own: Link) -> Link:
+        """The body as a link of a robot file.
+
+        Args:
+            own: Its motor, armature and friction.
+        """
+        x, y, z = (number(decimal(c)) for c in self.com)
+        inertia = Inertia(*(number(decimal(entry)) for entry in self.entries))
+        return replace(own, mass=number(decimal(self.mass)), com=(x, y, z), inertia=inertia)
+
+    @property
+    def entries(self) -> tuple[Real, ...]:
+        """Inertia xx, yy, zz, xy, xz, yz."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
+        return xx, yy, zz, xy, xz, yz
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether there is such a body: mass and moments positive, no moment above the sum of the others."""
+        a, b, c = np.linalg.eigvalsh([[float(entry) for entry in row] for row in self.inertia])
+        return bool(self.mass > 0 and a > 0 and a + b >= c - HALVES * c)
+
+
+def moments(inertia: Inertia) -> list[Real]:
+    """xx, yy, zz, xy, xz, yz.
+
+    Args:
+        inertia: Of numbers.
+    """
+    cells = (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
+    return [ball(cell) for cell in cells]
+
+
+@dataclass(frozen=True, slots=True)
+class Rotor:
+    """The rotor of a joint.
+
+    Attributes:
+        body: Its mass, in the frame of the link that carries it.
+        axis: About which it spins, there.
+        inertia: About its axis [kg m^2].
+        ratio: Of its gear.
+        drag: How fast it turns about its axis with the link that carries it, per rate of each joint; None where that
+            depends on the configuration.
+    """
+
+    body: Body
+    axis: Point
+    inertia: Real
+    ratio: Real
+    drag: tuple[float, ...] | None
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether it turns with the joints before its own."""
+        spins = bool(abs(self.inertia * self.ratio) > NOTHING)
+        return spins and (self.drag is None or any(abs(c) > CONSTANT for c in self.drag))
+
+    @property
+    def reflected(self) -> Real:
+        """Ratio squared times inertia."""
+        return self.ratio * self.ratio * self.inertia
+
+    @property
+    def carried(self) -> Body:
+        """What it adds to the link that carries it, with its inertia about its axis."""
+        turned = tuple(times(self.axis, self.inertia * self.axis[i]) for i in range(3))
+        return replace(self.body, inertia=(turned[0], turned[1], turned[2]))
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A joint and the link that it moves.
+
+    Attributes:
+        joint: Row of the table, of numbers.
+        link: As in the robot file, of numbers.
+        origin: Frame of the link in that of the one before, at zero.
+        dh: Its DH frame in this frame.
+        body: What it weighs in its DH frame, without rotors; None without dynamics.
+        rotor: That of this joint.
+        end: Where the next joint or the tip is.
+    """
+
+    joint: Joint
+    link: Link
+    origin: Frame
+    dh: Frame
+    body: Body | None
+    rotor: Rotor | None
+    end: Point
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedArm:
+    """All segments of a robot.
+
+    Attributes:
+        robot: Of numbers.
+        base: Frame 0 in the world.
+        segments: From the base on.
+        tool: The end effector in frame n.
+    """
+
+    robot: Robot
+    base: Frame
+    segments: tuple[Segment, ...]
+    tool: Frame
+
+    def body(self, i: int, *, spinning: Collection[int] = ()) -> Body | None:
+        """A link with the rotor that it carries, in its DH frame.
+
+        Args:
+            i: From 0.
+            spinning: Joints whose rotors' inertia is said in another way.
+        """
+        segment = self.segments[i]
+        if segment.body is None or i + 1 == len(self.segments):
+            return segment.body
+        rotor = self.segments[i + 1].rotor
+        if rotor is None:
+            return segment.body
+        carried = rotor.body if i + 1 in spinning else rotor.carried
+        return segment.body + carried.moved(WORLD.seen_from(segment.dh))
+
+    @property
+    def size(self) -> float:
+        """The longest link [m]."""
+        return max(0.1, *(float(length(segment.end)) for segment in self.segments))
+
+
+def placed_arm(robot: Robot) -> PlacedArm:
+    """The bodies of a robot; whoever computes with them does so inside `exactly`.
+
+    Args:
+        robot: Of numbers.
+    """
+    standard = robot.convention is Convention.STANDARD
+    origins, dh, before = [], [], WORLD
+    for joint in robot.joints:
+        across = along_x(ball(joint.a), ball(joint.alpha))
+        along = along_z(ball(joint.theta), ball(joint.d))
+        origins.append(before if standard else before.then(across))
+        before = along.then(across) if standard else along
+        dh.append(before)
+    tool, base = frame_of(robot.tool), frame_of(robot.base)
+    ends = [*(origin.origin for origin in origins[1:]), dh[-1].point(tool.origin)]
+    drags = _drags(robot)
+    links = robot.links or (Link(),) * robot.n
+    segments = tuple(
+        Segment(
+            joint,
+            link,
+            origins[i],
+            dh[i],
+            Body.of(link) if robot.links else None,
+            None if link.motor is None else _rotor(joint, link.motor, origins[i], standard, drags[i]),
+            ends[i],
+        )
+        for i, (joint, link) in enumerate(zip(robot.joints, links, strict=True))
+    )
+    return PlacedArm(robot, base, segments, tool)
+
+
+def _rotor(joint: Joint, motor: Motor, origin: Frame, standard: bool, drag: tuple[float, ...] | None) -> Rotor:
+    place = origin.origin if standard else plus(origin.origin, origin.z, ball(joint.d))
+    nothing = (arb(0), arb(0), arb(0))
+    body = Body(ball(motor.mass), place, (nothing, nothing, nothing))
+    return Rotor(body, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
+
+
+def _drags(robot: Robot) -> list[tuple[float, ...] | None]:
+    """Of each joint the cosines of its axis with those of the turning joints before it, where they are constant."""
+    arm = numeric_arm(robot)
+    q = np.random.default_rng(0).uniform(-2, 2, (6, robot.n))
+    axes, _ = joint_axes(arm, chain_frames(arm, q))
+    cosines: Array = np.einsum("kia,kja->kij", axes, axes) * (arm.sign * arm.revolute)
+    found: list[tuple[float, ...] | None] = []
+    for i in range(robot.n):
+        before = cosines[:, i, :i]
+        varies = i > 0 and float(np.ptp(before, axis=0).max()) > CONSTANT
+        found.append(None if varies else tuple(float(c) for c in before[0]))
+    return found
+
+
+def roll_pitch_yaw(frame: Frame) -> Point:
+    """Angles with Rz(yaw) Ry(pitch) Rx(roll) as rotation [rad].
+
+    Args:
+        frame: Any.
+    """
+    x, y, z = frame.x, frame.y, frame.z
+    flat = length((x[0], x[1], arb(0)))
+    if not flat > NOTHING:
+        sign = -1 if x[2] > 0 else 1
+        return (_direction(y[0] * sign, y[1]), arb.pi() / 2 * sign, arb(0))
+    return (_direction(y[2], z[2]), _direction(-x[2], flat), _direction(x[1], x[0]))
+
+
+def _direction(sine: Real, cosine: Real) -> Real:
+    """The angle of a direction; a ball around the branch cut would be all angles."""
+    if not abs(sine) > NOTHING:
+        return arb(0) if cosine > 0 else arb.pi()
+    return arb.atan2(sine, cosine)
+
+
+def quaternion(frame: Frame) -> tuple[Real, ...]:
+    """The rotation of a frame as w, x, y, z.
+
+    Args:
+        frame: Any.
+    """
+    roll, pitch, yaw = (angle / 2 for angle in roll_pitch_yaw(frame))
+    (cr, sr), (cp, sp), (cy, sy) = ((angle.cos(), angle.sin()) for angle in (roll, pitch, yaw))
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+
+
+def is_world(frame: Frame) -> bool:
+    """Whether a frame is where it is seen from.
+
+    Args:
+        frame: Any.
+    """
+    return not any(abs(c) > NOTHING for c in (*frame.origin, *roll_pitch_yaw(frame)))
+
+
+def given(cell: object) -> bool:
+    """Whether a cell says something.
+
+    Args:
+        cell: Of a link or joint.
+    """
+    return cell is not None and cell != ZERO

@@ -1,0 +1,174 @@
+"""A robot as scripts for programs that take Denavit-Hartenberg tables, and as a table of numbers."""
+
+from __future__ import annotations
+
+import csv
+from io import StringIO
+from typing import Any
+
+from flint import arb
+
+from derive.exchange.certificate import ball
+from derive.exchange.numeric import angle_text, text, texts
+from derive.exchange.placed import PlacedArm, is_world
+from derive.exchange.space import NOTHING, Frame, Real
+from derive.robot.description import Convention
+from derive.robot.expression import ZERO
+from derive.targets.templating import render
+
+EARTH = ("0", "0", "-9.81")
+"""Gravity where the robot file gives none [m/s^2]."""
+
+
+def rtb_text(arm: PlacedArm, head: list[str]) -> str:
+    """A Python script for the Robotics Toolbox (`roboticstoolbox.DHRobot`).
+
+    Args:
+        arm: The robot.
+        head: Lines that go into comments before it.
+    """
+    return _script("exchange/rtb.py.jinja", arm, head)
+
+
+def corke_text(arm: PlacedArm, head: list[str]) -> str:
+    """A MATLAB function for Corke's Robotics Toolbox (``SerialLink``).
+
+    Args:
+        arm: The robot.
+        head: Lines that go into comments before it.
+    """
+    return _script("exchange/corke.m.jinja", arm, head)
+
+
+def rigidbodytree_text(arm: PlacedArm, head: list[str]) -> str:
+    """A MATLAB function for MathWorks' Robotics System Toolbox (``rigidBodyTree``).
+
+    Args:
+        arm: The robot.
+        head: Lines that go into comments before it.
+    """
+    return _script("exchange/rigidbodytree.m.jinja", arm, head)
+
+
+def _script(template: str, arm: PlacedArm, head: list[str]) -> str:
+    gravity = arm.robot.gravity
+    down = EARTH if gravity is None else tuple(text(ball(cell)) for cell in gravity)
+    return render(
+        template,
+        name=arm.robot.name,
+        function=function_name(arm.robot.name),
+        head=head,
+        modified=arm.robot.convention is Convention.MODIFIED,
+        rows=[_row(arm, i) for i in range(len(arm.segments))],
+        base=None if is_world(arm.base) else _matrix(arm.base),
+        tool=None if is_world(arm.tool) else _matrix(arm.tool),
+        gravity=down,
+        upwards=[text(-ball(cell)) for cell in gravity or ()] or ["0", "0", "9.81"],
+    )
+
+
+def function_name(name: str) -> str:
+    """The name of a MATLAB function, and so of its file.
+
+    Args:
+        name: Of a robot.
+    """
+    plain = name.replace("-", "_")
+    return plain if plain[:1].isalpha() else f"robot_{plain}"
+
+
+def _matrix(frame: Frame) -> list[list[str]]:
+    """A homogeneous transform."""
+    columns = (frame.x, frame.y, frame.z, frame.origin)
+    return [[text(column[k]) for column in columns] for k in range(3)] + [["0", "0", "0", "1"]]
+
+
+def _row(arm: PlacedArm, i: int) -> dict[str, Any]:
+    """A row of the table with what its link weighs, in its own DH frame, and its motor."""
+    segment = arm.segments[i]
+    joint = segment.joint
+    cells = {"theta": angle_text(joint.theta), "alpha": angle_text(joint.alpha)}
+    cells |= {"d": text(ball(joint.d)), "a": text(ball(joint.a))}
+    moving = "theta" if joint.is_revolute else "d"
+    return {
+        **cells,
+        "variable": joint.variable,
+        "revolute": joint.is_revolute,
+        "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
+        "flip": joint.sign < 0,
+        "limits": [text(ball(cell)) for cell in joint.limits] if joint.limits else None,
+        "body": _body(arm, i),
+        "motor": _motor(arm, i) if arm.robot.links else {},
+    }
+
+
+def _body(arm: PlacedArm, i: int) -> dict[str, Any] | None:
+    body = arm.body(i)
+    if body is None:
+        return None
+    origin = (arb(0), arb(0), arb(0))
+    about = body.about(origin)
+    xx, yy, zz, xy, xz, yz = about[0][0], about[1][1], about[2][2], about[0][1], about[0][2], about[1][2]
+    return {
+        "mass": text(body.mass),
+        "com": [text(c) for c in body.com],
+        "inertia": [[text(entry) for entry in row] for row in body.inertia],
+        "origin": [text(entry) for entry in (xx, yy, zz, yz, xz, xy)],
+    }
+
+
+def _motor(arm: PlacedArm, i: int) -> dict[str, Any]:
+    """Motor inertia, gear ratio and frictions as the toolboxes count them: on the motor's side of the gear."""
+    link, rotor = arm.segments[i].link, arm.segments[i].rotor
+    ratio: Real = arb(1)
+    inertia = ball(link.armature)
+    if rotor is not None and abs(rotor.ratio) > NOTHING:
+        ratio = rotor.ratio
+        inertia = inertia / (ratio * ratio) + rotor.inertia
+    found = {
+        "Jm": inertia,
+        "G": ratio,
+        "B": ball(link.viscous) / (ratio * ratio),
+        "Tc": ball(link.coulomb) / abs(ratio),
+    }
+    if not any(abs(found[key]) > NOTHING for key in ("Jm", "B", "Tc")):
+        return {}
+    return {key: text(value) for key, value in found.items()}
+
+
+def csv_text(arm: PlacedArm, head: list[str]) -> str:
+    """The table and the links as comma-separated values, SI units and radians.
+
+    Args:
+        arm: The robot.
+        head: Lines that go before it, behind ``#``.
+    """
+    out = StringIO()
+    for line in head:
+        out.write(f"# {line}\n")
+    for name, frame in (("base", arm.base), ("tool", arm.tool)):
+        out.write(f"# {name}: {'; '.join(' '.join(row) for row in _matrix(frame))}\n")
+    if arm.robot.gravity is not None:
+        out.write(f"# gravity: {texts(map(ball, arm.robot.gravity))}\n")
+    rows = [_csv_row(arm, i) for i in range(len(arm.segments))]
+    table = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    return out.getvalue()
+
+
+def _csv_row(arm: PlacedArm, i: int) -> dict[str, str]:
+    """Every number that the robot file gives for a joint and its link."""
+    joint, link = arm.segments[i].joint, arm.segments[i].link
+    row = {"convention": arm.robot.convention.value, "joint": joint.variable, "type": joint.type.value}
+    row["sign"] = str(joint.sign)
+    cells: dict[str, Any] = {key: getattr(joint, key) for key in ("theta", "d", "a", "alpha")}
+    cells |= dict(zip(("lower", "upper"), joint.limits or (None, None), strict=True))
+    cells |= {"speed": joint.speed, "torque": joint.torque}
+    if arm.robot.links:
+        cells |= {"mass": link.mass, **dict(zip(("x", "y", "z"), link.com, strict=True))}
+        cells |= {f"I{key}": getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
+        cells |= {key: getattr(link, key) for key in ("armature", "viscous", "coulomb")}
+        motor = link.motor
+        cells |= {f"motor_{key}": motor and getattr(motor, key) for key in ("mass", "inertia", "ratio")}
+    return row | {key: "" if cell is None else text(ball(cell)) for key, cell in cells.items()}

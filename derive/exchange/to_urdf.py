@@ -1,0 +1,119 @@
+"""A robot as URDF."""
+
+from __future__ import annotations
+
+from math import atan2, hypot
+from typing import Any
+
+from derive.exchange.carried import table_text
+from derive.exchange.certificate import ball
+from derive.exchange.numeric import text, texts
+from derive.exchange.placed import Body, PlacedArm, Segment, is_world, roll_pitch_yaw
+from derive.exchange.space import Frame, Point, length
+from derive.exchange.urdf import UNLIMITED
+from derive.targets.templating import render
+
+ROOT = "base_link"
+"""The world, which URDF takes as the root link."""
+
+TIP = "tool"
+"""The end effector."""
+
+THICKNESS = 0.06
+"""Radius of the cylinders, of the longest link."""
+
+SLIDE = 10
+"""Limits of a slide that has none, which URDF does not allow [m]."""
+
+
+def urdf_text(arm: PlacedArm, head: list[str]) -> str:
+    """The file.
+
+    Args:
+        arm: The robot.
+        head: Lines that go into a comment before it.
+    """
+    n = len(arm.segments)
+    named = [f"link{i}" for i in range(1, n + 1)]
+    root = ROOT if is_world(arm.base) else "link0"
+    joints = [] if root == ROOT else [_fixed("base", ROOT, root, arm.base)]
+    for i, segment in enumerate(arm.segments):
+        joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
+    last = arm.segments[-1].dh
+    joints.append(_fixed("flange", named[-1], "flange", last))
+    joints.append(_fixed(TIP, "flange", TIP, arm.tool))
+    radius = THICKNESS * arm.size
+    links: list[dict[str, Any]] = [{"name": ROOT}] if root == ROOT else [{"name": ROOT}, {"name": root}]
+    links += [_link(arm, i, named[i], radius) for i in range(n)]
+    links += [{"name": "flange"}, {"name": TIP}]
+    return render(
+        "exchange/robot.urdf.jinja",
+        name=arm.robot.name,
+        head=head,
+        table=table_text(arm.robot),
+        links=links,
+        joints=joints,
+        radius=f"{radius:.3g}",
+        thick=f"{1.4 * radius:.3g}",
+        height=f"{3 * radius:.3g}",
+    )
+
+
+def _origin(frame: Frame) -> dict[str, str]:
+    return {"xyz": texts(frame.origin), "rpy": texts(roll_pitch_yaw(frame))}
+
+
+def _fixed(name: str, parent: str, child: str, frame: Frame) -> dict[str, Any]:
+    return {"name": name, "type": "fixed", "parent": parent, "child": child, **_origin(frame)}
+
+
+def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
+    """A joint that moves; effort and speed are mandatory where there are limits."""
+    joint, link = segment.joint, segment.link
+    limits = joint.limits or (None if joint.is_revolute else ())
+    kind = "prismatic" if not joint.is_revolute else "continuous" if limits is None else "revolute"
+    bounds: dict[str, str] = {}
+    if limits is not None:
+        ends = [text(ball(cell)) for cell in limits] or [f"-{SLIDE}", str(SLIDE)]
+        bounds |= dict(zip(("lower", "upper"), ends, strict=True))
+    for key, cell in (("effort", joint.torque), ("velocity", joint.speed)):
+        bounds[key] = str(UNLIMITED) if cell is None else text(ball(cell))
+    dynamics = {"damping": text(ball(link.viscous)), "friction": text(ball(link.coulomb))}
+    return {
+        "name": joint.variable,
+        "type": kind,
+        "parent": parent,
+        "child": child,
+        **_origin(segment.origin),
+        "axis": f"0 0 {joint.sign}",
+        "limit": bounds,
+        "dynamics": dynamics if set(dynamics.values()) != {"0"} else {},
+    }
+
+
+def _link(arm: PlacedArm, i: int, name: str, radius: float) -> dict[str, Any]:
+    segment, body = arm.segments[i], arm.body(i)
+    inertial = None if body is None else _inertial(body.moved(segment.dh))
+    return {"name": name, "inertial": inertial, "rod": rod(segment.end, radius)}
+
+
+def _inertial(body: Body) -> dict[str, Any]:
+    keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    entries = dict(zip(keys, map(text, body.entries), strict=True))
+    return {"mass": text(body.mass), "xyz": texts(body.com), "inertia": entries}
+
+
+def rod(end: Point, radius: float) -> dict[str, str] | None:
+    """The cylinder from a frame's origin to a point; None where it would be as short as thick.
+
+    Args:
+        end: The point.
+        radius: Of the cylinder.
+    """
+    x, y, z = (float(c) for c in end)
+    reach = float(length(end))
+    if reach <= radius:
+        return None
+    middle = " ".join(f"{c / 2:.6g}" for c in (x, y, z))
+    turned = f"0 {atan2(hypot(x, y), z):.6g} {atan2(y, x):.6g}"
+    return {"xyz": middle, "rpy": turned, "length": f"{reach:.6g}", "to": " ".join(f"{c:.6g}" for c in (x, y, z))}
