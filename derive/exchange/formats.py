@@ -117,13 +117,15 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
             allowed = f"allowed: {', '.join(choices)}"
             raise DeriveError(f"no {what} {quoted(name)}", allowed=allowed, remedy=near_miss(name, choices))
     form, numeric = FORMS[to], with_numbers(robot, values)
+    changes: tuple[str, ...] = ()
     if inertia == "possible":
         from derive.exchange.possible import possible  # it needs a solver that others do without
 
-        numeric = possible(numeric)
+        found = possible(numeric)
+        numeric, changes = found.robot, found.report
     with exactly():
         arm = placed_arm(numeric)
-        remarks = tuple(_remarks(arm, to, form))
+        remarks = (*changes, *_remarks(arm, to, form))
         head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
         text = form.write(arm, [line.replace("--", "- -") for line in head])
     return Exported(text, remarks)

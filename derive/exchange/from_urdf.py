@@ -125,7 +125,8 @@ def import_urdf(
         )
     first = [head(arm.base, arm.tip)] if head else []
     names = tuple(_plain(axis.joint.name) for axis in arm.axes)
-    notes = tuple(map(_plain, _notes(urdf, arm)))
+    carried = () if table is None else ("the table is the one that the URDF carries with it",)
+    notes = (*carried, *map(_plain, _notes(urdf, arm)))
     ends = (_plain(arm.base), _plain(arm.tip))
     text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(certificate), *notes])
     snapped = _snapped([*arm.snaps, *placement.turned])

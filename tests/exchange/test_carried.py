@@ -1,0 +1,68 @@
+"""A robot that goes out as URDF comes back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from derive.exchange.arm import arm_of
+from derive.exchange.carried import carried_table, placement_of, table_text
+from derive.exchange.formats import exported
+from derive.exchange.from_urdf import Imported, import_urdf
+from derive.exchange.space import exactly
+from derive.exchange.urdf import read_urdf
+from derive.robot.description import Convention
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+from tests.exchange.arms import EVERY, FEW, dressed, numeric
+
+SWEEP = [pytest.param(name, marks=[] if name in FEW else pytest.mark.sweep) for name in EVERY]
+
+
+def back(text: str, convention: Convention) -> Imported:
+    return import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, convention, Fraction(1, 10**6))
+
+
+def cells(robot: Robot) -> list[object]:
+    rows = [(j.type, j.variable, j.sign, j.theta, j.d, j.a, j.alpha) for j in robot.joints]
+    return [*rows, robot.base, robot.tool]
+
+
+@pytest.mark.parametrize("name", SWEEP)
+def test_the_table_comes_back_to_the_letter_and_torques_to_rounding(name: str) -> None:
+    for robot in (numeric(name), dressed(name, rotors=True, coulomb=True)):
+        found = back(exported(robot, "urdf").text, robot.convention)
+        assert cells(found.robot) == cells(robot)
+        assert found.certificate.position < 1e-13
+        if not robot.links:
+            continue
+        states = np.random.default_rng(2).uniform(-2, 2, (3, 4, robot.n))
+        ours, theirs = (Oracle.of(r).evaluate("inverse_dynamics", *states) for r in (robot, found.robot))
+        assert np.abs(ours - theirs).max() < 1e-12 * np.abs(ours).max()
+
+
+def test_a_table_of_another_arm_or_convention_gives_way_to_common_normals() -> None:
+    robot = numeric("kuka-kr5")
+    text = exported(robot, "urdf").text
+    assert cells(back(text.replace('xyz="0 0 0.4"', 'xyz="0 0 0.41"', 1), robot.convention).robot) != cells(robot)
+    assert back(text, Convention.MODIFIED).robot.convention is Convention.MODIFIED
+    read = read_urdf(text.encode(), "arm.urdf")
+    with exactly():
+        arm = arm_of(read, None, None, Fraction(0))
+        assert carried_table(read, arm, Convention.STANDARD) is not None
+        assert carried_table(replace(read, table="joints: ["), arm, Convention.STANDARD) is None
+        assert carried_table(replace(read, table=""), arm, Convention.STANDARD) is None
+
+
+@pytest.mark.parametrize("name", ["kuka-lwr4", "skeleton-modified"])
+def test_frames_of_a_table_are_those_of_the_oracle(name: str) -> None:
+    robot = numeric(name)
+    placement = placement_of(Robot.from_text(table_text(robot)))
+    oracle = Oracle.of(robot)
+    with exactly():
+        end = placement.frames[-1].then(placement.tool)
+    pose = oracle.evaluate("forward_kinematics", np.zeros(robot.n))
+    assert np.abs([float(c) for c in end.origin] - pose[:3, 3]).max() < 1e-15
