@@ -72,7 +72,9 @@ def table_text(robot: Robot) -> str:
     """
     joints = tuple(replace(joint, limits=None, speed=None, torque=None) for joint in robot.joints)
     links = tuple(Link(armature=link.armature, motor=link.motor) for link in robot.links)
-    return robot_text(replace(robot, title="", joints=joints, links=links))
+    return robot_text(
+        Description(robot.name, "", robot.convention, joints, robot.base, robot.tool, robot.gravity, links)
+    )
 
 
 def with_table(robot: Description, table: Robot) -> Description:

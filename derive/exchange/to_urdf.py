@@ -36,12 +36,12 @@ def urdf_text(arm: PlacedArm, head: list[str]) -> str:
     n = len(arm.segments)
     named = [f"link{i}" for i in range(1, n + 1)]
     root = ROOT if is_world(arm.base) else "link0"
-    joints = [] if root == ROOT else [_fixed("base", ROOT, root, arm.base)]
+    joints = [] if root == ROOT else [_fixed("base-joint", ROOT, root, arm.base)]
     for i, segment in enumerate(arm.segments):
         joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
     last = arm.segments[-1].dh
-    joints.append(_fixed("flange", named[-1], "flange", last))
-    joints.append(_fixed(TIP, "flange", TIP, arm.tool))
+    joints.append(_fixed("flange-joint", named[-1], "flange", last))
+    joints.append(_fixed("tool-joint", "flange", TIP, arm.tool))
     radius = THICKNESS * arm.size
     links: list[dict[str, Any]] = [{"name": ROOT}] if root == ROOT else [{"name": ROOT}, {"name": root}]
     links += [_link(arm, i, named[i], radius) for i in range(n)]

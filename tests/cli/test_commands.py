@@ -9,11 +9,28 @@ from types import ModuleType
 
 import pytest
 
-from derive.cli import build, check, convert, handout, list, move, new, plot, schema, show, style, verify
+from derive.cli import (
+    build,
+    check,
+    convert,
+    export,
+    handout,
+    import_,
+    list,
+    move,
+    new,
+    plot,
+    schema,
+    show,
+    style,
+    verify,
+)
 from derive.cli.main import COMMANDS
 
-MODULES = {module.__name__.rpartition(".")[2]: module for module in (build, check, convert, handout, list, move)}
-MODULES |= {module.__name__.rpartition(".")[2]: module for module in (new, plot, schema, show, style, verify)}
+MODULES = {
+    module.__name__.rpartition(".")[2].rstrip("_"): module
+    for module in (build, check, convert, export, handout, import_, list, move, new, plot, schema, show, style, verify)
+}
 
 
 def imported(module: ModuleType) -> set[str]:
@@ -32,9 +49,10 @@ def test_a_command_says_what_it_is_and_reads_its_arguments(module: ModuleType) -
     assert module.DESCRIPTION[0].isupper()
     parser = argparse.ArgumentParser(exit_on_error=False)
     module.configure(parser)
-    name = module.__name__.rpartition(".")[2]
+    name = module.__name__.rpartition(".")[2].rstrip("_")
     assert len(COMMANDS[name]) < 80
-    needed = {"list": [], "build": [], "schema": [], "plot": ["arm", "-o", "arm.svg"]}.get(name, ["arm"])
+    more = {"plot": ["-o", "arm.svg"], "export": ["--to", "urdf"]}.get(name, [])
+    needed = [] if name in ("list", "build", "schema") else ["arm", *more]
     assert parser.parse_args(needed) is not None
 
 

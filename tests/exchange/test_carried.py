@@ -47,7 +47,7 @@ def test_the_table_comes_back_to_the_letter_and_torques_to_rounding(name: str) -
 def test_a_table_of_another_arm_or_convention_gives_way_to_common_normals() -> None:
     robot = numeric("kuka-kr5")
     text = exported(robot, "urdf").text
-    assert cells(back(text.replace('xyz="0 0 0.4"', 'xyz="0 0 0.41"', 1), robot.convention).robot) != cells(robot)
+    assert cells(back(text.replace('axis xyz="0 0 1"', 'axis xyz="0 1 0"', 1), robot.convention).robot) != cells(robot)
     assert back(text, Convention.MODIFIED).robot.convention is Convention.MODIFIED
     read = read_urdf(text.encode(), "arm.urdf")
     with exactly():

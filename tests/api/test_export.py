@@ -1,0 +1,50 @@
+"""`derive.export` and the methods of `derive.Robot`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import derive
+from derive.api.export import export, typed_values
+from derive.errors import DeriveError, OutputError, RobotFileWarning
+from derive.robot.expression import number
+from derive.verification.oracle.functions import Oracle
+
+
+def test_the_text_is_returned_and_written_once(tmp_path: Path) -> None:
+    path = tmp_path / "kr5.csv"
+    text = export("kuka-kr5", "csv", path)
+    assert path.read_text() == text
+    with pytest.raises(OutputError, match="exists already"):
+        export("kuka-kr5", "csv", path)
+    assert export("kuka-kr5", "csv", path, force=True) == text
+
+
+def test_what_a_format_cannot_say_is_a_warning() -> None:
+    with pytest.warns(RobotFileWarning) as told:
+        text = derive.export("puma560-corke", "urdf")
+    assert str(told[0].message).startswith("puma560-corke: URDF cannot say the armature of q1")
+    assert derive.load("puma560-corke").to_urdf() == text
+
+
+def test_numbers_of_symbols_are_typed() -> None:
+    arm = derive.load("anthropomorphic-arm")
+    assert typed_values(arm, {"a2": 0.5, "a3": "1/4"}) == {"a2": number("0.5"), "a3": number("0.25")}
+    with pytest.raises(DeriveError, match=r"no 'a4' in anthropomorphic-arm; allowed: a2, a3"):
+        typed_values(arm, {"a4": 1})
+
+
+def test_mujoco_takes_corkes_puma_with_possible_bodies_and_moves_it_alike() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    robot = derive.load("puma560-corke")
+    model = mujoco.MjModel.from_xml_string(robot.to_mjcf(inertia="possible"))
+    data, oracle, random = mujoco.MjData(model), Oracle.of(robot), np.random.default_rng(1)
+    for _ in range(10):
+        q, qd, tau = random.uniform(-0.7, 0.7, (3, 6)) * np.array([[1], [2], [20]])
+        data.qpos[:], data.qvel[:], data.ctrl[:] = q, qd, tau
+        mujoco.mj_forward(model, data)
+        expected = oracle.evaluate("forward_dynamics", q, qd, tau)
+        assert np.abs(data.qacc - expected).max() < 1e-12 * max(1, np.abs(expected).max())

@@ -1,0 +1,56 @@
+"""``derive export``: the file or its text, remarks, one message for what is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.cli import export
+from tests.cli.command import PENDULUM, derive, is_one_message
+
+
+def test_the_file_is_written_and_remarks_are_told(tmp_path: Path) -> None:
+    done = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
+    assert (done.status, done.stdout) == (0, "puma.urdf\n")
+    assert "derive: remark: puma560-corke: URDF cannot say the armature of q1, q2, q3, q4, q5, q6" in done.stderr
+    assert (tmp_path / "puma.urdf").read_text().startswith("<?xml")
+    again = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
+    assert again.status == 2
+    assert "exists already" in again.stderr
+
+
+@pytest.mark.parametrize("to", export.FORMATS)
+def test_the_text_goes_to_standard_output(to: str, tmp_path: Path) -> None:
+    (tmp_path / "pendulum.yaml").write_text(PENDULUM)
+    values = ("--values", "a1=0.5,l1=1/4", "--values", "g=9.81, m1=2, I1=0.1")
+    done = derive("export", "pendulum.yaml", "--to", to, *values, folder=tmp_path)
+    assert done.status == 0
+    assert "pendulum" in done.stdout
+    assert "0.5" in done.stdout
+
+
+def test_strict_makes_errors_of_remarks(tmp_path: Path) -> None:
+    done = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", "--strict", folder=tmp_path)
+    assert done.status == 2
+    assert not (tmp_path / "puma.urdf").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("planar-2r-perugia", "--to", "urdf"), "no number for a1, a2, g, ml1, l1, Il1, mm1, Im1, ...; "),
+        (("kuka-kr5", "--to", "sdf"), "invalid choice: 'sdf'"),
+        (("kuka-kr5",), "--to"),
+        (("anthropomorphic-arm", "--to", "csv", "--values", "a2"), "'a2' in --values; allowed: name=value,name=value"),
+        (("anthropomorphic-arm", "--to", "csv", "--values", "a2=1,a2=2"), "a2 twice in --values"),
+        (("anthropomorphic-arm", "--to", "csv", "--values", "a2=x"), "value 'x' of a2 holds a name"),
+        (("anthropomorphic-arm", "--to", "csv", "--values", "b=1"), "no 'b' in anthropomorphic-arm; allowed: a2, a3"),
+        (("nobody", "--to", "csv"), "nobody"),
+    ],
+)
+def test_wrong_arguments_get_one_message(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    done = derive("export", *arguments, folder=tmp_path)
+    assert done.status == 2
+    assert message in done.stderr
+    assert is_one_message(done.stderr)

@@ -1,0 +1,151 @@
+"""Scripts for other programs, run: the same poses."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from derive.exchange.formats import exported
+from derive.exchange.scripts import function_name
+from derive.robot.expression import number
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+from tests.exchange.arms import EVERY, FEW, dressed, numeric
+
+STAND_INS = Path(__file__).parent / "octave"
+
+needs_octave = pytest.mark.skipif(shutil.which("octave-cli") is None, reason="needs Octave")
+
+
+def toolbox(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The names that a script imports, which keep what they are given."""
+    module, matrices = ModuleType("roboticstoolbox"), ModuleType("spatialmath")
+    for name in ("RevoluteDH", "PrismaticDH", "RevoluteMDH", "PrismaticMDH"):
+        setattr(module, name, lambda name=name, **cells: SimpleNamespace(kind=name, cells=cells))
+    module.DHRobot = lambda links, **more: SimpleNamespace(links=links, **more)  # type: ignore[attr-defined]
+    matrices.SE3 = lambda matrix, check: matrix  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "roboticstoolbox", module)
+    monkeypatch.setitem(sys.modules, "spatialmath", matrices)
+
+
+def run_script(text: str) -> Any:
+    names: dict[str, Any] = {"__name__": "arm"}
+    exec(text, names)  # the script is ours
+    return names["robot"]
+
+
+def link_pose(link: Any, q: float) -> np.ndarray:
+    cells = {"d": 0.0, "theta": 0.0, "offset": 0.0, "flip": False} | link.cells
+    moved = (-q if cells["flip"] else q) + cells["offset"]
+    theta, d = (moved, cells["d"]) if link.kind.startswith("Revolute") else (cells["theta"], moved)
+    c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(cells["alpha"]), np.sin(cells["alpha"])
+    z = np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, d], [0, 0, 0, 1]])
+    x = np.array([[1, 0, 0, cells["a"]], [0, ca, -sa, 0], [0, sa, ca, 0], [0, 0, 0, 1]])
+    return x @ z if link.kind.endswith("MDH") else z @ x
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_the_python_script_makes_the_same_arm(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    toolbox(monkeypatch)
+    robot = numeric(name)
+    made, q = run_script(exported(robot, "rtb").text), np.linspace(-1, 1.3, robot.n)
+    pose = getattr(made, "base", np.eye(4))
+    for link, value in zip(made.links, q, strict=True):
+        pose = pose @ link_pose(link, value)
+    pose = pose @ getattr(made, "tool", np.eye(4))
+    assert np.abs(pose - Oracle.of(robot).evaluate("forward_kinematics", q)).max() < 1e-12
+
+
+def test_motors_are_on_their_side_of_the_gear(monkeypatch: pytest.MonkeyPatch) -> None:
+    toolbox(monkeypatch)
+    robot = dressed("planar-2r-perugia", rotors=True, coulomb=True)
+    arm, made = Oracle.of(robot).arm, run_script(exported(robot, "rtb").text)
+    for i, link in enumerate(made.links):
+        cells, ratio = link.cells, arm.ratio[i]
+        assert cells["G"] == pytest.approx(ratio, rel=1e-15)
+        assert cells["Jm"] * ratio**2 == pytest.approx(arm.rotor_inertia[i] * ratio**2 + arm.armature[i], rel=1e-14)
+        assert cells["B"] * ratio**2 == pytest.approx(arm.viscous[i], rel=1e-14)
+        assert cells["Tc"][0] * abs(ratio) == pytest.approx(arm.coulomb[i], rel=1e-14)
+        assert cells["Tc"][1] == -cells["Tc"][0]
+    assert made.links[0].cells["m"] == pytest.approx(arm.mass[0] + arm.rotor_mass[1], rel=1e-15)
+    assert made.gravity == [0.3, -9.1, -2.7]
+
+
+@pytest.mark.slow
+def test_the_toolbox_itself_makes_the_same_arm_where_it_is_installed() -> None:
+    pytest.importorskip("roboticstoolbox")
+    for name in EVERY:
+        robot = numeric(name)
+        made, q = run_script(exported(robot, "rtb").text), np.linspace(-1, 1.3, robot.n)
+        expected = Oracle.of(robot).evaluate("forward_kinematics", q)
+        assert np.abs(made.fkine(q).A - expected).max() < 1e-12
+    robot = dressed("puma560-corke", coulomb=True)
+    made = run_script(exported(robot, "rtb").text)
+    states = np.random.default_rng(4).uniform(-1, 1, (3, 6))
+    expected = Oracle.of(robot).evaluate("inverse_dynamics", *states)
+    assert np.abs(made.rne_python(*states) - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+def octave_poses(robots: list[Robot], to: str, folder: Path) -> dict[str, np.ndarray]:
+    """The poses of all robots by their scripts and the stand-ins, in one process."""
+    lines = [f"addpath('{STAND_INS}'); addpath('{folder}');"]
+    for robot in robots:
+        name = function_name(robot.name)
+        (folder / f"{name}.m").write_text(exported(robot, to).text)
+        lines += [f"T = pose_of({name}(), (1:{robot.n}) / 3 - 1); printf('%.17g ', T'); printf('\\n');"]
+    (folder / "all_poses.m").write_text("\n".join(lines) + "\n")
+    command = ["octave-cli", "--norc", "--quiet", str(folder / "all_poses.m")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    rows = [np.array(line.split(), dtype=float).reshape(4, 4) for line in done.stdout.splitlines()]
+    return dict(zip((robot.name for robot in robots), rows, strict=True))
+
+
+@needs_octave
+@pytest.mark.parametrize("to", ["corke", "rigidbodytree"])
+def test_the_matlab_scripts_make_the_same_arms(to: str, tmp_path: Path) -> None:
+    robots = [dressed(name, rotors=True, coulomb=True) if name in FEW else numeric(name) for name in EVERY]
+    found = octave_poses(robots, to, tmp_path)
+    for robot in robots:
+        q = np.arange(1, robot.n + 1) / 3 - 1
+        assert np.abs(found[robot.name] - Oracle.of(robot).evaluate("forward_kinematics", q)).max() < 1e-12
+
+
+def test_rigid_body_tree_has_inertias_about_the_origins_of_frames() -> None:
+    robot = dressed("planar-2r-perugia")
+    lines = exported(robot, "rigidbodytree").text.splitlines()
+    line = next(line for line in lines if line.startswith("body.Inertia"))
+    found = np.array(line.partition("[")[2].partition("]")[0].split(","), dtype=float)
+    arm = Oracle.of(robot).arm
+    c, m = arm.com[0], arm.mass[0]
+    about = arm.inertia[0] + m * (c @ c * np.eye(3) - np.outer(c, c))
+    expected = [about[at] for at in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
+    assert np.abs(found - expected).max() < 1e-15
+
+
+def test_the_table_of_numbers_has_every_cell() -> None:
+    robot = dressed("stanford-deluca", rotors=True, coulomb=True)
+    joints = (replace(robot.joints[0], limits=(number(-1), number(2)), speed=number(3)), *robot.joints[1:])
+    text = exported(replace(robot, joints=joints), "csv").text
+    head = [line for line in text.splitlines() if line.startswith("#")]
+    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    arm = Oracle.of(robot).arm
+    assert any(line.startswith("# gravity: 0.3 -9.1 -2.7") for line in head)
+    for cell in ("theta", "d", "a", "alpha", "mass", "viscous", "coulomb", "armature"):
+        assert np.abs([float(row[cell]) for row in rows] - getattr(arm, cell)).max() < 1e-15
+    assert [row["type"] for row in rows] == [joint.type.value for joint in robot.joints]
+    assert [rows[0][key] for key in ("lower", "upper", "speed", "torque")] == ["-1", "2", "3", ""]
+    assert float(rows[2]["motor_ratio"]) == arm.ratio[2]
+
+
+def test_a_function_of_matlab_begins_with_a_letter() -> None:
+    assert [function_name(name) for name in ("planar-3r", "3r-arm")] == ["planar_3r", "robot_3r_arm"]
