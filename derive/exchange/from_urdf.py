@@ -129,7 +129,7 @@ def import_urdf(
     notes = (*carried, *map(_plain, _notes(urdf, arm)))
     ends = (_plain(arm.base), _plain(arm.tip))
     text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(certificate), *notes])
-    snapped = _snapped([*arm.snaps, *placement.turned])
+    snapped = _snapped([*arm.snaps, *placement.turned] if table is None else [])
     return Imported(text, _loaded(urdf, text, description.name), certificate, ends, names, notes, snapped)
 
 
