@@ -140,14 +140,13 @@ def _remarks(arm: PlacedArm, to: str, form: Form) -> Iterator[str]:
     rotors = [segment.rotor for segment in arm.segments[1:] if segment.rotor is not None]
     if to != "csv" and any(abs(part) > NOTHING for rotor in rotors for part in (rotor.body.mass, rotor.inertia)):
         yield "rotors are part of the links that carry them, as far as they do not spin"
-    impossible = [str(i) for i in range(1, arm.robot.n + 1) if _is_impossible(arm, i - 1)]
-    if impossible:
-        refusal = "MuJoCo refuses it; " if to == "mjcf" else ""
-        yield f"no body can be as link {', '.join(impossible)}; {refusal}try inertia possible"
     if to == "urdf":
         yield from _remarks_of_urdf(arm)
     if to == "mjcf" and any(given(segment.link.coulomb) for segment in arm.segments):
-        yield "MuJoCo's dry friction is soft near standstill, and Coulomb's where a joint slips"
+        yield "MuJoCo's dry friction is soft where a joint is about to stop, and Coulomb's where it slips"
+    refused = [str(i + 1) for i in range(arm.robot.n) if to == "mjcf" and _is_impossible(arm, i)]
+    if refused:
+        yield f"MuJoCo refuses link {', '.join(refused)}: no body of some thickness has such an inertia"
     if to == "mjcf" and not arm.robot.links:
         yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
 
