@@ -25,7 +25,6 @@ from flint import arb, fmpq
 
 from derive.errors import DeriveError
 from derive.exchange.exact_scalars import Exact, ExactDomain, is_zero
-from derive.exchange.from_urdf import decimal
 from derive.exchange.no_bodies import refusal
 from derive.exchange.same_motion import (
     WIDTH,
@@ -38,7 +37,7 @@ from derive.exchange.same_motion import (
     parameters_of,
 )
 from derive.exchange.semidefinite import Cone, Limit, least, packed, unpacked
-from derive.exchange.space import exactly
+from derive.exchange.space import decimal, exactly
 from derive.mechanics.chain import Chain
 from derive.mechanics.vectors import Symmetric, add, from_matrix, matmul, multiply, scale, steiner, transpose
 from derive.robot.description import Inertia, Link
