@@ -46,8 +46,8 @@ def export(
     """
     chosen = load(robot)
     if path is not None and os.path.lexists(path) and not force:
-        found, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
-        raise OutputError(found, allowed="a name that is not taken", remedy=remedy)
+        taken, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
+        raise OutputError(taken, allowed="a name that is not taken", remedy=remedy)
     found = exported(chosen, to, inertia, typed_values(chosen, values or {}))
     for remark in found.remarks:
         warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=2)
