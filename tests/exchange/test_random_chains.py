@@ -11,7 +11,7 @@ import pytest
 
 from derive.exchange.arm import arm_of
 from derive.exchange.common_normals import FAR, TURNED
-from derive.exchange.from_urdf import import_urdf
+from derive.exchange.from_urdf import TOUCHING, import_urdf
 from derive.exchange.space import exactly
 from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
@@ -57,7 +57,7 @@ def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convent
             wanted = reading.torque(q, qd, qdd)
             got = oracle.evaluate("inverse_dynamics", q, qd, qdd)
             assert np.abs(got - wanted).max() <= 1e-10 + 1000 * (
-                bound.position + bound.rotation + max(arm.snaps, default=0.0)
+                bound.position + bound.rotation + max(arm.snaps, default=0.0) + float(min(TOUCHING, snap))
             ), said
 
 
