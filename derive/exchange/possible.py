@@ -15,6 +15,7 @@ change, the sum of squares. The changes are rounded to few digits and applied in
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, sqrt
 from typing import Any
@@ -172,10 +173,14 @@ def possible(robot: Robot) -> Possible:
         if (target < 0).any() and float(_least(bodies).min()) >= -BORDER:
             return Possible(robot, (), border=True)
         changed = _needed(bodies, target)
+        steps: Array | None = None
         if fewer := keeping(basis, [i for i in range(robot.n) if i not in changed]):
-            basis = fewer
-            bodies = replace(in_own_units(parameters, fewer, size_of(chain)), weighed=bodies.weighed)
-        steps = _nearest(bodies, target)
+            alone = replace(in_own_units(parameters, fewer, size_of(chain)), weighed=bodies.weighed)
+            with suppress(DeriveError):  # at the limit a solver may need the other links, too
+                steps = _nearest(alone, target)
+                basis, bodies = fewer, alone
+        if steps is None:
+            steps = _nearest(bodies, target)
         moved = combined(basis, [_decimal_step(step, bodies.along[..., k]) for k, step in enumerate(steps)])
         return _result(robot, chain, domain, moved, border=bool((target < 0).any()))
 
@@ -396,17 +401,24 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
     given = parameters_of(chain.bodies[i])
     body, end = body_of([old + by for old, by in zip(given, change, strict=True)]), chain.ends[i]
     turned = transpose(end.rotation)
+    if (massless := is_zero(body.mass)) and not all(map(is_zero, body.first_moment)):
+        found = f"link {i + 1}: torques leave it no mass, but a first moment"
+        raise DeriveError(found, remedy="correct masses and inertias")
     mass = _kept(link.mass, body.mass, domain)
     m = domain.constant(mass)
     moment = add(body.first_moment, scale(-body.mass, end.position))
-    com = tuple(_kept(old, h / body.mass, domain) for old, h in zip(link.com, multiply(turned, moment), strict=True))
+    moments = multiply(turned, moment)
+    com = link.com
+    if not massless:
+        x, y, z = (_kept(old, h / body.mass, domain) for old, h in zip(link.com, moments, strict=True))
+        com = (x, y, z)
     r = add(end.position, multiply(end.rotation, tuple(map(domain.constant, com))))
     own = body.inertia + Symmetric(*(-entry for entry in parameters_of_tensor(steiner(m, r))))
     tensor = from_matrix(matmul(matmul(turned, own.matrix), end.rotation))
     old = link.inertia
     cells = [old.xx, old.yy, old.zz, old.xy, old.xz, old.yz]
     inertia = Inertia(*(_kept(c, v, domain) for c, v in zip(cells, parameters_of_tensor(tensor), strict=True)))
-    return replace(link, mass=mass, com=(com[0], com[1], com[2]), inertia=inertia)
+    return replace(link, mass=mass, com=com, inertia=inertia)
 
 
 def parameters_of_tensor(tensor: Symmetric[Exact]) -> list[Exact]:
