@@ -36,7 +36,7 @@ test-release: $(READY)
 
 # All chains of two packages of URDFs, 180 MB: CI runs them.
 test-robots: $(READY)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[robots]'
+	$(BIN)/python -m pip install --quiet --no-deps --constraint constraints.txt example-robot-data rtb-data
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m robots tests/exchange
 
 test-fast: $(READY)

@@ -8,6 +8,7 @@ along them by e s. The sum over all joints is the bound. It is computed in balls
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 
@@ -17,7 +18,7 @@ from derive.errors import QuantityError
 from derive.exchange.arm import Arm, Axis
 from derive.exchange.space import Frame, Line, Point, Real, dot, exactly, length, plus, real, times
 from derive.robot.description import Convention, Description, Matrix
-from derive.robot.expression import Call, Expression, Number, Pi, Power, Product, Sum
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 
 EXACT = 1e-30
 """A bound below is one of exact numbers."""
@@ -87,26 +88,28 @@ def screws(robot: Description) -> tuple[list[Line], Frame]:
     Returns:
         A line for each joint, and the frame of the end effector.
     """
-    frame, lines = frame_of(robot.base), []
+    known = dict(robot.parameters)
+    frame, lines = frame_of(robot.base, known), []
     for joint in robot.joints:
-        theta, d, a, alpha = (ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha))
+        theta, d, a, alpha = (ball(cell, known) for cell in (joint.theta, joint.d, joint.a, joint.alpha))
         if robot.convention is Convention.MODIFIED:
             frame = frame.then(along_x(a, alpha))
         lines.append(Line(frame.origin, times(frame.z, joint.sign)))
         frame = frame.then(along_z(theta, d))
         if robot.convention is Convention.STANDARD:
             frame = frame.then(along_x(a, alpha))
-    return lines, frame.then(frame_of(robot.tool))
+    return lines, frame.then(frame_of(robot.tool, known))
 
 
-def ball(cell: Expression) -> Real:
-    """A cell without names as a ball.
+def ball(cell: Expression, known: Mapping[str, Expression] | None = None) -> Real:
+    """A cell as a ball.
 
     Args:
         cell: Exact.
+        known: Numbers of names.
 
     Raises:
-        QuantityError: It has a name.
+        QuantityError: It has a name without a number.
     """
     match cell:
         case Number(value):
@@ -114,16 +117,18 @@ def ball(cell: Expression) -> Real:
         case Pi():
             return arb.pi()
         case Sum(terms):
-            return sum(map(ball, terms), arb(0))
+            return sum((ball(term, known) for term in terms), arb(0))
         case Product(factors):
             found = arb(1)
             for factor in factors:
-                found = found * ball(factor)
+                found = found * ball(factor, known)
             return found
         case Power(base, exponent):
-            return ball(base) ** exponent
+            return ball(base, known) ** exponent
+        case Name(name) if known and name in known:
+            return ball(known[name], known)
         case Call(function, (argument,)):
-            return getattr(ball(argument), function)()
+            return getattr(ball(argument, known), function)()
     raise QuantityError("a table with symbols has no poses in numbers", remedy="give them numbers under parameters:")
 
 
@@ -149,13 +154,14 @@ def along_x(a: Real, alpha: Real) -> Frame:
     return Frame((a, zero, zero), (one, zero, zero), (zero, c, s), (zero, -s, c))
 
 
-def frame_of(matrix: Matrix) -> Frame:
+def frame_of(matrix: Matrix, known: Mapping[str, Expression] | None = None) -> Frame:
     """A transform of numbers.
 
     Args:
+        known: Numbers of names.
         matrix: Of cells without names.
     """
-    rows = [[ball(cell) for cell in row] for row in matrix[:3]]
+    rows = [[ball(cell, known) for cell in row] for row in matrix[:3]]
     x, y, z, origin = ((rows[0][k], rows[1][k], rows[2][k]) for k in range(4))
     return Frame(origin, x, y, z)
 

@@ -83,6 +83,10 @@ def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> No
     assert check.found == check.promised
     assert not check.changed
 
+    named = text.replace("d: 1.5100468643017033", "d: far")
+    path.write_text(named.replace("parameters:", "parameters:\n  far: 1.5100468643017033"))
+    assert verify_import(path) == check
+
     path.write_text(text.replace("d: 1.51004", "d: 1.51005"))
     with pytest.raises(VerificationError, match=r"1e-05 m|e-05 m"):
         verify_import(path)
