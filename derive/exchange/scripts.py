@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterable, Iterator
 from io import StringIO
 from typing import Any
 
@@ -16,8 +17,19 @@ from derive.robot.description import Convention
 from derive.robot.expression import ZERO
 from derive.targets.templating import render
 
-EARTH = ("0", "0", "-9.81")
-"""Gravity where the robot file gives none [m/s^2]."""
+EARTH, UPWARDS = "0, 0, -9.81", "0; 0; 9.81"
+"""Gravity where the robot file gives none, and against it [m/s^2]."""
+
+SPIN = (
+    "cos({0}), -sin({0}), 0, 0",
+    "sin({0}), cos({0}), 0, 0",
+    "0, 0, 1, 0",
+    "0, 0, 0, 1",
+)
+"""Rows of Rot(z, angle)."""
+
+SHIFT = ("1, 0, 0, 0", "0, 1, 0, 0", "0, 0, 1, {0}", "0, 0, 0, 1")
+"""Rows of Trans(z, length)."""
 
 
 def rtb_text(arm: PlacedArm, head: list[str]) -> str:
@@ -47,24 +59,30 @@ def rigidbodytree_text(arm: PlacedArm, head: list[str]) -> str:
         arm: The robot.
         head: Lines that go into comments before it.
     """
-    return _script("exchange/rigidbodytree.m.jinja", arm, head)
+    return _script("exchange/rigidbodytree.m.jinja", arm, head, parts=list(_parts(arm)))
 
 
-def _script(template: str, arm: PlacedArm, head: list[str]) -> str:
-    gravity = arm.robot.gravity
-    down = EARTH if gravity is None else tuple(text(ball(cell)) for cell in gravity)
+def _script(template: str, arm: PlacedArm, head: list[str], **more: object) -> str:
+    gravity, function = arm.robot.gravity, function_name(arm.robot.name)
     return render(
         template,
         name=arm.robot.name,
-        function=function_name(arm.robot.name),
+        function=function,
+        heading=function.upper(),
         head=head,
+        convention=arm.robot.convention.value,
         modified=arm.robot.convention is Convention.MODIFIED,
         rows=[_row(arm, i) for i in range(len(arm.segments))],
         base=None if is_world(arm.base) else _matrix(arm.base),
         tool=None if is_world(arm.tool) else _matrix(arm.tool),
-        gravity=down,
-        upwards=[text(-ball(cell)) for cell in gravity or ()] or ["0", "0", "9.81"],
+        gravity=EARTH if gravity is None else _listed(map(ball, gravity)),
+        upwards=UPWARDS if gravity is None else _listed([-ball(cell) for cell in gravity], "; "),
+        **more,
     )
+
+
+def _listed(values: Iterable[Real], separator: str = ", ") -> str:
+    return texts(values, separator)
 
 
 def function_name(name: str) -> str:
@@ -77,10 +95,10 @@ def function_name(name: str) -> str:
     return plain if plain[:1].isalpha() else f"robot_{plain}"
 
 
-def _matrix(frame: Frame) -> list[list[str]]:
-    """A homogeneous transform."""
+def _matrix(frame: Frame) -> list[str]:
+    """The rows of a homogeneous transform."""
     columns = (frame.x, frame.y, frame.z, frame.origin)
-    return [[text(column[k]) for column in columns] for k in range(3)] + [["0", "0", "0", "1"]]
+    return [_listed(column[k] for column in columns) for k in range(3)] + ["0, 0, 0, 1"]
 
 
 def _row(arm: PlacedArm, i: int) -> dict[str, Any]:
@@ -96,7 +114,7 @@ def _row(arm: PlacedArm, i: int) -> dict[str, Any]:
         "revolute": joint.is_revolute,
         "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
         "flip": joint.sign < 0,
-        "limits": [text(ball(cell)) for cell in joint.limits] if joint.limits else None,
+        "limits": _listed(map(ball, joint.limits)) if joint.limits else "",
         "body": _body(arm, i),
         "motor": _motor(arm, i) if arm.robot.links else {},
     }
@@ -111,9 +129,9 @@ def _body(arm: PlacedArm, i: int) -> dict[str, Any] | None:
     xx, yy, zz, xy, xz, yz = about[0][0], about[1][1], about[2][2], about[0][1], about[0][2], about[1][2]
     return {
         "mass": text(body.mass),
-        "com": [text(c) for c in body.com],
-        "inertia": [[text(entry) for entry in row] for row in body.inertia],
-        "origin": [text(entry) for entry in (xx, yy, zz, yz, xz, xy)],
+        "com": _listed(body.com),
+        "inertia": [_listed(row) for row in body.inertia],
+        "origin": _listed((xx, yy, zz, yz, xz, xy)),
     }
 
 
@@ -133,7 +151,41 @@ def _motor(arm: PlacedArm, i: int) -> dict[str, Any]:
     }
     if not any(abs(found[key]) > NOTHING for key in ("Jm", "B", "Tc")):
         return {}
-    return {key: text(value) for key, value in found.items()}
+    return {key: text(value) if abs(value) > NOTHING or key != "Tc" else "" for key, value in found.items()}
+
+
+def _parts(arm: PlacedArm) -> Iterator[dict[str, Any]]:
+    """The bodies of a rigidBodyTree: a variable has no offset there, so that a fixed joint beside it takes it."""
+    if not is_world(arm.base):
+        yield _part("base_frame", "base_joint", frame=_matrix(arm.base), spaced=True)
+    modified = arm.robot.convention is Convention.MODIFIED
+    for i in range(len(arm.segments)):
+        row, link = _row(arm, i), f"link{i + 1}"
+        moved = [line.format(row["offset"]) for line in (SPIN if row["revolute"] else SHIFT)] if row["offset"] else None
+        beside = (row["d"], "0") if row["revolute"] else ("0", row["theta"])
+        if moved and not modified:
+            yield _part(f"offset{i + 1}", f"{row['variable']}_offset", frame=moved, spaced=True)
+        yield _part(
+            f"turned{i + 1}" if moved and modified else link,
+            row["variable"],
+            "revolute" if row["revolute"] else "prismatic",
+            cells=", ".join((row["a"], row["alpha"], *beside)),
+            order="mdh" if modified else "dh",
+            flip=row["flip"],
+            limits=row["limits"] or "-Inf, Inf",
+            mass=None if moved and modified else row["body"],
+            spaced=modified or not moved,
+        )
+        if moved and modified:
+            yield _part(link, f"{row['variable']}_offset", frame=moved, mass=row["body"])
+    if not is_world(arm.tool):
+        yield _part("tool", "tool_joint", frame=_matrix(arm.tool), spaced=True)
+
+
+def _part(body: str, joint: str, type: str = "fixed", **more: Any) -> dict[str, Any]:
+    """A body and the joint that it hangs on."""
+    nothing = {"frame": None, "flip": False, "limits": "", "mass": None, "spaced": False}
+    return nothing | {"body": body, "joint": joint, "type": type} | more
 
 
 def csv_text(arm: PlacedArm, head: list[str]) -> str:
@@ -147,7 +199,7 @@ def csv_text(arm: PlacedArm, head: list[str]) -> str:
     for line in head:
         out.write(f"# {line}\n")
     for name, frame in (("base", arm.base), ("tool", arm.tool)):
-        out.write(f"# {name}: {'; '.join(' '.join(row) for row in _matrix(frame))}\n")
+        out.write(f"# {name}: {'; '.join(_matrix(frame)).replace(',', '')}\n")
     if arm.robot.gravity is not None:
         out.write(f"# gravity: {texts(map(ball, arm.robot.gravity))}\n")
     rows = [_csv_row(arm, i) for i in range(len(arm.segments))]

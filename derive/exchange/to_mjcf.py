@@ -32,13 +32,15 @@ def mjcf_text(arm: PlacedArm, head: list[str]) -> str:
     radius = THICKNESS * arm.size
     rotors = {i: segment.rotor for i, segment in enumerate(arm.segments) if segment.rotor is not None}
     spinning = {i: rotor for i, rotor in rotors.items() if coupled_by_tendon(rotor)}
+    bodies = [_body(arm, i, radius, spinning) for i in range(len(arm.segments))]
     return render(
         "exchange/robot.mjcf.jinja",
         name=arm.robot.name,
         head=head,
         gravity=EARTH if gravity is None else texts(map(ball, gravity)),
         density=DENSITY,
-        bodies=[_body(arm, i, radius, spinning) for i in range(len(arm.segments))],
+        bodies=bodies,
+        margins=[body["margin"] for body in reversed(bodies)],
         tool={"pos": texts(end.origin), "quat": _turn(end)},
         rotors=[_tendon(arm, i, rotor) for i, rotor in spinning.items()],
         radius=f"{radius:.3g}",
@@ -87,6 +89,7 @@ def _body(arm: PlacedArm, i: int, radius: float, spinning: Collection[int]) -> d
     }
     force = None if joint.torque is None else text(ball(joint.torque))
     return {
+        "margin": "  " * (i + 2),
         "name": f"link{i + 1}",
         "pos": texts(frame.origin),
         "quat": _turn(frame),

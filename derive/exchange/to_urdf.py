@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import atan2, hypot
 from typing import Any
+from xml.sax.saxutils import escape
 
 from derive.exchange.carried import table_text
 from derive.exchange.certificate import ball
@@ -43,14 +44,14 @@ def urdf_text(arm: PlacedArm, head: list[str]) -> str:
     joints.append(_fixed("flange-joint", named[-1], "flange", last))
     joints.append(_fixed("tool-joint", "flange", TIP, arm.tool))
     radius = THICKNESS * arm.size
-    links: list[dict[str, Any]] = [{"name": ROOT}] if root == ROOT else [{"name": ROOT}, {"name": root}]
+    links: list[dict[str, Any]] = [_frame(name) for name in dict.fromkeys((ROOT, root))]
     links += [_link(arm, i, named[i], radius) for i in range(n)]
-    links += [{"name": "flange"}, {"name": TIP}]
+    links += [_frame("flange"), _frame(TIP)]
     return render(
         "exchange/robot.urdf.jinja",
         name=arm.robot.name,
         head=head,
-        table=table_text(arm.robot),
+        table=escape(table_text(arm.robot)),
         links=links,
         joints=joints,
         radius=f"{radius:.3g}",
@@ -64,7 +65,12 @@ def _origin(frame: Frame) -> dict[str, str]:
 
 
 def _fixed(name: str, parent: str, child: str, frame: Frame) -> dict[str, Any]:
-    return {"name": name, "type": "fixed", "parent": parent, "child": child, **_origin(frame)}
+    return {"name": name, "type": "fixed", "parent": parent, "child": child, **_origin(frame), "axis": ""}
+
+
+def _frame(name: str) -> dict[str, Any]:
+    """A link that is a frame alone."""
+    return {"name": name, "is_frame": True}
 
 
 def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
@@ -94,7 +100,7 @@ def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
 def _link(arm: PlacedArm, i: int, name: str, radius: float) -> dict[str, Any]:
     segment, body = arm.segments[i], arm.body(i)
     inertial = None if body is None else _inertial(body.moved(segment.dh))
-    return {"name": name, "inertial": inertial, "rod": rod(segment.end, radius)}
+    return {"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)}
 
 
 def _inertial(body: Body) -> dict[str, Any]:

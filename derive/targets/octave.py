@@ -279,6 +279,21 @@ def _unpacked(function: Function, joints: int) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot, package: str) -> tuple[str, ...]:
+    """The lines of the help of the solution nearest to a configuration, after its first."""
+    params = ["params"] if program.parameters else []
+    return (
+        f"q = {package}.inverse_kinematics_nearest({', '.join([POSE, 'near', *params])}) is the solution nearest to",
+        f"the configuration near, {robot.n} x 1, within the limits of the joints, full turns included; not a number",
+        f"where there is none. Of poses 4 x 4 x N it is {robot.n} {_WIDE}; near is {robot.n} x 1 or {robot.n} {_WIDE}."
+        + (f" {', '.join(names)} stay there." if names else ""),
+        "[q, status] says, too, what it is: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
+        "",
+        "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
+        *_parameter_lines(program.parameters),
+    )
+
+
 def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> OctaveInverse:
     """Inverse kinematics and its help."""
     names = [matlab_comment(robot.joints[i].variable) for i in inverse.given]
@@ -304,16 +319,6 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         *map(matlab_comment, inverse.order),
         *inverse.function.notes,
     )
-    nearest = (
-        f"q = {package}.inverse_kinematics_nearest({', '.join([POSE, 'near', *params])}) is the solution nearest to",
-        f"the configuration near, {robot.n} x 1, within the limits of the joints, full turns included; not a number",
-        f"where there is none. Of poses 4 x 4 x N it is {robot.n} {_WIDE}; near is {robot.n} x 1 or {robot.n} {_WIDE}."
-        + (f" {', '.join(names)} stay there." if names else ""),
-        "[q, status] says, too, what it is: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
-        "",
-        "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
-        *_parameter_lines(program.parameters),
-    )
     turning = [
         "true" if joint.is_revolute and i not in inverse.given else "false" for i, joint in enumerate(robot.joints)
     ]
@@ -322,7 +327,7 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         step=_function(inverse.step, program.parameters, robot, package),
         summary=inverse.function.interface.summary,
         documentation=documentation,
-        nearest_documentation=nearest,
+        nearest_documentation=_nearest_documentation(names, program, robot, package),
         branches=inverse.branches,
         closed=repr(inverse.closed),
         around=inverse.around,
