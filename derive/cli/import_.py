@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--snap", default="1e-6", metavar="RAD", help="angles so close to fractions of pi are these (default 1e-6)")
     add("--inertia", default="given", metavar="I", help="given, or possible: the nearest bodies that exist and move so")
     add("--name", help="name of the robot (default: that of the URDF)")
-    add("-o", "--output", metavar="FILE", type=Path, help="robot file to write; with --all a folder")
+    add("-o", "--out", metavar="FILE", type=Path, help="robot file to write; with --all a folder")
     add("--force", action="store_true", help="write over files that are there")
     add(
         "--packages",
@@ -72,17 +72,17 @@ def run(arguments: argparse.Namespace) -> int:
     base, tip = _ends(arguments)
     if arguments.all and tip is not None:
         raise DeriveError("--all with --tip or --chain", remedy="leave one out")
-    if arguments.json and arguments.output is None:
+    if arguments.json and arguments.out is None:
         raise DeriveError("--json without -o", remedy="name the robot file with -o FILE")
     file = sys.stdin.buffer.read() if arguments.file == "-" else arguments.file
     pairs = dict(_pair(text) for text in arguments.arg)
     options = {"convention": arguments.convention, "snap": arguments.snap, "name": arguments.name}
     options |= {"packages": arguments.packages, "arguments": pairs, "inertia": arguments.inertia}
     if not arguments.all:
-        folder = arguments.output.parent if arguments.output else Path()
+        folder = arguments.out.parent if arguments.out else Path()
         found = import_urdf(file, tip=tip, base=base, folder=folder, **options)
-        return _deliver({arguments.output: found}, {}, arguments)
-    folder = arguments.output or Path()
+        return _deliver({arguments.out: found}, {}, arguments)
+    folder = arguments.out or Path()
     every = import_all(file, folder=folder, **options)
     arms = {folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}
     return _deliver(arms, every.refused, arguments)
@@ -118,7 +118,7 @@ def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Names
     from derive.api.importing import write
     from derive.api.robots import with_remarks
 
-    if not arguments.all and arguments.output is None:
+    if not arguments.all and arguments.out is None:
         (arm,) = arms.values()
         print(arm.text, end="")
         print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
