@@ -122,7 +122,7 @@ def snapped(angle: Fraction, snap: Fraction) -> Real:
     return value
 
 
-def placed(origin: Origin, snap: Fraction) -> Frame:
+def frame_at(origin: Origin, snap: Fraction) -> Frame:
     """A frame by its origin and roll, pitch, yaw.
 
     Args:
@@ -260,14 +260,14 @@ def _placed_chain(
     held: list[str] = []
     for joint, upwards in steps:
         if not upwards:
-            frame = frame.then(placed(joint.origin, snap))
+            frame = frame.then(frame_at(joint.origin, snap))
         if joint.type != "fixed":
             _check_kind(joint)
             direction = frame.direction(_direction(joint, snap))
             lines.append((Line(frame.origin, times(direction, -1) if upwards else direction), joint))
             groups.append([])
         if upwards:
-            frame = frame.then(WORLD.seen_from(placed(joint.origin, snap)))
+            frame = frame.then(WORLD.seen_from(frame_at(joint.origin, snap)))
         if lines:  # what moves with the base stands
             bodies, fixed = tree.around(joint.parent if upwards else joint.child, frame)
             groups[-1] += bodies
@@ -289,7 +289,7 @@ def _upwards(urdf: Urdf, carrying: Mapping[str, UrdfJoint], link: str, snap: Fra
     """The z axis of a tree's root in the frame of a link."""
     frame = WORLD
     for joint in reversed(_ancestry(urdf, carrying, link)):
-        frame = frame.then(placed(joint.origin, snap))
+        frame = frame.then(frame_at(joint.origin, snap))
     return frame.turned(WORLD.z)
 
 
@@ -327,7 +327,7 @@ class _Tree:
                 if other not in seen:
                     seen.add(other)
                     held += [joint.name] if joint.type != "fixed" else []
-                    step = placed(joint.origin, self._snap)
+                    step = frame_at(joint.origin, self._snap)
                     waiting.append((other, at.then(WORLD.seen_from(step) if upwards else step)))
         return found, held
 
@@ -359,5 +359,5 @@ def _direction(joint: UrdfJoint, snap: Fraction) -> Point:
 
 
 def _mass(body: UrdfBody, frame: Frame, link: str, snap: Fraction) -> Mass:
-    axes = frame.then(placed(body.origin, snap))
+    axes = frame.then(frame_at(body.origin, snap))
     return Mass(body.mass, axes.origin, axes, body.inertia, link)

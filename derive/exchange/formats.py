@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from derive.errors import DeriveError, near_miss, quoted
+from derive.exchange.body_chain import BodyChain, Segment, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers
-from derive.exchange.placed import PlacedArm, Segment, given, placed_arm
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
 from derive.exchange.to_mjcf import DENSITY, coupled_by_tendon, mjcf_text
@@ -63,7 +63,7 @@ class Form:
     program: str
     ending: str
     lacks: tuple[str, ...]
-    write: Callable[[PlacedArm, list[str]], str]
+    write: Callable[[BodyChain, list[str]], str]
 
 
 FORMS: Mapping[str, Form] = MappingProxyType(
@@ -124,14 +124,14 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
         found = possible(numeric)
         numeric, changes = found.robot, found.report
     with exactly():
-        arm = placed_arm(numeric)
+        arm = body_chain(numeric)
         remarks = (*changes, *_remarks(arm, to, form))
         head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
         text = form.write(arm, [line.replace("--", "- -") for line in head])
     return Exported(text, remarks)
 
 
-def _remarks(arm: PlacedArm, to: str, form: Form) -> Iterator[str]:
+def _remarks(arm: BodyChain, to: str, form: Form) -> Iterator[str]:
     """What is not in the file, as sentences."""
     for key in form.lacks:
         words, has = GIVEN[key]
@@ -151,12 +151,12 @@ def _remarks(arm: PlacedArm, to: str, form: Form) -> Iterator[str]:
         yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
 
 
-def _is_impossible(arm: PlacedArm, i: int) -> bool:
+def _is_impossible(arm: BodyChain, i: int) -> bool:
     body = arm.body(i)
     return body is not None and not body.is_possible
 
 
-def _remarks_of_urdf(arm: PlacedArm) -> Iterator[str]:
+def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
     down = [float(ball(cell)) for cell in arm.robot.gravity or ()]
     if down and (down[0] or down[1] or down[2] > 0):
         yield f"URDF cannot say the gravity {down[0]:g}, {down[1]:g}, {down[2]:g} m/s^2"

@@ -12,12 +12,12 @@ from flint import arb
 
 from derive.errors import DeriveError, RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass, arm_of
-from derive.exchange.carried import carried_table, placement_of, with_table
+from derive.exchange.carried_table import carried_table, placement_of, with_table
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import Placement, Row, place
-from derive.exchange.placed import HALVES
 from derive.exchange.space import NOTHING, Frame, Point, Real, decimal, dot, exactly, plus, real
 from derive.exchange.urdf import UNLIMITED, Urdf
+from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
 from derive.robot.load import is_robot_name
@@ -163,9 +163,10 @@ def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
         if body.mass < 0:
             yield f"link {body.link}: negative mass {float(body.mass):g} kg"
         a, b, c = np.linalg.eigvalsh(tensor_matrix([float(moment) for moment in body.inertia]))
-        if a < -HALVES * abs(c):
+        slack = float(ROUNDING) * abs(c)
+        if a < -slack:
             yield f"link {body.link}: no body has its inertia (a principal moment of {a:.2g} kg m^2)"
-        elif a + b < c - HALVES * abs(c):
+        elif a + b < c - slack:
             yield f"link {body.link}: no body has its inertia (A + B < C by {c - a - b:.2g} kg m^2)"
     for axis in arm.axes:
         joint = axis.joint

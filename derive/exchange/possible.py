@@ -3,8 +3,8 @@
 A rigid body exists where its pseudo-inertia [[S, h], [h^T, m]], with S its second moments and h its first moment, is
 positive semidefinite: then its mass is not negative, and no principal moment is larger than the sum of the other two
 (Wensing, Kim and Slotine, IEEE Robotics and Automation Letters 3(1), 2018). Published links often break this. Torques
-know base parameters alone, so bodies may change along `derive.exchange.same_motion.directions` without any torque
-changing; among these the nearest are found by semidefinite programming.
+know base parameters alone, so bodies may change along the directions of `derive.exchange.regressor_null_space` without
+any torque changing; among these the nearest are found by semidefinite programming.
 
 Near is meant without units: the pseudo-inertia is taken about the link's own centre of mass, with its mass as unit of
 mass and its radius of gyration as unit of length, so that a wrist counts as much as an upper arm, wherever the frames
@@ -26,8 +26,7 @@ from flint import arb, fmpq
 
 from derive.errors import DeriveError
 from derive.exchange.exact_scalars import Exact, ExactDomain, is_zero
-from derive.exchange.no_bodies import refusal
-from derive.exchange.same_motion import (
+from derive.exchange.regressor_null_space import (
     WIDTH,
     Direction,
     bare_chain,
@@ -39,6 +38,7 @@ from derive.exchange.same_motion import (
 )
 from derive.exchange.semidefinite import Cone, Limit, least, packed, unpacked
 from derive.exchange.space import decimal, exactly
+from derive.exchange.witness import refusal
 from derive.mechanics.chain import Chain
 from derive.mechanics.vectors import Symmetric, add, from_matrix, matmul, multiply, scale, steiner, transpose
 from derive.robot.description import Inertia, Link

@@ -9,9 +9,9 @@ from typing import Any
 
 from flint import arb
 
+from derive.exchange.body_chain import BodyChain, is_world
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import angle_text, text, texts
-from derive.exchange.placed import PlacedArm, is_world
 from derive.exchange.space import NOTHING, Frame, Real
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO
@@ -32,7 +32,7 @@ SHIFT = ("1, 0, 0, 0", "0, 1, 0, 0", "0, 0, 1, {0}", "0, 0, 0, 1")
 """Rows of Trans(z, length)."""
 
 
-def rtb_text(arm: PlacedArm, head: list[str]) -> str:
+def rtb_text(arm: BodyChain, head: list[str]) -> str:
     """A Python script for the Robotics Toolbox (`roboticstoolbox.DHRobot`).
 
     Args:
@@ -42,7 +42,7 @@ def rtb_text(arm: PlacedArm, head: list[str]) -> str:
     return _script("exchange/rtb.py.jinja", arm, head)
 
 
-def corke_text(arm: PlacedArm, head: list[str]) -> str:
+def corke_text(arm: BodyChain, head: list[str]) -> str:
     """A MATLAB function for Corke's Robotics Toolbox (``SerialLink``).
 
     Args:
@@ -52,7 +52,7 @@ def corke_text(arm: PlacedArm, head: list[str]) -> str:
     return _script("exchange/corke.m.jinja", arm, head)
 
 
-def rigidbodytree_text(arm: PlacedArm, head: list[str]) -> str:
+def rigidbodytree_text(arm: BodyChain, head: list[str]) -> str:
     """A MATLAB function for MathWorks' Robotics System Toolbox (``rigidBodyTree``).
 
     Args:
@@ -62,7 +62,7 @@ def rigidbodytree_text(arm: PlacedArm, head: list[str]) -> str:
     return _script("exchange/rigidbodytree.m.jinja", arm, head, parts=list(_parts(arm)))
 
 
-def _script(template: str, arm: PlacedArm, head: list[str], **more: object) -> str:
+def _script(template: str, arm: BodyChain, head: list[str], **more: object) -> str:
     gravity, function = arm.robot.gravity, function_name(arm.robot.name)
     return render(
         template,
@@ -101,7 +101,7 @@ def _matrix(frame: Frame) -> list[str]:
     return [_listed(column[k] for column in columns) for k in range(3)] + ["0, 0, 0, 1"]
 
 
-def _row(arm: PlacedArm, i: int) -> dict[str, Any]:
+def _row(arm: BodyChain, i: int) -> dict[str, Any]:
     """A row of the table with what its link weighs, in its own DH frame, and its motor."""
     segment = arm.segments[i]
     joint = segment.joint
@@ -120,7 +120,7 @@ def _row(arm: PlacedArm, i: int) -> dict[str, Any]:
     }
 
 
-def _body(arm: PlacedArm, i: int) -> dict[str, Any] | None:
+def _body(arm: BodyChain, i: int) -> dict[str, Any] | None:
     body = arm.body(i)
     if body is None:
         return None
@@ -135,7 +135,7 @@ def _body(arm: PlacedArm, i: int) -> dict[str, Any] | None:
     }
 
 
-def _motor(arm: PlacedArm, i: int) -> dict[str, Any]:
+def _motor(arm: BodyChain, i: int) -> dict[str, Any]:
     """Motor inertia, gear ratio and frictions as the toolboxes count them: on the motor's side of the gear."""
     link, rotor = arm.segments[i].link, arm.segments[i].rotor
     ratio: Real = arb(1)
@@ -154,7 +154,7 @@ def _motor(arm: PlacedArm, i: int) -> dict[str, Any]:
     return {key: text(value) if abs(value) > NOTHING or key != "Tc" else "" for key, value in found.items()}
 
 
-def _parts(arm: PlacedArm) -> Iterator[dict[str, Any]]:
+def _parts(arm: BodyChain) -> Iterator[dict[str, Any]]:
     """The bodies of a rigidBodyTree: a variable has no offset there, so that a fixed joint beside it takes it."""
     if not is_world(arm.base):
         yield _part("base_frame", "base_joint", frame=_matrix(arm.base), spaced=True)
@@ -188,7 +188,7 @@ def _part(body: str, joint: str, type: str = "fixed", **more: Any) -> dict[str, 
     return nothing | {"body": body, "joint": joint, "type": type} | more
 
 
-def csv_text(arm: PlacedArm, head: list[str]) -> str:
+def csv_text(arm: BodyChain, head: list[str]) -> str:
     """The table and the links as comma-separated values, SI units and radians.
 
     Args:
@@ -209,7 +209,7 @@ def csv_text(arm: PlacedArm, head: list[str]) -> str:
     return out.getvalue()
 
 
-def _csv_row(arm: PlacedArm, i: int) -> dict[str, str]:
+def _csv_row(arm: BodyChain, i: int) -> dict[str, str]:
     """Every number that the robot file gives for a joint and its link."""
     joint, link = arm.segments[i].joint, arm.segments[i].link
     row = {"convention": arm.robot.convention.value, "joint": joint.variable, "type": joint.type.value}

@@ -7,9 +7,9 @@ from typing import Any
 
 from flint import arb
 
+from derive.exchange.body_chain import BodyChain, Rotor, quaternion
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
-from derive.exchange.placed import PlacedArm, Rotor, quaternion
 from derive.exchange.space import NOTHING, Frame
 from derive.exchange.to_urdf import THICKNESS, rod
 from derive.targets.templating import render
@@ -21,7 +21,7 @@ EARTH = "0 0 -9.81"
 """Gravity where the robot file gives none [m/s^2]."""
 
 
-def mjcf_text(arm: PlacedArm, head: list[str]) -> str:
+def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     """The file.
 
     Args:
@@ -62,7 +62,7 @@ def _turn(frame: Frame) -> str:
     return texts(quaternion(frame))
 
 
-def _tendon(arm: PlacedArm, i: int, rotor: Rotor) -> dict[str, Any]:
+def _tendon(arm: BodyChain, i: int, rotor: Rotor) -> dict[str, Any]:
     """The inertia of a rotor along drag[0] qd_1 + ... + ratio qd_i."""
     names = [segment.joint.variable for segment in arm.segments[: i + 1]]
     factors = [*map(repr, rotor.drag or ()), text(rotor.ratio)]
@@ -70,7 +70,7 @@ def _tendon(arm: PlacedArm, i: int, rotor: Rotor) -> dict[str, Any]:
     return {"name": f"rotor_{names[-1]}", "armature": text(rotor.inertia), "joints": coefficients}
 
 
-def _body(arm: PlacedArm, i: int, radius: float, spinning: Collection[int]) -> dict[str, Any]:
+def _body(arm: BodyChain, i: int, radius: float, spinning: Collection[int]) -> dict[str, Any]:
     segment = arm.segments[i]
     joint, link, rotor = segment.joint, segment.link, segment.rotor
     frame = arm.base.then(segment.origin) if i == 0 else segment.origin

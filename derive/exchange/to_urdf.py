@@ -6,10 +6,10 @@ from math import atan2, hypot
 from typing import Any
 from xml.sax.saxutils import escape
 
-from derive.exchange.carried import table_text
+from derive.exchange.body_chain import Body, BodyChain, Segment, is_world, roll_pitch_yaw
+from derive.exchange.carried_table import table_text
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
-from derive.exchange.placed import Body, PlacedArm, Segment, is_world, roll_pitch_yaw
 from derive.exchange.space import Frame, Point, length
 from derive.exchange.urdf import UNLIMITED
 from derive.targets.templating import render
@@ -27,7 +27,7 @@ SLIDE = 10
 """Limits of a slide that has none, which URDF does not allow [m]."""
 
 
-def urdf_text(arm: PlacedArm, head: list[str]) -> str:
+def urdf_text(arm: BodyChain, head: list[str]) -> str:
     """The file.
 
     Args:
@@ -97,7 +97,7 @@ def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
     }
 
 
-def _link(arm: PlacedArm, i: int, name: str, radius: float) -> dict[str, Any]:
+def _link(arm: BodyChain, i: int, name: str, radius: float) -> dict[str, Any]:
     segment, body = arm.segments[i], arm.body(i)
     inertial = None if body is None else _inertial(body.moved(segment.dh))
     return {"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)}

@@ -16,7 +16,7 @@ from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ZERO, Expression, names
 
 ROUNDING = Fraction(1, 10**9)
-"""Part of the largest moment that may be missing."""
+"""Part of the largest principal moment that rounding may have taken from A + B - C."""
 
 Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
 """xx, yy, zz, xy, xz, yz."""

@@ -11,7 +11,7 @@ import pytest
 from derive.errors import DeriveError
 from derive.exchange.exact_scalars import ExactDomain, as_fraction
 from derive.exchange.possible import possible
-from derive.exchange.same_motion import bare_chain, combined, directions, parameters_of
+from derive.exchange.regressor_null_space import bare_chain, combined, directions, parameters_of
 from derive.exchange.space import exactly
 from derive.robot.description import Inertia, Link
 from derive.robot.evaluate import parameter_values, to_float

@@ -24,7 +24,7 @@ from flint import fmpq
 
 from derive.errors import DeriveError
 from derive.exchange.exact_scalars import Exact, as_fraction, is_rational, is_zero, null_space
-from derive.exchange.same_motion import WIDTH, Direction, combined
+from derive.exchange.regressor_null_space import WIDTH, Direction, combined
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.regressor import with_unit_rotors

@@ -15,13 +15,11 @@ from flint import arb
 
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
 from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, decimal, dot, length, plus, times
+from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import Convention, Inertia, Joint, Link, Motor
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
-
-HALVES = 1e-9
-"""Part of the largest principal moment that rounding may have taken from A + B - C."""
 
 CONSTANT = 1e-12
 """How little the cosine of two axes varies where it does not."""
@@ -118,7 +116,7 @@ class Body:
     def is_possible(self) -> bool:
         """Whether there is such a body: mass and moments positive, no moment above the sum of the others."""
         a, b, c = np.linalg.eigvalsh([[float(entry) for entry in row] for row in self.inertia])
-        return bool(self.mass > 0 and a > 0 and a + b >= c - HALVES * c)
+        return bool(self.mass > 0 and a > 0 and a + b >= c - float(ROUNDING) * c)
 
 
 def moments(inertia: Inertia) -> list[Real]:
@@ -192,7 +190,7 @@ class Segment:
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedArm:
+class BodyChain:
     """All segments of a robot.
 
     Attributes:
@@ -229,7 +227,7 @@ class PlacedArm:
         return max(0.1, *(float(length(segment.end)) for segment in self.segments))
 
 
-def placed_arm(robot: Robot) -> PlacedArm:
+def body_chain(robot: Robot) -> BodyChain:
     """The bodies of a robot; whoever computes with them does so inside `exactly`.
 
     Args:
@@ -259,7 +257,7 @@ def placed_arm(robot: Robot) -> PlacedArm:
         )
         for i, (joint, link) in enumerate(zip(robot.joints, links, strict=True))
     )
-    return PlacedArm(robot, base, segments, tool)
+    return BodyChain(robot, base, segments, tool)
 
 
 def _rotor(joint: Joint, motor: Motor, origin: Frame, standard: bool, drag: tuple[float, ...] | None) -> Rotor:

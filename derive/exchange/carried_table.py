@@ -10,9 +10,9 @@ from itertools import pairwise
 
 from derive.errors import DeriveError
 from derive.exchange.arm import Arm
+from derive.exchange.body_chain import body_chain
 from derive.exchange.certificate import along_x, along_z, ball, certify, frame_of
 from derive.exchange.common_normals import Placement, Row
-from derive.exchange.placed import placed_arm
 from derive.exchange.space import WORLD, exactly
 from derive.exchange.urdf import Urdf
 from derive.robot.description import Convention, Description, Link
@@ -100,7 +100,7 @@ def with_table(robot: Description, table: Robot) -> Description:
         for link, own in zip(robot.links, table.links, strict=True)
     )
     robot = replace(robot, links=links, gravity=table.gravity, parameters=())
-    segments = placed_arm(Robot.of(robot)).segments
+    segments = body_chain(Robot.of(robot)).segments
     bodies = [segment.body for segment in segments]
     for i, (segment, following) in enumerate(pairwise(segments)):
         if following.rotor is not None and segment.body is not None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.exchange.exact_scalars import ExactDomain, is_zero
-from derive.exchange.same_motion import WIDTH, bare_chain, combined, directions, keeping
+from derive.exchange.regressor_null_space import WIDTH, bare_chain, combined, directions, keeping
 from derive.exchange.space import exactly
 from derive.model.identification.base_parameters import base_set
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter

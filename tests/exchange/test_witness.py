@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from derive.exchange.exact_scalars import ExactDomain
-from derive.exchange.no_bodies import NoSuchBodies, Witness, coefficients, function_matrix, is_semidefinite
 from derive.exchange.possible import possible
-from derive.exchange.same_motion import bare_chain, parameters_of
+from derive.exchange.regressor_null_space import bare_chain, parameters_of
 from derive.exchange.space import exactly
+from derive.exchange.witness import NoSuchBodies, Witness, coefficients, function_matrix, is_semidefinite
 from derive.robot.description import Inertia
 from derive.robot.expression import number
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from derive.exchange.arm import arm_of
-from derive.exchange.carried import carried_table, placement_of, table_text
+from derive.exchange.carried_table import carried_table, placement_of, table_text
 from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, import_urdf
 from derive.exchange.space import exactly

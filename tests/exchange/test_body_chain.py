@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from derive.exchange.placed import Body, is_world, placed_arm, quaternion, roll_pitch_yaw
+from derive.exchange.body_chain import Body, body_chain, is_world, quaternion, roll_pitch_yaw
 from derive.exchange.space import WORLD, Frame, exactly, unit, vector
 from tests.exchange.arms import dressed, numeric
 
@@ -56,8 +56,8 @@ def test_only_bodies_that_exist_are_possible() -> None:
 
 def test_the_drag_of_rotors_is_known_where_axes_keep_their_angles() -> None:
     with exactly():
-        scara = placed_arm(dressed("scara-matlab", rotors=True)).segments
-        puma = placed_arm(dressed("puma560-corke", rotors=True)).segments
+        scara = body_chain(dressed("scara-matlab", rotors=True)).segments
+        puma = body_chain(dressed("puma560-corke", rotors=True)).segments
     assert [s.rotor and s.rotor.drag for s in scara] == [(), (1.0,), (-1.0, -1.0), (-1.0, -1.0, 0.0)]
     assert [s.rotor is not None and s.rotor.drag is None for s in puma] == [False, False, False, True, True, True]
 
@@ -65,4 +65,4 @@ def test_the_drag_of_rotors_is_known_where_axes_keep_their_angles() -> None:
 def test_the_world_is_where_it_is() -> None:
     with exactly():
         assert is_world(WORLD)
-        assert not is_world(placed_arm(numeric("skeleton")).tool) or not is_world(placed_arm(numeric("skeleton")).base)
+        assert not is_world(body_chain(numeric("skeleton")).tool) or not is_world(body_chain(numeric("skeleton")).base)
