@@ -18,8 +18,10 @@ from derive.exchange.from_urdf import import_urdf as of_urdf
 from derive.exchange.source import Source, open_urdf, opened, relative
 from derive.exchange.space import exactly
 from derive.publish.atomic_folder import write_files
-from derive.robot.description import Convention
+from derive.robot.description import Convention, Description
+from derive.robot.expression import ZERO, Name, is_constant
 from derive.robot.load import is_robot_name, robot_file_bytes
+from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
@@ -43,6 +45,7 @@ def import_urdf(
     packages: Sequence[str | Path] = (),
     arguments: Mapping[str, str] | None = None,
     inertia: str = "given",
+    symbols: bool = False,
     folder: str | Path = ".",
 ) -> Imported:
     """The robot of a chain of a URDF, as ``derive import`` makes it.
@@ -57,6 +60,7 @@ def import_urdf(
         packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
         inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
+        symbols: Whether lengths are named, d1, a2, ..., with their numbers as parameters.
         folder: Where the robot file will be: it names the URDF from there.
 
     Returns:
@@ -68,7 +72,7 @@ def import_urdf(
     """
     if name is not None and not is_robot_name(name):
         raise RobotFileError(f"{quoted(name)} is not a robot name", allowed="allowed: a-z, 0-9 and -, not first")
-    return _Importer(file, convention, snap, packages, arguments, inertia, folder).arm(base, tip, name)
+    return _Importer(file, convention, snap, packages, arguments, inertia, symbols, folder).arm(base, tip, name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +97,7 @@ def import_all(
     packages: Sequence[str | Path] = (),
     arguments: Mapping[str, str] | None = None,
     inertia: str = "given",
+    symbols: bool = False,
     folder: str | Path = ".",
 ) -> AllTips:
     """The robots of all chains from the root of a URDF to a tip.
@@ -105,6 +110,7 @@ def import_all(
         packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
         inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
+        symbols: Whether lengths are named, d1, a2, ..., with their numbers as parameters.
         folder: Where the robot files will be.
 
     Returns:
@@ -114,7 +120,7 @@ def import_all(
         RobotFileError: The file is no URDF, or no tip has a table.
         TargetError: lxml or xacrodoc is not installed.
     """
-    importer = _Importer(file, convention, snap, packages, arguments, inertia, folder)
+    importer = _Importer(file, convention, snap, packages, arguments, inertia, symbols, folder)
     urdf = importer.opened.urdf
     arms: list[Imported] = []
     refused: dict[str, str] = {}
@@ -208,12 +214,13 @@ class _Importer:
         packages: Sequence[str | Path],
         arguments: Mapping[str, str] | None,
         inertia: str,
+        symbols: bool,
         folder: str | Path,
     ) -> None:
         if inertia not in INERTIAS:
             allowed = f"allowed: {', '.join(INERTIAS)}"
             raise DeriveError(f"--inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS))
-        self._possible = inertia == "possible"
+        self._possible, self._symbols = inertia == "possible", symbols
         self._convention, self._snap = convention_named(str(convention)), snap_of(snap)
         self._path, self._arguments = "", tuple((arguments or {}).items())
         self._folders: tuple[str, ...] = ()
@@ -237,7 +244,8 @@ class _Importer:
             name: Of the robot.
         """
         found = of_urdf(self.opened.urdf, base, tip, self._convention, self._snap, name, self._head)
-        return with_possible_bodies(found) if self._possible and found.robot.links else found
+        found = with_possible_bodies(found) if self._possible and found.robot.links else found
+        return with_named_lengths(found) if self._symbols else found
 
     def _head(self, base: str, tip: str) -> str:
         return Source(self._path, base, tip, self.opened.sha256, self._folders, self._arguments).line
@@ -258,10 +266,33 @@ def with_possible_bodies(arm: Imported) -> Imported:
     from derive.exchange.possible import possible
 
     found = possible(arm.robot)
+    return _rewritten(arm, found.robot, found.report)
+
+
+def with_named_lengths(arm: Imported) -> Imported:
+    """The arm with d_i and a_i by name, as books have them, and their numbers as parameters.
+
+    Args:
+        arm: As imported.
+
+    Returns:
+        The same arm; numbers whose name is taken stay.
+    """
+    robot = arm.robot
+    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    rows = list(enumerate(robot.joints, 1))
+    cells = {f"{key}{i}": getattr(joint, key) for i, joint in rows for key in ("d", "a")}
+    values = {name: cell for name, cell in cells.items() if cell != ZERO and is_constant(cell) and name not in taken}
+    named = {name: Name(name) if name in values else cell for name, cell in cells.items()}
+    joints = tuple(replace(joint, d=named[f"d{i}"], a=named[f"a{i}"]) for i, joint in rows)
+    return _rewritten(arm, replace(robot, joints=joints, parameters=(*values.items(), *robot.parameters)))
+
+
+def _rewritten(arm: Imported, robot: Description, notes: Sequence[str] = ()) -> Imported:
+    """The import with another robot, and what is to be said of it."""
     head = [line.removeprefix("# ") for line in takewhile(lambda line: line.startswith("#"), arm.text.splitlines())]
-    text = robot_text(found.robot, [*head, *found.report])
-    robot = Robot.from_text(text, f"{arm.robot.name}.yaml")
-    return replace(arm, text=text, robot=robot, notes=(*arm.notes, *found.report))
+    text = robot_text(robot, [*head, *notes])
+    return replace(arm, text=text, robot=Robot.from_text(text, f"{robot.name}.yaml"), notes=(*arm.notes, *notes))
 
 
 def _moved(package: str, from_folder: Path, to_folder: Path) -> str:

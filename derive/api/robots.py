@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Self, TypeVar
@@ -58,6 +58,10 @@ class Robot(PlainRobot):
         convention: str = "standard",
         snap: str | float = "1e-6",
         name: str | None = None,
+        packages: Sequence[str | Path] = (),
+        arguments: Mapping[str, str] | None = None,
+        inertia: str = "given",
+        symbols: bool = False,
     ) -> Self:
         """The robot of a chain of a URDF; `derive.import_urdf` also tells what is known about it.
 
@@ -68,6 +72,10 @@ class Robot(PlainRobot):
             convention: ``standard`` or ``modified``.
             snap: Angles closer to simple fractions of pi are taken for them [rad].
             name: Of the robot; None for that of the URDF.
+            packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
+            arguments: Of xacro.
+            inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
+            symbols: Whether lengths are named, d1, a2, ..., with their numbers as parameters.
 
         Returns:
             The robot.
@@ -78,7 +86,19 @@ class Robot(PlainRobot):
         """
         from derive.api.importing import import_urdf
 
-        return cls.of(import_urdf(file, tip=tip, base=base, convention=convention, snap=snap, name=name).robot)
+        imported = import_urdf(
+            file,
+            tip=tip,
+            base=base,
+            convention=convention,
+            snap=snap,
+            name=name,
+            packages=packages,
+            arguments=arguments,
+            inertia=inertia,
+            symbols=symbols,
+        )
+        return cls.of(imported.robot)
 
     def to_urdf(self) -> str:
         """The robot as URDF; see `derive.export` for its remarks, files, and numbers of symbols.

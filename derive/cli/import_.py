@@ -40,6 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--convention", default="standard", metavar="C", help="standard or modified (default standard)")
     add("--snap", default="1e-6", metavar="RAD", help="angles so close to fractions of pi are these (default 1e-6)")
     add("--inertia", default="given", metavar="I", help="given, or possible: the nearest bodies that exist and move so")
+    add("--symbols", action="store_true", help="lengths by name, d1, a2, ..., with their numbers as parameters")
     add("--name", help="name of the robot (default: that of the URDF)")
     add("-o", "--out", metavar="FILE", type=Path, help="robot file to write; with --all a folder")
     add("--force", action="store_true", help="write over files that are there")
@@ -78,6 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     pairs = dict(_pair(text) for text in arguments.arg)
     options = {"convention": arguments.convention, "snap": arguments.snap, "name": arguments.name}
     options |= {"packages": arguments.packages, "arguments": pairs, "inertia": arguments.inertia}
+    options |= {"symbols": arguments.symbols}
     if not arguments.all:
         folder = arguments.out.parent if arguments.out else Path()
         found = import_urdf(file, tip=tip, base=base, folder=folder, **options)

@@ -10,7 +10,7 @@ import pytest
 import derive
 from derive.api.importing import import_all, import_urdf, snap_of, verify_import
 from derive.errors import DeriveError, RobotFileError, VerificationError
-from derive.robot.expression import to_text
+from derive.robot.expression import ZERO, to_text
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import HALF, J, Reading, body, pose, urdf
 
@@ -36,6 +36,29 @@ def test_the_method_and_the_function_give_the_same_robot(torso: Path) -> None:
     assert isinstance(robot, derive.Robot)
     assert robot.joints == derive.import_urdf(torso, tip="left_hand").robot.joints
     assert robot.n == 3
+
+
+def test_lengths_have_names_on_request(tmp_path: Path) -> None:
+    """The same poses and torques, the numbers among the parameters, and the promise of the file is kept."""
+    path, file = tmp_path / "torso.urdf", tmp_path / "named.yaml"
+    path.write_text(urdf(TORSO, name="torso"))
+    named = import_urdf(path, tip="left_hand", symbols=True, inertia="possible", folder=tmp_path)
+    plain = derive.Robot.from_urdf(path, tip="left_hand")
+    values = dict(named.robot.parameters)
+    for i, (joint, row) in enumerate(zip(named.robot.joints, plain.joints, strict=True), 1):
+        for key in ("d", "a"):
+            cell, number = getattr(joint, key), getattr(row, key)
+            assert to_text(cell) == ("0" if number == ZERO else f"{key}{i}")
+            assert values.get(f"{key}{i}", number) == number
+    assert {"d1", "g"} < set(values)
+    q = (0.3, -0.4, 1.1)
+    assert np.abs(pose(named.robot, q) - pose(plain, q)).max() < 1e-15
+    tau, wanted = (Oracle.of(robot).evaluate("inverse_dynamics", q, q, q) for robot in (named.robot, plain))
+    assert np.abs(tau - wanted).max() < 1e-12
+    file.write_text(named.text)
+    checked = verify_import(file)
+    assert checked is not None
+    assert checked.found == named.certificate.printed
 
 
 def test_every_tip_gets_an_arm_or_a_reason(torso: Path) -> None:
