@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from derive.cli import export
+from derive.exchange.formats import FORMS
 from tests.cli.command import PENDULUM, derive, is_one_message
 
 
@@ -18,6 +19,10 @@ def test_the_file_is_written_and_remarks_are_told(tmp_path: Path) -> None:
     again = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
     assert again.status == 2
     assert "exists already" in again.stderr
+
+
+def test_the_command_offers_every_format() -> None:
+    assert tuple(FORMS) == export.FORMATS
 
 
 @pytest.mark.parametrize("to", export.FORMATS)
