@@ -37,13 +37,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--tip", metavar="LINK", help="last link of the chain (default: the only one that carries no other)")
     add("--chain", metavar="BASE..TIP", help="first and last link; the way may lead up the tree first")
     add("--all", action="store_true", help="a robot file for every tip, in the folder -o")
-    add("--convention", default="standard", metavar="C", help="standard or modified (default standard)")
+    add("--convention", default="standard", metavar="NAME", help="standard or modified (default standard)")
     add("--snap", default="1e-6", metavar="RAD", help="angles so close to fractions of pi are these (default 1e-6)")
-    add("--inertia", default="given", metavar="I", help="given, or possible: the nearest bodies that exist and move so")
+    add("--inertia", choices=("given", "possible"), default="given", help="bodies as given, or the nearest that exist")
     add("--symbols", action="store_true", help="lengths by name, d1, a2, ..., with their numbers as parameters")
     add("--name", help="name of the robot (default: that of the URDF)")
-    add("-o", "--out", metavar="FILE", type=Path, help="robot file to write; with --all a folder")
-    add("--force", action="store_true", help="write over files that are there")
+    add("-o", "--out", metavar="FILE", type=Path, help="file to write, with --all a folder (default: standard output)")
+    add("--force", action="store_true", help="overwrite files that exist")
     add(
         "--packages",
         metavar="DIR",

@@ -22,9 +22,9 @@ COMMANDS = {
     "style": "find the style of a book from some of its formulas",
     "verify": "compare generated functions with an independent recursion",
     "move": "a motion from via points: speeds, torques, work; plots, films, simulation",
+    "import": "a robot file from a URDF, with a proven bound of its error",
+    "export": "a robot for another program: URDF, MJCF, MATLAB, ...",
     "convert": "the same arm in the other Denavit-Hartenberg convention",
-    "import": "a robot file from a URDF or xacro file, with a proven bound of its error",
-    "export": "write a robot for another program: URDF, MJCF, MATLAB, ...",
     "new": "write a commented robot file, or a motion plan, to start from",
     "schema": "print the JSON Schema of the robot file or the motion plan",
 }
@@ -48,6 +48,7 @@ examples:
   derive show scara-perugia T B      the equations, as the notes print them
   derive new my-arm                  a commented robot file to start from
   derive build my-arm.yaml           NumPy, CasADi and LaTeX in generated/my_arm, verified
+  derive import arm.urdf -o my.yaml  a robot file from a URDF
 """
 
 
