@@ -6,9 +6,12 @@ notices the rest of them either, this sum is one of base parameters: it is the s
 If it comes out negative from the given numbers, these contradict mechanics, and no choice of bodies helps.
 
 The functions come from the dual of the search for bodies (`derive.exchange.possible`), rounded to rational numbers,
-with some kinetic energy added (which is such a sum, and positive) so that they stay above zero. All three claims are
-then checked again in the scalars of `derive.exchange.exact_scalars`: exactly where the geometry is rational, in balls
-of 256 bits otherwise.
+with some kinetic energy added (which is such a sum, and positive) so that they stay above zero. Where a point of a link
+never moves, no torque notices what is there: f_i is zero, and rounding must keep it so, since next to it f_i would be
+negative. The same goes for a direction along which it slides alone, or that never turns. These are the vectors (x, y,
+z, 1) and (x, y, z, 0) that the screws of all joints up to i send to zero; elsewhere kinetic energy is positive, so that
+a little of it makes up for rounding. All three claims are then checked again in the scalars of
+`derive.exchange.exact_scalars`: exactly where the geometry is rational, in balls of 256 bits otherwise.
 """
 
 from __future__ import annotations
@@ -24,20 +27,22 @@ from flint import fmpq
 
 from derive.errors import DeriveError
 from derive.exchange.exact_scalars import Exact, as_fraction, is_rational, is_zero, null_space
-from derive.exchange.regressor_null_space import WIDTH, Direction, combined
-from derive.mechanics.chain import build_chain
+from derive.exchange.regressor_null_space import WIDTH, Direction, combined, parameters_of
+from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import FloatDomain
+from derive.mechanics.joint_motion import origin, to_child
 from derive.mechanics.regressor import with_unit_rotors
+from derive.mechanics.vectors import add, scale
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
 
-ADDED = (0.0, 1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)
+ADDED = (0.0, *(10.0**-k for k in range(10, 0, -1)))
 """Parts of kinetic energy that are tried."""
 
-DIGITS = 10
+DIGITS = 12
 """Of the largest coefficient of a function."""
 
 SHOWN = 100
@@ -107,37 +112,38 @@ def _polynomial(matrix: Sequence[Sequence[Fraction]]) -> str:
     return text
 
 
-def refusal(robot: Robot, parameters: Sequence[Exact], basis: Sequence[Direction], prices: Array) -> NoSuchBodies:
+def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array) -> NoSuchBodies:
     """The error that says why there are no bodies.
 
     Args:
         robot: The robot.
-        parameters: Of its links, in joint frames.
+        chain: Its links and frames.
         basis: All changes that no torque notices.
         prices: See `find_witness`.
     """
-    witness = find_witness(robot, parameters, basis, prices)
-    why = str(witness) if witness else "the search finds none, by a little more than rounding"
-    error = NoSuchBodies(f"{robot.name}: no bodies have these torques: {why}", remedy="correct masses and inertias")
+    witness = find_witness(robot, chain, basis, prices)
+    found = f"no bodies have these torques: {witness}" if witness else "no bodies with these torques were found"
+    if witness is None:
+        found += ", but no proof either that there are none"
+    error = NoSuchBodies(f"{robot.name}: {found}", remedy="correct masses and inertias")
     error.witness = witness
     return error
 
 
-def find_witness(
-    robot: Robot, parameters: Sequence[Exact], basis: Sequence[Direction], prices: Array
-) -> Witness | None:
+def find_witness(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array) -> Witness | None:
     """A witness from approximate functions.
 
     Args:
         robot: The robot.
-        parameters: Of its links, in joint frames.
+        chain: Its links and frames.
         basis: All changes that no torque notices.
         prices: (n, 4, 4) matrices of functions that nearly are one.
 
     Returns:
         The witness, or None where rounding them does not give one.
     """
-    seen = null_space(basis, len(parameters))
+    parameters = [value for body in chain.bodies for value in parameters_of(body)]
+    seen = null_space([*basis, *_still(chain)], len(parameters))
     given = np.array([coefficients(matrix) for matrix in prices]).ravel()
     energy = _kinetic_energy(robot)
     given, energy = given / np.abs(given).max(), energy / np.abs(energy).max()
@@ -158,6 +164,30 @@ def find_witness(
         exact = all(is_rational(entry) for entries in (total, parameters, *basis) for entry in entries)
         return Witness(functions, as_fraction(value) / unit, exact)
     return None
+
+
+def _still(chain: Chain[Exact]) -> list[Direction]:
+    """What is zero of functions that torques notice, and that are nowhere negative, where links never move."""
+    units = [[fmpq(int(a == b)) for a in range(WIDTH)] for b in range(WIDTH)]
+    matrices, width = [function_matrix(unit) for unit in units], WIDTH * chain.n
+    rows = []
+    still = [[fmpq(int(a == b)) for a in range(4)] for b in range(4)]
+    for i, joint in enumerate(chain.joints):
+        for vector in still:
+            x, y, z, one = vector
+            vector[:3] = to_child(joint, add((x, y, z), scale(-one, origin(joint))))
+        moved = [[vector[a] for vector in still] for a in ((0, 1) if joint.revolute else (3,))]
+        still = [
+            [sum((w * v[a] for w, v in zip(weights, still, strict=True)), fmpq(0)) for a in range(4)]
+            for weights in null_space(moved, len(still)).values()
+        ]
+        for vector in still:
+            for a in range(4):
+                row = [fmpq(0)] * width
+                for k, matrix in enumerate(matrices):
+                    row[WIDTH * i + k] = sum((m * v for m, v in zip(matrix[a], vector, strict=True)), fmpq(0))
+                rows.append(row)
+    return rows
 
 
 def coefficients(matrix: Array) -> Array:

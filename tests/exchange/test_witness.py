@@ -18,6 +18,7 @@ from derive.robot.expression import number
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
+from tests.exchange.bodied import arm, with_links
 
 pytest.importorskip("clarabel")
 
@@ -39,18 +40,12 @@ def factors_of(witness: Witness, n: int) -> np.ndarray:
     return rows.ravel()
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_a_witness_is_nowhere_negative_seen_by_torques_and_negative(turned: bool) -> None:
-    robot = contradictory(turned)
+def prove(robot: Robot) -> NoSuchBodies:
+    """The refusal of a robot, whose witness is nowhere negative, seen by torques, and negative."""
     with pytest.raises(NoSuchBodies, match="torques fix the integral") as caught:
         possible(robot)
     witness = caught.value.witness
     assert witness is not None
-    assert witness.exact is not turned
-    assert str(caught.value).startswith(
-        "puma560-corke: no bodies have these torques: torques fix the integral of f dm over all links at -0.0001 "
-        "kg m^2, though f is nowhere negative (link 6: f = x^2; in joint frames, rounded)"
-    )
     for _, matrix in witness.functions:
         values = np.linalg.eigvalsh(np.array([[float(entry) for entry in row] for row in matrix]))
         assert values[0] >= -1e-12 * values[-1]
@@ -67,6 +62,30 @@ def test_a_witness_is_nowhere_negative_seen_by_torques_and_negative(turned: bool
         given = np.array([float(value) for body in bodies for value in parameters_of(body)])
     assert witness.value < 0
     assert abs(factors @ given - float(witness.value)) <= 1e-12 * np.abs(factors * given).max()
+    return caught.value
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_witness_is_exact_where_the_geometry_is_rational(turned: bool) -> None:
+    error = prove(contradictory(turned))
+    assert error.witness is not None
+    assert error.witness.exact is not turned
+    assert str(error).startswith(
+        "puma560-corke: no bodies have these torques: torques fix the integral of f dm over all links at -0.0001 "
+        "kg m^2, though f is nowhere negative (link 6: f = x^2; in joint frames, rounded)"
+    )
+
+
+def test_a_witness_is_found_where_slanted_axes_leave_points_that_never_move() -> None:
+    """On the first axis, and along it in the frame of the slide: rounding would make functions negative beside them."""
+    robot = with_links(
+        arm("spatial", "modified"),
+        ("4.4", "0.14 0.04 0.28", "0.15 0.24 0.23 0.07 0.03 0.04"),
+        ("0.72", "0.06 -0.39 0.07", "0.33 0.34 0.08 -0.02 -0.06 -0.09"),
+        ("2.37", "0.05 -0.06 -0.18", "0.13 -0.01 0.1 0.02 -0.02 0"),
+        ("3.12", "-0.08 0.31 -0.19", "0.07 0.1 0.05 0.01 0.04 -0.02"),
+    )
+    prove(robot)
 
 
 def test_functions_and_factors_of_parameters_are_each_other_s_inverse() -> None:
