@@ -94,7 +94,7 @@ def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
     """T as the product of base, brackets and tool."""
     n = context.robot.n
     shown = range(1, n + 1) if n <= FEW_FACTORS else (1, 2, n)
-    opening, closing = Box("(", 5.0), Box(")", 5.0)
+    opening, closing = Box("(", 5.0), Box(")\\,", 7.0)  # a line may end at the space
     boxes = [] if base is None else [base]
     for i in shown:
         pair = (_factor("Z", i), _factor("X", i)) if context.is_standard else (_factor("X", i - 1), _factor("Z", i))

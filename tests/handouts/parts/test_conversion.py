@@ -24,7 +24,7 @@ def test_the_same_factors_stand_in_other_brackets_and_the_last_one_is_in_the_too
     factors = [f"\\mathbf{{{letter}}}_{{{i}}}" for letter, i in (("Z", 1), ("X", 1), ("Z", 2), ("X", 2), ("X", 0))]
     z1, x1, z2, x2, x0 = factors
     tool, new_tool = "\\mathbf{T}_{\\mathrm{tool}}", "\\mathbf{T}'_{\\mathrm{tool}}"
-    plain = [line.replace(" ", "") for line in shown]
+    plain = [line.replace(" ", "").replace(")\\,", ")") for line in shown]
     assert f"\\mathbf{{T}}=({z1}{x1})({z2}{x2}){tool}" in plain
     assert f"\\mathbf{{T}}=({x0}{z1})({x1}{z2}){new_tool}" in plain
     assert f"{new_tool}={x2}{tool}" in plain
