@@ -99,13 +99,15 @@ def moves(conversion: Conversion) -> list[str]:
     Args:
         conversion: From one convention into the other.
     """
-    n, left, taken = conversion.source.n, conversion.left, conversion.taken
+    n, leaving, entering = conversion.source.n, conversion.leaving, conversion.entering
     to_modified = conversion.source.convention is Convention.STANDARD
     goes = (f"of row {n} is in the tool now", "of row 1 is in the base now")
     comes = ("row 1 has", f"row {n} has")
-    lines = [] if left.is_one else [f"{_factor_text(left)} {goes[not to_modified]}"]
-    if not taken.is_one:
-        lines.append(f"{comes[not to_modified]} {_factor_text(taken)} out of the {'base' if to_modified else 'tool'}")
+    lines = [] if leaving.is_one else [f"{_factor_text(leaving)} {goes[not to_modified]}"]
+    if not entering.is_one:
+        lines.append(
+            f"{comes[not to_modified]} {_factor_text(entering)} out of the {'base' if to_modified else 'tool'}"
+        )
     return lines
 
 
@@ -116,10 +118,10 @@ def _factor_text(factor: Factor) -> str:
 
 def _comments(conversion: Conversion) -> list[str]:
     """How the file was made, the way back, and what its source says of itself."""
-    robot, left = conversion.source, conversion.left
+    robot, leaving = conversion.source, conversion.leaving
     own = [line for line in robot.comments if not line.startswith(_MADE) and _BACK.fullmatch(line) is None]
     row = "last" if robot.convention is Convention.STANDARD else "first"
-    back = f"Back with a = {cell_text(left.a)} m, alpha = {cell_text(left.alpha)} rad in the {row} row."
+    back = f"Back with a = {cell_text(leaving.a)} m, alpha = {cell_text(leaving.alpha)} rad in the {row} row."
     made = f"{_MADE} from the {robot.convention.value} table of {robot.name} (robot file {robot.digest[:16]})."
     notes = (f"{_MADE}: {note}" for note in conversion.notes)
     return [made, back, *notes, *own]

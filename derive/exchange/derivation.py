@@ -8,6 +8,7 @@ from typing import Any
 from derive.handouts.fragment import fragment_text
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter
+from derive.handouts.parts.conversion import FEW_FACTORS
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.convention import Conversion, has_equal_poses
 from derive.model.model import Model
@@ -17,10 +18,6 @@ from derive.robot.writer import cell_text
 
 WIDTH = 120
 """Widest grid."""
-
-FEW_FACTORS = 7
-"""So many brackets of a product are all written; of more the first two and the last. The product of more rows is not
-multiplied out."""
 
 
 def derivation_latex(conversion: Conversion) -> str:
@@ -114,7 +111,7 @@ def _links(conversion: Conversion) -> Iterator[str]:
 
 
 def _equal_product(conversion: Conversion, ends: tuple[bool, bool], write: Any) -> Iterator[str]:
-    """Both products multiplied out, and that they are equal."""
+    """Both products multiplied out, and that they are equal; those of many rows are too long."""
     source = conversion.source
     if source.n > FEW_FACTORS:
         yield f"{source.n} rows are not multiplied out here; the product is that of the same factors."

@@ -81,30 +81,30 @@ class Conversion:
     Attributes:
         source: The arm as it was.
         result: The same arm; it has no file yet.
-        left: The factor that has no row any more: X_n, now in the tool, or X_0, now in the base.
-        taken: The factor that had none: X_0, out of the base, or X_n, out of the tool.
+        leaving: The factor that leaves the table: X_n, now in the tool, or X_0, now in the base.
+        entering: The factor that enters it: X_0, out of the base, or X_n, out of the tool.
         notes: Where the other convention says something else, as sentences.
     """
 
     source: Robot
     result: Description
-    left: Factor
-    taken: Factor
+    leaving: Factor
+    entering: Factor
     notes: tuple[str, ...]
 
     @property
     def factors(self) -> tuple[Factor, ...]:
         """X_0 ... X_n of the arm."""
         rows = tuple(Factor(joint.a, joint.alpha) for joint in self.source.joints)
-        return (self.taken, *rows) if self.source.convention is Convention.STANDARD else (*rows, self.taken)
+        return (self.entering, *rows) if self.source.convention is Convention.STANDARD else (*rows, self.entering)
 
 
-def convert(robot: Robot, taken: Factor | None = None) -> Conversion:
+def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
     """The arm by the table of the other convention: T, J, B, C, g and tau are the same functions.
 
     Args:
         robot: The arm.
-        taken: What is taken out of the base for the first row (of a modified table), or out of the tool for the last
+        entering: What is taken out of the base for the first row (of a modified table), or out of the tool for the last
             row (of a standard one): any factor is right. None for the whole base or tool where it is such a factor,
             and for nothing where it is none.
 
@@ -113,23 +113,23 @@ def convert(robot: Robot, taken: Factor | None = None) -> Conversion:
     """
     to_modified = robot.convention is Convention.STANDARD
     end = robot.base if to_modified else robot.tool
-    candidates = [taken] if taken is not None else [Factor(end[0][3], angle) for angle in _angles(end)]
+    candidates = [entering] if entering is not None else [Factor(end[0][3], angle) for angle in _angles(end)]
     carried = [(link, motor) for link, motor, _ in _motors(robot)]
     calls = [Call(name, (factor.alpha,)) for factor in candidates for name in ("cos", "sin")]
     divided = [tree.power(link.mass, -1) for link, _ in carried if not _is_zero(robot, link.mass)]
     cells = _Cells(robot, [*(factor.a for factor in candidates), *calls, *divided])
-    if taken is None:
+    if entering is None:
         whole = cells.frame(end)
-        taken = next((factor for factor in candidates if cells.factor(factor) == whole), Factor())
+        entering = next((factor for factor in candidates if cells.factor(factor) == whole), Factor())
     first, last = robot.joints[0], robot.joints[-1]
     rows = [Factor(joint.a, joint.alpha) for joint in robot.joints]
-    left = Factor(last.a, last.alpha) if to_modified else Factor(first.a, first.alpha)
-    moved = [taken, *rows[:-1]] if to_modified else [*rows[1:], taken]
+    leaving = Factor(last.a, last.alpha) if to_modified else Factor(first.a, first.alpha)
+    moved = [entering, *rows[:-1]] if to_modified else [*rows[1:], entering]
     base, tool = cells.frame(robot.base), cells.frame(robot.tool)
     if to_modified:
-        base, tool = base @ cells.factor(taken).inverse, cells.factor(left) @ tool
+        base, tool = base @ cells.factor(entering).inverse, cells.factor(leaving) @ tool
     else:
-        base, tool = base @ cells.factor(left), cells.factor(taken).inverse @ tool
+        base, tool = base @ cells.factor(leaving), cells.factor(entering).inverse @ tool
     links, notes = _links(robot, cells, moved)
     result = replace(
         robot,
@@ -140,7 +140,7 @@ def convert(robot: Robot, taken: Factor | None = None) -> Conversion:
         links=links,
         remarks=(),
     )
-    return Conversion(robot, _with_used_symbols(robot, result), left, taken, tuple(notes))
+    return Conversion(robot, _with_used_symbols(robot, result), leaving, entering, tuple(notes))
 
 
 def _with_used_symbols(robot: Robot, result: Description) -> Description:

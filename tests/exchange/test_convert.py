@@ -107,7 +107,7 @@ def test_comments_say_from_what_it_was_made_and_what_leads_back() -> None:
 def test_a_comment_that_is_no_factor_of_this_robot_is_passed_over(spoilt: str) -> None:
     text = converted(Robot.from_text(ARM), Convention.MODIFIED).text.replace("a = 0.1", spoilt)
     back = converted(Robot.from_text(text), Convention.STANDARD)
-    assert back.conversion.taken.is_one
+    assert back.conversion.entering.is_one
     assert back.robot.joints[-1].type == "prismatic"
 
 

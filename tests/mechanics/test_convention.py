@@ -82,7 +82,7 @@ def test_every_built_in_robot_is_the_same_arm_and_comes_back_as_the_same_table(n
     assert there.notes == ()
     other = Robot.of(there.result)
     assert_same_functions(robot, other)
-    back = convert(other, there.left).result
+    back = convert(other, there.leaving).result
     assert Robot.of(back) == replace(robot, remarks=())
     assert convert(other).result.joints == robot.joints, "no built-in robot needs to be told its last row"
 
@@ -115,7 +115,7 @@ def test_random_robots_are_the_same_arm_and_come_back(seed: int) -> None:
     there = convert(robot)
     other = Robot.of(there.result)
     assert_same_functions(robot, other, seed)
-    back = Robot.of(convert(other, there.left).result)
+    back = Robot.of(convert(other, there.leaving).result)
     assert back.joints == robot.joints
     assert_same_functions(robot, back, seed)
 
@@ -130,7 +130,7 @@ def test_rotors_with_mass_at_offset_joints_keep_the_dynamics(convention: str, ki
         "this convention"
         for i in (1, 2, 3)
     ]
-    back = convert(Robot.of(there.result), there.left).result
+    back = convert(Robot.of(there.result), there.leaving).result
     assert [link.motor for link in back.links] == [link.motor for link in robot.links]
     assert back.links == robot.links
 
@@ -151,7 +151,7 @@ def test_a_link_without_mass_takes_the_mass_of_its_rotor(mass: str) -> None:
 def test_the_last_factor_goes_into_the_tool_and_the_first_into_the_base() -> None:
     robot = motors("standard")
     there = convert(robot)
-    assert there.left == Factor(robot.joints[-1].a, robot.joints[-1].alpha)
+    assert there.leaving == Factor(robot.joints[-1].a, robot.joints[-1].alpha)
     assert [[to_text(cell) for cell in row] for row in there.result.tool] == [
         ["1", "0", "0", "a3"], ["0", "0", "1", "0"], ["0", "-1", "0", "0"], ["0", "0", "0", "1"]
     ]  # fmt: skip
@@ -159,14 +159,14 @@ def test_the_last_factor_goes_into_the_tool_and_the_first_into_the_base() -> Non
     assert there.factors == (Factor(), *(Factor(joint.a, joint.alpha) for joint in robot.joints))
     other = convert(motors("modified"))
     assert to_text(other.result.base[0][3]) == "a1"
-    assert other.left == Factor(robot.joints[0].a, robot.joints[0].alpha)
+    assert other.leaving == Factor(robot.joints[0].a, robot.joints[0].alpha)
 
 
 def test_any_factor_may_be_taken_out_of_a_tool() -> None:
     robot = motors("modified")
     for factor in (Factor(robot.joints[1].a, robot.joints[1].alpha), Factor(robot.joints[0].d, robot.joints[2].alpha)):
         there = convert(robot, factor)
-        assert there.taken == factor
+        assert there.entering == factor
         assert (there.result.joints[-1].a, there.result.joints[-1].alpha) == (factor.a, factor.alpha)
         assert_same_functions(robot, Robot.of(there.result))
 

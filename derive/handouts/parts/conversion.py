@@ -22,7 +22,7 @@ from derive.robot.robot import Robot
 NEW_BASE = Box("\\mathbf{T}'_{\\mathrm{base}}", 32.0)
 NEW_TOOL = Box("\\mathbf{T}'_{\\mathrm{tool}}", 32.0)
 
-FEW_FACTORS = 6
+FEW_FACTORS = 7
 """So many brackets of a product are all written; of more the first two and the last."""
 
 _DEFINITIONS = (
