@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from derive.errors import DeriveError, near_miss, quoted
 from derive.exchange.body_chain import BodyChain, Segment, body_chain, given
 from derive.exchange.certificate import ball
-from derive.exchange.numeric import with_numbers
+from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
 from derive.exchange.to_mjcf import DENSITY, coupled_by_tendon, mjcf_text
@@ -58,20 +58,22 @@ class Form:
         ending: Usual end of its files' names.
         lacks: Keys of `GIVEN` that it cannot say.
         write: Makes the text from an arm and the lines of its first comment.
+        reverses: Whether all that its program computes is right where a variable counts against its axis.
     """
 
     program: str
     ending: str
     lacks: tuple[str, ...]
     write: Callable[[BodyChain, list[str]], str]
+    reverses: bool = True
 
 
 FORMS: Mapping[str, Form] = MappingProxyType(
     {
         "urdf": Form("URDF", ".urdf", ("armature", "rotor", "coupling"), urdf_text),
         "mjcf": Form("MJCF", ".xml", ("speed", "coupling that varies"), mjcf_text),
-        "rtb": Form("DHRobot", ".py", ("speed", "torque", "coupling"), rtb_text),
-        "corke": Form("SerialLink", ".m", ("speed", "torque", "coupling"), corke_text),
+        "rtb": Form("DHRobot", ".py", ("speed", "torque", "coupling"), rtb_text, reverses=False),
+        "corke": Form("SerialLink", ".m", ("speed", "torque", "coupling"), corke_text, reverses=False),
         "rigidbodytree": Form(
             "rigidBodyTree",
             ".m",
@@ -123,9 +125,10 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
 
         found = possible(numeric)
         numeric, changes = found.robot, found.report
+    reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
-        arm = body_chain(numeric)
-        remarks = (*changes, *_remarks(arm, to, form))
+        arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
+        remarks = (*changes, *_remarks(arm, to, form), *_remarks_of_toolboxes(arm, to, reversed_joints))
         head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
         text = form.write(arm, [line.replace("--", "- -") for line in head])
     return Exported(text, remarks)
@@ -143,7 +146,10 @@ def _remarks(arm: BodyChain, to: str, form: Form) -> Iterator[str]:
     if to == "urdf":
         yield from _remarks_of_urdf(arm)
     if to == "mjcf" and any(given(segment.link.coulomb) for segment in arm.segments):
-        yield "MuJoCo's dry friction is soft where a joint is about to stop, and Coulomb's where it slips"
+        yield (
+            "MuJoCo's dry friction is Coulomb's while a joint slips; it is less on a joint that it would stop within "
+            "some hundredths of a second, and one that stands creeps under a load"
+        )
     refused = [str(i + 1) for i in range(arm.robot.n) if to == "mjcf" and _is_impossible(arm, i)]
     if refused:
         yield f"MuJoCo refuses link {', '.join(refused)}: no body of some thickness has such an inertia"
@@ -154,6 +160,23 @@ def _remarks(arm: BodyChain, to: str, form: Form) -> Iterator[str]:
 def _is_impossible(arm: BodyChain, i: int) -> bool:
     body = arm.body(i)
     return body is not None and not body.is_possible
+
+
+def _remarks_of_toolboxes(arm: BodyChain, to: str, reversed_joints: Sequence[str]) -> Iterator[str]:
+    """What Corke's toolboxes compute otherwise (roboticstoolbox 1.4.4 for Python, 10.4 for MATLAB)."""
+    if reversed_joints:
+        yield (
+            f"{FORMS[to].program} takes reversed joints for poses alone: the axes of {', '.join(reversed_joints)} are "
+            "turned around, by pi in the alpha on either side"
+        )
+    if to not in ("rtb", "corke") or not arm.robot.links:
+        return
+    plain, compiled = ("rne_python", "rne") if to == "rtb" else ("rne", "its compiled form frne")
+    slides = [segment.joint for segment in arm.segments if not segment.joint.is_revolute]
+    if shifted := [joint.variable for joint in slides if given(joint.d)]:
+        yield f"{plain} takes no offset of {', '.join(shifted)}; {compiled} does"
+    if not arm.robot.joints[0].is_revolute:
+        yield f"{compiled} may have other torques where the first joint slides; {plain} has those of the equations"
 
 
 def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:

@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 from derive.errors import DeriveError
 from derive.exchange.certificate import ball
 from derive.exchange.space import Real, decimal
-from derive.robot.description import Description
-from derive.robot.expression import Expression, Pi, Product, names, number, substitute
+from derive.robot.description import Convention, Description, Joint, Link
+from derive.robot.expression import Expression, Pi, Product, add, names, negate, number, substitute
 from derive.robot.names import limit_symbols, number_of, robot_symbols
 from derive.robot.writer import cell_text
 
@@ -75,6 +75,54 @@ def _number(cell: Expression, values: Mapping[str, Expression]) -> Expression:
     except ZeroDivisionError:
         pass
     raise DeriveError(f"{cell_text(cell)} has no finite value", remedy="choose other numbers")
+
+
+def with_positive_axes(robot: Some) -> Some:
+    """The same arm by a table in which every variable counts positive along its axis.
+
+    A half turn H about x takes z to -z, so that Rot(z, -q) Trans(z, d) = H Rot(z, q) Trans(z, -d) H. It commutes with
+    Trans(x, a) Rot(x, alpha) and adds pi to the alpha on either side; next to the base or the tool it goes there.
+
+    Args:
+        robot: Of numbers.
+
+    Returns:
+        The robot; T and the dynamics are the same functions of q.
+    """
+    turned = [joint.sign < 0 for joint in robot.joints]
+    before, behind = [False, *turned[:-1]], [*turned[1:], False]
+    standard = robot.convention is Convention.STANDARD
+    halves = [one != other for one, other in zip(turned, behind if standard else before, strict=True)]
+    frames = behind if standard else turned
+    base, tool = robot.base, robot.tool
+    if standard and turned[0]:
+        base = tuple(tuple(negate(cell) if k in (1, 2) else cell for k, cell in enumerate(row)) for row in base)
+    if not standard and turned[-1]:
+        tool = tuple(tuple(map(negate, row)) if k in (1, 2) else row for k, row in enumerate(tool))
+    joints = tuple(map(_forward, robot.joints, halves))
+    links = tuple(_half_turned(link) if half else link for link, half in zip(robot.links, frames, strict=False))
+    links = tuple(_with_reversed_rotor(link) if own else link for link, own in zip(links, turned, strict=False))
+    return replace(robot, joints=joints, base=base, tool=tool, links=links)
+
+
+def _forward(joint: Joint, is_half: bool) -> Joint:
+    """A row with its variable along its axis, and half a turn in its alpha."""
+    alpha = add(joint.alpha, Pi() if ball(joint.alpha) <= 0 else negate(Pi())) if is_half else joint.alpha
+    if joint.sign > 0:
+        return replace(joint, alpha=alpha)
+    return replace(joint, sign=1, theta=negate(joint.theta), d=negate(joint.d), alpha=alpha)
+
+
+def _half_turned(link: Link) -> Link:
+    """A link seen from a frame that is turned about x by pi."""
+    x, y, z = link.com
+    inertia = replace(link.inertia, xy=negate(link.inertia.xy), xz=negate(link.inertia.xz))
+    return replace(link, com=(x, negate(y), negate(z)), inertia=inertia)
+
+
+def _with_reversed_rotor(link: Link) -> Link:
+    motor = link.motor
+    return link if motor is None else replace(link, motor=replace(motor, ratio=negate(motor.ratio)))
 
 
 def text(value: Real) -> str:

@@ -15,6 +15,7 @@ from derive.exchange.numeric import angle_text, text, texts
 from derive.exchange.space import NOTHING, Frame, Real
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO
+from derive.targets.escape import matlab_package
 from derive.targets.templating import render
 
 EARTH, UPWARDS = "0, 0, -9.81", "0; 0; 9.81"
@@ -63,7 +64,7 @@ def rigidbodytree_text(arm: BodyChain, head: list[str]) -> str:
 
 
 def _script(template: str, arm: BodyChain, head: list[str], **more: object) -> str:
-    gravity, function = arm.robot.gravity, function_name(arm.robot.name)
+    gravity, function = arm.robot.gravity, matlab_package(arm.robot.name)
     return render(
         template,
         name=arm.robot.name,
@@ -85,16 +86,6 @@ def _listed(values: Iterable[Real], separator: str = ", ") -> str:
     return texts(values, separator)
 
 
-def function_name(name: str) -> str:
-    """The name of a MATLAB function, and so of its file.
-
-    Args:
-        name: Of a robot.
-    """
-    plain = name.replace("-", "_")
-    return plain if plain[:1].isalpha() else f"robot_{plain}"
-
-
 def _matrix(frame: Frame) -> list[str]:
     """The rows of a homogeneous transform."""
     columns = (frame.x, frame.y, frame.z, frame.origin)
@@ -113,7 +104,6 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
         "variable": joint.variable,
         "revolute": joint.is_revolute,
         "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
-        "flip": joint.sign < 0,
         "limits": _listed(map(ball, joint.limits)) if joint.limits else "",
         "body": _body(arm, i),
         "motor": _motor(arm, i) if arm.robot.links else {},
@@ -157,29 +147,29 @@ def _motor(arm: BodyChain, i: int) -> dict[str, Any]:
 def _parts(arm: BodyChain) -> Iterator[dict[str, Any]]:
     """The bodies of a rigidBodyTree: a variable has no offset there, so that a fixed joint beside it takes it."""
     if not is_world(arm.base):
-        yield _part("base_frame", "base_joint", frame=_matrix(arm.base), spaced=True)
+        yield _part("base-frame", "base-joint", frame=_matrix(arm.base), spaced=True)
     modified = arm.robot.convention is Convention.MODIFIED
     for i in range(len(arm.segments)):
         row, link = _row(arm, i), f"link{i + 1}"
         moved = [line.format(row["offset"]) for line in (SPIN if row["revolute"] else SHIFT)] if row["offset"] else None
         beside = (row["d"], "0") if row["revolute"] else ("0", row["theta"])
         if moved and not modified:
-            yield _part(f"offset{i + 1}", f"{row['variable']}_offset", frame=moved, spaced=True)
+            yield _part(f"offset{i + 1}", f"{row['variable']}-offset", frame=moved, spaced=True)
         yield _part(
             f"turned{i + 1}" if moved and modified else link,
             row["variable"],
             "revolute" if row["revolute"] else "prismatic",
             cells=", ".join((row["a"], row["alpha"], *beside)),
             order="mdh" if modified else "dh",
-            flip=row["flip"],
+            flip=arm.segments[i].joint.sign < 0,
             limits=row["limits"] or "-Inf, Inf",
             mass=None if moved and modified else row["body"],
             spaced=modified or not moved,
         )
         if moved and modified:
-            yield _part(link, f"{row['variable']}_offset", frame=moved, mass=row["body"])
+            yield _part(link, f"{row['variable']}-offset", frame=moved, mass=row["body"])
     if not is_world(arm.tool):
-        yield _part("tool", "tool_joint", frame=_matrix(arm.tool), spaced=True)
+        yield _part("tool", "tool-joint", frame=_matrix(arm.tool), spaced=True)
 
 
 def _part(body: str, joint: str, type: str = "fixed", **more: Any) -> dict[str, Any]:

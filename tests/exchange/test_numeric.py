@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from derive.errors import DeriveError, Location
 from derive.exchange.certificate import ball
-from derive.exchange.numeric import angle_text, text, with_numbers
+from derive.exchange.numeric import angle_text, text, with_numbers, with_positive_axes
 from derive.exchange.space import exactly
 from derive.robot.expression import number
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+from tests.exchange.arms import dressed
 
 ARM = """
 name: arm
@@ -54,3 +59,20 @@ def test_numbers_are_written_with_seventeen_digits(cell: str, digits: str, angle
     with exactly():
         expression = parse_expression(cell, Location("<test>"))
         assert (text(ball(expression)), angle_text(expression)) == (digits, angle)
+
+
+@pytest.mark.parametrize("name", ["stanford-deluca", "skeleton-modified", "skeleton-root"])
+def test_axes_turned_around_move_the_same_arm(name: str) -> None:
+    robot = dressed(name, rotors=True)
+    random = np.random.default_rng(2)
+    for signs in random.choice([-1, 1], (4, robot.n)):
+        cells = {"theta": number("0.4"), "d": number("0.3")}
+        joints = (replace(joint, sign=int(sign), **cells) for joint, sign in zip(robot.joints, signs, strict=True))
+        arm = replace(robot, joints=tuple(joints))
+        made = with_positive_axes(arm)
+        assert all(joint.sign == 1 for joint in made.joints)
+        q, qd, qdd = random.uniform(-1, 1, (3, robot.n))
+        ours, theirs = Oracle.of(arm), Oracle.of(made)
+        for function, given in (("forward_kinematics", (q,)), ("inverse_dynamics", (q, qd, qdd))):
+            expected = ours.evaluate(function, *given)
+            assert np.abs(theirs.evaluate(function, *given) - expected).max() < 1e-13 * max(1, np.abs(expected).max())

@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 
 from derive.exchange.formats import exported
-from derive.exchange.scripts import function_name
+from derive.exchange.scripts import rtb_text
 from derive.robot.expression import number
 from derive.robot.robot import Robot
+from derive.targets.escape import matlab_package
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric
 
@@ -44,8 +45,8 @@ def run_script(text: str) -> Any:
 
 
 def link_pose(link: Any, q: float) -> np.ndarray:
-    cells = {"d": 0.0, "theta": 0.0, "offset": 0.0, "flip": False} | link.cells
-    moved = (-q if cells["flip"] else q) + cells["offset"]
+    cells = {"d": 0.0, "theta": 0.0, "offset": 0.0} | link.cells
+    moved = q + cells["offset"]
     theta, d = (moved, cells["d"]) if link.kind.startswith("Revolute") else (cells["theta"], moved)
     c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(cells["alpha"]), np.sin(cells["alpha"])
     z = np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, d], [0, 0, 0, 1]])
@@ -76,8 +77,26 @@ def test_motors_are_on_their_side_of_the_gear(monkeypatch: pytest.MonkeyPatch) -
         assert cells["B"] * ratio**2 == pytest.approx(arm.viscous[i], rel=1e-14)
         assert cells["Tc"][0] * abs(ratio) == pytest.approx(arm.coulomb[i], rel=1e-14)
         assert cells["Tc"][1] == -cells["Tc"][0]
+    assert all(link.cells["I"].shape == (3, 3) for link in made.links)  # the toolbox takes no lists
     assert made.links[0].cells["m"] == pytest.approx(arm.mass[0] + arm.rotor_mass[1], rel=1e-15)
     assert made.gravity == [0.3, -9.1, -2.7]
+
+
+def test_reversed_joints_are_turned_around_and_named() -> None:
+    made = exported(dressed("skeleton-modified"), "rtb")
+    assert "flip" not in made.text
+    assert any(remark.startswith("DHRobot takes reversed joints for poses alone") for remark in made.remarks)
+    assert not any("reversed" in remark for remark in exported(dressed("skeleton-modified"), "rigidbodytree").remarks)
+    assert callable(rtb_text)
+
+
+def test_what_the_toolboxes_compute_otherwise_is_named() -> None:
+    robot = dressed("stanford-deluca")
+    shifted = replace(robot.joints[2], d=number("0.1"))
+    remarks = exported(replace(robot, joints=(*robot.joints[:2], shifted, *robot.joints[3:])), "rtb").remarks
+    assert "rne_python takes no offset of q3; rne does" in remarks
+    sliding = exported(dressed("skeleton-root"), "corke").remarks
+    assert any("where the first joint slides" in remark for remark in sliding)
 
 
 @pytest.mark.slow
@@ -88,18 +107,19 @@ def test_the_toolbox_itself_makes_the_same_arm_where_it_is_installed() -> None:
         made, q = run_script(exported(robot, "rtb").text), np.linspace(-1, 1.3, robot.n)
         expected = Oracle.of(robot).evaluate("forward_kinematics", q)
         assert np.abs(made.fkine(q).A - expected).max() < 1e-12
-    robot = dressed("puma560-corke", coulomb=True)
-    made = run_script(exported(robot, "rtb").text)
-    states = np.random.default_rng(4).uniform(-1, 1, (3, 6))
-    expected = Oracle.of(robot).evaluate("inverse_dynamics", *states)
-    assert np.abs(made.rne_python(*states) - expected).max() < 1e-10 * np.abs(expected).max()
+    for name in EVERY:
+        robot = dressed(name, coulomb=True)
+        made = run_script(exported(robot, "rtb").text)
+        states = np.random.default_rng(4).uniform(-1, 1, (3, robot.n))
+        expected = Oracle.of(robot).evaluate("inverse_dynamics", *states)
+        assert np.abs(made.rne_python(*states) - expected).max() < 1e-12 * np.abs(expected).max()
 
 
 def octave_poses(robots: list[Robot], to: str, folder: Path) -> dict[str, np.ndarray]:
     """The poses of all robots by their scripts and the stand-ins, in one process."""
     lines = [f"addpath('{STAND_INS}'); addpath('{folder}');"]
     for robot in robots:
-        name = function_name(robot.name)
+        name = matlab_package(robot.name)
         (folder / f"{name}.m").write_text(exported(robot, to).text)
         lines += [f"T = pose_of({name}(), (1:{robot.n}) / 3 - 1); printf('%.17g ', T'); printf('\\n');"]
     (folder / "all_poses.m").write_text("\n".join(lines) + "\n")
@@ -113,11 +133,22 @@ def octave_poses(robots: list[Robot], to: str, folder: Path) -> dict[str, np.nda
 @needs_octave
 @pytest.mark.parametrize("to", ["corke", "rigidbodytree"])
 def test_the_matlab_scripts_make_the_same_arms(to: str, tmp_path: Path) -> None:
-    robots = [dressed(name, rotors=True, coulomb=True) if name in FEW else numeric(name) for name in EVERY]
+    taken = [replace(numeric("planar-2r-perugia"), name=name) for name in ("end", "pi", "link", "unwind-protect")]
+    robots = [*taken, *(dressed(name, rotors=True, coulomb=True) if name in FEW else numeric(name) for name in EVERY)]
     found = octave_poses(robots, to, tmp_path)
     for robot in robots:
         q = np.arange(1, robot.n + 1) / 3 - 1
         assert np.abs(found[robot.name] - Oracle.of(robot).evaluate("forward_kinematics", q)).max() < 1e-12
+
+
+def test_names_of_joints_never_meet_those_of_fixed_ones() -> None:
+    robot = dressed("skeleton-modified")
+    names = ("q1_offset", "base_joint", "tool_joint")
+    joints = tuple(replace(joint, variable=name) for joint, name in zip(robot.joints, names, strict=False))
+    text = exported(replace(robot, joints=(*joints, *robot.joints[3:])), "rigidbodytree").text
+    found = [line.partition("('")[2].partition("'")[0] for line in text.splitlines() if "rigidBodyJoint(" in line]
+    assert len(found) == len(set(found))
+    assert set(names[: len(joints)]) < set(found)
 
 
 def test_rigid_body_tree_has_inertias_about_the_origins_of_frames() -> None:
@@ -145,7 +176,3 @@ def test_the_table_of_numbers_has_every_cell() -> None:
     assert [row["type"] for row in rows] == [joint.type.value for joint in robot.joints]
     assert [rows[0][key] for key in ("lower", "upper", "speed", "torque")] == ["-1", "2", "3", ""]
     assert float(rows[2]["motor_ratio"]) == arm.ratio[2]
-
-
-def test_a_function_of_matlab_begins_with_a_letter() -> None:
-    assert [function_name(name) for name in ("planar-3r", "3r-arm")] == ["planar_3r", "robot_3r_arm"]
