@@ -222,7 +222,18 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
         place = Location(source, max(errors[0].line, 1), max(errors[0].column, 1)) if errors else Location(source)
         raise RobotFileError(f"no XML: {found}", remedy="give a well-formed URDF", location=place)
     prefixes = sorted({error.message.split()[2] for error in parser.error_log if error.type == unbound})
-    return root, tuple(f"the XML prefix {prefix} is not bound" for prefix in prefixes)
+    notes = [f"the XML prefix {prefix} is not bound" for prefix in prefixes]
+    return root, (*notes, *(f"the XML namespace {quoted(name)} is passed over" for name in _without_default(root)))
+
+
+def _without_default(root: etree._Element) -> list[str]:
+    """Takes the namespaces from the names of elements without a prefix, as other readers of URDF do; their names."""
+    found: dict[str, None] = {}
+    for element in root.iter("{*}*"):
+        if element.prefix is None and element.tag.startswith("{"):
+            name, _, element.tag = element.tag[1:].rpartition("}")
+            found[name] = None
+    return list(found)
 
 
 @dataclass(frozen=True)
