@@ -13,7 +13,7 @@ from derive.errors import DeriveError, OutputError, RobotFileError, Verification
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.convert import convention_named
-from derive.exchange.from_urdf import Imported, robot_name
+from derive.exchange.from_urdf import MOST_SNAP, Imported, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
 from derive.exchange.source import Source, open_urdf, opened, relative
 from derive.exchange.space import exactly
@@ -30,8 +30,6 @@ SNAP = "1e-6"
 
 INERTIAS = ("given", "possible")
 """What becomes of inertias that no body has."""
-
-MOST_SNAP = Fraction(1, 10)
 
 
 def import_urdf(

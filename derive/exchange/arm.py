@@ -31,11 +31,14 @@ from derive.exchange.space import (
     unit,
     vector,
 )
-from derive.exchange.urdf import MOVING, Origin, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.urdf import MOVING, ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
 from derive.robot.size_limits import FILE_LIMITS
 
 FRACTIONS = (12, 8)
 """Angles near multiples of pi by one of these are taken for them."""
+
+TRAVEL = Fraction(1)
+"""Of a slide without limits, to either side [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +79,17 @@ class Axis:
         """Whether its variable is an angle."""
         return MOVING[self.joint.type]
 
+    @property
+    def limits(self) -> tuple[Fraction, Fraction] | None:
+        """Of its variable; None where the file gives none that leave room [rad or m]."""
+        limits = self.joint.limits
+        return limits if limits is not None and limits[0] < limits[1] else None
+
+    @property
+    def travel(self) -> tuple[Fraction, Fraction]:
+        """How far a slide goes, `TRAVEL` to either side where it has no limits; of a turn nothing [m]."""
+        return (ZEROS[0], ZEROS[0]) if self.is_revolute else self.limits or (-TRAVEL, TRAVEL)
+
 
 @dataclass(frozen=True)
 class Arm:
@@ -99,12 +113,18 @@ class Arm:
     held: tuple[str, ...]
     snaps: tuple[float, ...]
 
-    @cached_property
+    @property
     def reach(self) -> float:
         """How far the tip can get from the base, by the way through all joints [m]."""
+        return self.way[0]
+
+    @cached_property
+    def way(self) -> tuple[float, ...]:
+        """The way to the tip from the base, from the first axis, and so on, as far as limits say [m]."""
         stations = [WORLD.origin, *(axis.line.point for axis in self.axes), self.end.origin]
-        travels = (max(map(abs, axis.joint.limits)) for axis in self.axes if not axis.is_revolute and axis.joint.limits)
-        return sum(float(length(plus(b, a, -1))) for a, b in pairwise(stations)) + float(sum(travels))
+        steps = [float(length(plus(b, a, -1))) for a, b in pairwise(stations)]
+        slides = [0.0, *(float(max(map(abs, axis.travel))) if axis.limits else 0.0 for axis in self.axes)]
+        return tuple(sum(steps[k:]) + sum(slides[k:]) for k in range(len(steps)))
 
 
 def snapped(angle: Fraction, snap: Fraction) -> Real:
@@ -225,6 +245,20 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
         raise RobotFileError(found, remedy="choose links of one tree")
     steps = [*((joint, True) for joint in up), *((joint, False) for joint in reversed(down))]
     return _placed_chain(urdf, carrying, (start, end), steps, snap)
+
+
+def joints_between(urdf: Urdf, one: str, other: str) -> list[UrdfJoint]:
+    """The joints on the way from one link of a tree to another.
+
+    Args:
+        urdf: The robot.
+        one: Name of a link.
+        other: Name of another.
+    """
+    carrying = _carrying(urdf)
+    ways = [_ancestry(urdf, carrying, link) for link in (one, other)]
+    names = [{joint.name for joint in way} for way in ways]
+    return [joint for way in ways for joint in way if joint.name in names[0] ^ names[1]]
 
 
 def _only_tip(urdf: Urdf) -> str:

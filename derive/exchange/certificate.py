@@ -15,7 +15,7 @@ from decimal import ROUND_CEILING, Context
 from flint import arb
 
 from derive.errors import QuantityError
-from derive.exchange.arm import Arm, Axis
+from derive.exchange.arm import Arm
 from derive.exchange.space import Frame, Line, Point, Real, dot, exactly, length, plus, real, times
 from derive.robot.description import Convention, Description, Matrix
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
@@ -73,7 +73,7 @@ def certify(arm: Arm, robot: Description) -> Certificate:
                 beyond += length(plus(place, pivot, -1))
                 place = pivot
             else:
-                travel = _travel(axis)
+                travel = real(max(map(abs, axis.travel)))
                 position += angle * travel
                 beyond += travel
         return Certificate(_up(position), _up(rotation))
@@ -178,12 +178,6 @@ def _apart(a: Frame, b: Frame) -> Real:
         difference = plus(one, other, -1)
         square += dot(difference, difference)
     return length((square.abs_upper().sqrt(), arb(0), arb(0)))
-
-
-def _travel(axis: Axis) -> Real:
-    """How far a slide goes from zero."""
-    limits = axis.joint.limits
-    return real(max(map(abs, limits))) if limits else arb(1)
 
 
 def _above(value: float) -> str:

@@ -40,8 +40,12 @@ EARLY = 1e-4
 FAR = 2.0
 """No cell of a table is a larger multiple of the arm's reach where another table does without."""
 
-TURNED = 1e-5
-"""How far the arm may move where axes with such a far common normal are taken as parallel [m]."""
+TURNED = 1e-4
+"""How far the arm may move where two axes with such a far common normal are taken as parallel: of 1 m, or of its reach
+where that is less."""
+
+AS_WRITTEN = 1e-5
+"""The same where nothing is snapped."""
 
 TOO_FAR = 1000.0
 """What a far cell counts for each power of ten."""
@@ -74,6 +78,8 @@ class Placement:
         rows: Of the table.
         tool: The arm's end in frame n.
         turned: By how much axes were turned, where they were [rad].
+        far: The axes that are almost parallel to the one before, with a common normal beyond everything that the arm
+            reaches, by their numbers from 0, and whether they were taken as parallel.
     """
 
     convention: Convention
@@ -81,6 +87,7 @@ class Placement:
     rows: tuple[Row, ...]
     tool: Frame
     turned: tuple[float, ...]
+    far: tuple[tuple[int, bool], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -106,7 +113,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     Returns:
         The frames with the fewest numbers, among equal ones with the fewest minus signs.
     """
-    lines = _straightened(arm, snap)
+    lines, far = _straightened(arm, snap)
     turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
     standard = convention is Convention.STANDARD
     free = _free_lines(arm, lines, standard)
@@ -121,7 +128,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     rows = tuple(_row(a.frame, b.frame, standard) for a, b in pairwise(chosen))
     frames = tuple(candidate.frame for candidate in chosen)
     tool, changes = arm.end.seen_from(frames[-1]), tuple(float(sine) for sine in turned if sine > NOTHING)
-    return Placement(convention, frames, rows, tool, changes)
+    return Placement(convention, frames, rows, tool, changes, far)
 
 
 def parallel(a: Point, b: Point, snap: float) -> bool:
@@ -139,36 +146,34 @@ def _sine(a: Point, b: Point) -> Real:
     return length(cross(a, b))
 
 
-def _meets_far(line: Line, before: Line, reach: float) -> bool:
-    """Whether the common normal of almost parallel axes is beyond everything that the arm reaches.
-
-    Then they are taken as parallel, and what that costs is in the certificate: no arm is 75 km long because somebody
-    wrote 1.5708.
-    """
-    sine = _sine(line.direction, before.direction)
-    return bool(sine > NOTHING and sine * reach <= TURNED) and _is_far(line, before, reach)
-
-
 def _is_far(line: Line, other: Line, reach: float) -> bool:
     """Whether two lines that are not parallel are nearest to each other beyond all that the arm reaches."""
     apart = length(plus(line.nearest(other), line.point, -1)), length(plus(other.nearest(line), other.point, -1))
     return max(map(float, apart)) > FAR * reach
 
 
-def _straightened(arm: Arm, snap: float) -> list[Line]:
-    """The axes; one that is almost parallel to the one before or to an axis of the base takes its direction."""
+def _straightened(arm: Arm, snap: float) -> tuple[list[Line], tuple[tuple[int, bool], ...]]:
+    """The axes; one that is almost parallel to the one before or to an axis of the base takes its direction.
+
+    So does one that meets the axis before beyond everything that the arm reaches, where this costs little: no arm is
+    75 km long because somebody wrote 1.5708. What it costs is in the certificate.
+    """
     lines: list[Line] = []
-    for axis in arm.axes:
+    far: list[tuple[int, bool]] = []
+    most = (TURNED if snap else AS_WRITTEN) * min(arm.reach, 1)
+    for i, axis in enumerate(arm.axes):
         line = axis.line
         known = [other.direction for other in reversed(lines)] + [WORLD.z, WORLD.x, WORLD.y, arm.end.z]
         for direction in known:
             if parallel(direction, line.direction, snap):
                 line = _along(line, direction)
                 break
-        if lines and _meets_far(line, lines[-1], arm.reach):
-            line = _along(line, lines[-1].direction)
+        if lines and not parallel(line.direction, lines[-1].direction, 0) and _is_far(line, lines[-1], arm.reach):
+            taken = bool(2 * _sine(line.direction, lines[-1].direction) * arm.way[i + 1] <= most)
+            line = _along(line, lines[-1].direction) if taken else line
+            far.append((i, taken))
         lines.append(line)
-    return lines
+    return lines, tuple(far)
 
 
 def _along(line: Line, direction: Point) -> Line:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, Context
 from fractions import Fraction
 
 import numpy as np
@@ -14,9 +15,10 @@ from derive.errors import DeriveError, RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass, arm_of
 from derive.exchange.carried_table import carried_table, placement_of, with_table
 from derive.exchange.certificate import Certificate, certify
-from derive.exchange.common_normals import Placement, Row, place
+from derive.exchange.common_normals import ALIKE, FAR, Placement, Row, place
+from derive.exchange.slanted import as_meant, cut_off, meant, named, slant, slanted
 from derive.exchange.space import NOTHING, Frame, Point, Real, decimal, dot, exactly, plus, real
-from derive.exchange.urdf import UNLIMITED, Urdf
+from derive.exchange.urdf import UNLIMITED, Urdf, UrdfJoint
 from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
@@ -31,8 +33,14 @@ DIVISORS = 180
 TOUCHING = Fraction(1, 10**9)
 """Lengths below are zero, or below the snap where that is less [m]."""
 
-MOST_MOVED = 1e-4
-"""A table whose poses may be farther from the URDF's is refused [m]."""
+MOST_MOVED = 0.01
+"""Of the arm's reach: a table whose poses may be farther from the URDF's is refused."""
+
+ROUNDED = 1e-7
+"""What poses may move of any arm, as cells are rounded [m]."""
+
+MOST_SNAP = Fraction(1, 10)
+"""Larger angles are no slips [rad]."""
 
 GRAVITY = Fraction(981, 100)
 """Where a format says nothing [m/s^2]."""
@@ -110,27 +118,105 @@ def import_urdf(
         RobotFileError: There is no such chain, a joint of it has no place in a table, or poses would move too far.
     """
     with exactly():
-        arm, as_written = arm_of(urdf, base, tip, snap), arm_of(urdf, base, tip, Fraction(0))
-        table = carried_table(urdf, as_written, convention)
-        placement = place(arm, convention, float(snap)) if table is None else placement_of(table)
-        description = _description(urdf, arm, placement, snap, name)
-        if table is not None:
-            description = with_table(description, table)
-        certificate = certify(as_written, description)
-    if certificate.position > MOST_MOVED:
-        raise RobotFileError(
-            f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {certificate.position:.2g} m",
-            allowed=f"allowed: at most {MOST_MOVED:g} m",
-            remedy=f"write --snap {float(snap) * MOST_MOVED / certificate.position / 2:.0e}" if snap else "",
-        )
+        made = _made(urdf, base, tip, convention, snap, name)
+        if made.moves_far:
+            most, moved = MOST_MOVED * made.arm.reach, made.certificate.position
+            raise RobotFileError(
+                f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {moved:.2g} m",
+                allowed=f"allowed: at most {MOST_MOVED:.0%} of the reach, {most:.2g} m",
+                remedy=f"write --snap {float(snap) * most / moved / 2:.0e}" if snap else "",
+            )
+        slants = tuple(_slants(urdf, made))
+    arm = made.arm
     first = [head(arm.base, arm.tip)] if head else []
     names = tuple(_plain(axis.joint.name) for axis in arm.axes)
-    carried = () if table is None else ("the table is the one that the URDF carries with it",)
-    notes = (*carried, *map(_plain, _notes(urdf, arm)))
+    carried = ("the table is the one that the URDF carries with it",) if made.carried else ()
+    notes = (*carried, *map(_plain, (*slants, *_notes(urdf, arm))))
     ends = (_plain(arm.base), _plain(arm.tip))
-    text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(certificate), *notes])
-    snapped = _snapped([*arm.snaps, *placement.turned] if table is None else [])
-    return Imported(text, _loaded(urdf, text, description.name), certificate, ends, names, notes, snapped)
+    text = robot_text(made.description, [*first, f"joints: {', '.join(names)}", str(made.certificate), *notes])
+    robot = _loaded(urdf, text, made.description.name)
+    return Imported(text, robot, made.certificate, ends, names, notes, _snapped(made.changes))
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """A table and what it was made of.
+
+    Attributes:
+        as_written: Not snapped.
+        arm: Snapped.
+        placement: The frames.
+        description: The robot.
+        certificate: How far its poses are from the arm as written.
+        changes: By how much angles were changed, where they were [rad].
+        far: See `Placement`.
+        carried: Whether the file had the table with it.
+        cut: Angles that are almost fractions of pi, with their joints, where they put axes far away.
+    """
+
+    as_written: Arm
+    arm: Arm
+    placement: Placement
+    description: Description
+    certificate: Certificate
+    changes: tuple[float, ...]
+    far: tuple[tuple[int, bool], ...]
+    carried: bool = False
+    cut: tuple[tuple[UrdfJoint, Fraction], ...] = ()
+
+    @property
+    def moves_far(self) -> bool:
+        """Whether poses may be farther from the URDF's than anybody wants."""
+        return self.certificate.position > max(MOST_MOVED * self.arm.reach, ROUNDED)
+
+    @property
+    def is_far(self) -> bool:
+        """Whether a cell is beyond everything that the arm reaches."""
+        sizes = (abs(cell) for row in self.placement.rows for cell in (row.d, row.a))
+        return max(map(float, sizes)) > FAR * self.arm.reach + ALIKE
+
+
+def _made(
+    urdf: Urdf, base: str | None, tip: str | None, convention: Convention, snap: Fraction, name: str | None
+) -> _Made:
+    """See `import_urdf`; where axes meet far away, angles are read as they were meant."""
+    as_written = arm_of(urdf, base, tip, Fraction(0))
+    table = carried_table(urdf, as_written, convention)
+    if table is not None:
+        arm, placement = arm_of(urdf, base, tip, snap), placement_of(table)
+        description = with_table(_description(urdf, arm, placement, snap, name), table)
+        return _Made(as_written, arm, placement, description, certify(as_written, description), (), (), carried=True)
+
+    def made(robot: Urdf, changes: Sequence[float]) -> _Made:
+        arm = arm_of(robot, base, tip, snap)
+        placement = place(arm, convention, float(snap))
+        description = _description(robot, arm, placement, snap, name)
+        found = certify(as_written, description)
+        changed = (*arm.snaps, *placement.turned, *changes)
+        return _Made(as_written, arm, placement, description, found, changed, placement.far)
+
+    plain = made(urdf, ())
+    cut = cut_off(urdf, as_written.base, as_written.tip, snap) if snap and plain.is_far else []
+    other = made(as_meant(urdf), [float(abs(meant(angle) - angle)) for _, angle in cut]) if cut else plain
+    chosen = plain if other.moves_far or other.is_far else other
+    return replace(chosen, far=plain.far, cut=tuple(cut))
+
+
+def _slants(urdf: Urdf, made: _Made) -> Iterator[str]:
+    """What was done with axes that are almost parallel, and which snap makes them so at what cost, as sentences."""
+    arm, far = made.as_written, [(i, taken or not made.is_far) for i, taken in made.far]
+    yield from (slanted(arm, i, taken) for i, taken in far if not taken or slant(arm, i) > ALIKE)
+    if made.cut:
+        yield named(made.cut, not made.is_far)
+    widest = max((slant(arm, i) for i, taken in far if not taken), default=1.0) * (1 + ALIKE)
+    wider = Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest)))
+    if wider > MOST_SNAP:
+        return
+    other = _made(urdf, arm.base, arm.tip, made.placement.convention, wider, None)
+    if not other.is_far:
+        refused = f"; refused, being more than {MOST_MOVED:.0%} of the reach" if other.moves_far else ""
+        moved = f"poses by up to {other.certificate.position:.2g} m"
+        yield f"--snap {float(wider):g} would take them as parallel and move {moved}{refused}"
 
 
 def _loaded(urdf: Urdf, text: str, name: str) -> Robot:

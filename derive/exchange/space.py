@@ -49,17 +49,18 @@ def real(value: Fraction | int) -> Real:
     return arb(fmpq(value.numerator, value.denominator))
 
 
-def decimal(value: Real) -> Fraction:
-    """The nearest number of `DIGITS` digits; zero where there is nothing.
+def decimal(value: Real, digits: int = DIGITS) -> Fraction:
+    """The nearest number of some digits; zero where there is nothing.
 
     Args:
         value: Any.
+        digits: How many, in front of and behind the point.
     """
     if not abs(value) > NOTHING:
         return Fraction(0)
     mantissa, exponent = value.mid().man_exp()
     exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-    places = DIGITS - 1 - floor(log10(abs(exact)))
+    places = digits - 1 - floor(log10(abs(exact)))
     return Fraction(round(exact * 10**places), 1) / Fraction(10) ** places
 
 

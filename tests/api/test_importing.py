@@ -86,7 +86,6 @@ def test_a_chain_may_go_up_the_tree_first(torso: Path) -> None:
         ({"tip": "left_hand", "base": "left_hand"}, "no joint moves between"),
         ({"tip": "left_hand", "convention": "modifed"}, "did you mean 'modified'"),
         ({"tip": "left_hand", "snap": "2"}, "a number from 0 to 0.1"),
-        ({"tip": "left_hand", "snap": "0.01"}, r"would move a pose by up to 0\.\d+ m; allowed: at most 0.0001 m"),
         ({"tip": "left_hand", "name": "My Arm"}, "is not a robot name"),
     ],
 )
@@ -94,6 +93,16 @@ def test_wrong_wishes_are_refused_with_what_is_allowed(torso: Path, options: dic
     with pytest.raises(DeriveError, match=found) as refused:
         import_urdf(torso, **options)
     assert "\n" not in str(refused.value)
+
+
+def test_a_snap_that_moves_the_arm_too_far_is_refused_with_one_that_does_not() -> None:
+    text = urdf([J(), J("0.5 0 0", "0.3 0 0"), J("0.5 0.5 0", type="fixed")]).encode()
+    with pytest.raises(
+        RobotFileError, match=r"by up to 0\.\d+ m; allowed: at most 1% of the reach, 0.012 m"
+    ) as refused:
+        import_urdf(text, snap="0.05")
+    assert refused.value.remedy.startswith("write --snap ")
+    assert import_urdf(text, snap=refused.value.remedy.split()[-1]).certificate.position < 0.012
 
 
 def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> None:

@@ -33,3 +33,11 @@ def test_the_largest_difference_of_a_changed_table_stays_below_the_bound(convent
     assert worst <= bound.position <= 20 * worst
     assert turned <= bound.rotation <= 20 * turned
     assert certify(arm, robot).position < 1e-14
+
+
+def test_a_slide_whose_limits_leave_no_room_is_bound_for_a_metre() -> None:
+    """They are taken as none, so the bound must not rest on them."""
+    joints = [J("0 0 0.3"), J("0.1 0 0", "1.5705 0 0", type="prismatic", limit='lower="0" upper="0"'), J("0.2 0 0")]
+    read = read_urdf(urdf(joints).encode(), "arm.urdf")
+    bound = import_urdf(read, None, None, Convention.STANDARD, Fraction(1, 1000)).certificate
+    assert 2.9e-4 < bound.position < 0.01

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from derive.exchange.arm import arm_of
-from derive.exchange.common_normals import FAR, TURNED
+from derive.exchange.common_normals import AS_WRITTEN, FAR, TURNED
 from derive.exchange.from_urdf import TOUCHING, import_urdf
 from derive.exchange.space import exactly
 from derive.exchange.urdf import read_urdf
@@ -49,7 +49,8 @@ def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convent
         q, qd, qdd = source.uniform(-0.5, 0.8, (3, len(names)))
         apart = pose(imported.robot, q) - reading.pose(q, tip)
         said = f"{seed} {convention.value}"
-        far, slant = furthest(imported.robot), least_slant(imported.robot, TURNED / max(arm.reach, ROUNDING))
+        least = (TURNED if snap else AS_WRITTEN) * min(1.0, 1 / max(arm.reach, ROUNDING)) / 2
+        far, slant = furthest(imported.robot), least_slant(imported.robot, least)
         assert np.linalg.norm(apart[:3, 3]) <= bound.position + ROUNDING * max(1.0, far), said
         assert np.linalg.norm(apart[:3, :3], 2) <= bound.rotation + ROUNDING, said
         assert far <= FAR * arm.reach + ROUNDING or far <= 2 * arm.reach / slant, said

@@ -54,3 +54,13 @@ def test_one_message_names_file_line_and_what_was_found(text: str, line: int, fo
 def test_a_prefix_that_is_not_bound_is_read_and_remarked() -> None:
     text = urdf([J()], top="<xacro:x/>")
     assert any("xacro" in note for note in read_urdf(text.encode(), "arm.urdf").notes)
+
+
+def test_elements_of_a_default_namespace_are_read_and_remarked() -> None:
+    text = urdf([J("0 0 1", inertial=body("2"))], top='<x:gazebo xmlns:x="http://gazebo"/>')
+    plain, read = (
+        read_urdf(t.encode(), "arm.urdf") for t in (text, text.replace("<robot ", '<robot xmlns="http://ros" '))
+    )
+    assert (read.bodies, read.joints, read.unread) == (plain.bodies, plain.joints, plain.unread)
+    assert read.notes == ("the XML namespace 'http://ros' is passed over",)
+    assert plain.notes == ()
