@@ -187,7 +187,7 @@ def _made(
         description = with_table(_description(urdf, arm, placement, snap, name), table)
         return _Made(as_written, arm, placement, description, certify(as_written, description), (), (), carried=True)
 
-    def made(robot: Urdf, changes: Sequence[float]) -> _Made:
+    def _by(robot: Urdf, changes: Sequence[float]) -> _Made:
         arm = arm_of(robot, base, tip, snap)
         placement = place(arm, convention, float(snap))
         description = _description(robot, arm, placement, snap, name)
@@ -195,9 +195,9 @@ def _made(
         changed = (*arm.snaps, *placement.turned, *changes)
         return _Made(as_written, arm, placement, description, found, changed, placement.far)
 
-    plain = made(urdf, ())
+    plain = _by(urdf, ())
     cut = cut_off(urdf, as_written.base, as_written.tip, snap) if snap and plain.is_far else []
-    other = made(as_meant(urdf), [float(abs(meant(angle) - angle)) for _, angle in cut]) if cut else plain
+    other = _by(as_meant(urdf), [float(abs(meant(angle) - angle)) for _, angle in cut]) if cut else plain
     chosen = plain if other.moves_far or other.is_far else other
     return replace(chosen, far=plain.far, cut=tuple(cut))
 

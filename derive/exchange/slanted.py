@@ -47,11 +47,11 @@ def as_meant(urdf: Urdf) -> Urdf:
         urdf: As written.
     """
 
-    def turned(joint: UrdfJoint) -> UrdfJoint:
+    def _turned(joint: UrdfJoint) -> UrdfJoint:
         roll, pitch, yaw = map(meant, joint.origin.rpy)
         return replace(joint, origin=Origin(joint.origin.xyz, (roll, pitch, yaw)))
 
-    return replace(urdf, joints=tuple(map(turned, urdf.joints)))
+    return replace(urdf, joints=tuple(map(_turned, urdf.joints)))
 
 
 def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> list[tuple[UrdfJoint, Fraction]]:
