@@ -168,6 +168,8 @@ def _straightened(arm: Arm, snap: float) -> tuple[list[Line], tuple[tuple[int, b
             if parallel(direction, line.direction, snap):
                 line = _along(line, direction)
                 break
+        if lines and parallel(lines[-1].direction, line.direction, snap):  # by then
+            line = _along(line, lines[-1].direction)
         if lines and not parallel(line.direction, lines[-1].direction, 0) and _is_far(line, lines[-1], arm.reach):
             taken = bool(2 * _sine(line.direction, lines[-1].direction) * arm.way[i + 1] <= most)
             line = _along(line, lines[-1].direction) if taken else line
@@ -253,7 +255,7 @@ def _normals(
             yield line.nearest(partner), unit(normal)
             continue
         apart = plus(line.point, partner.foot(line.point), -1)
-        if length(apart) > max(snap, NOTHING):
+        if length(apart) > max(min(snap, ALIKE), NOTHING):
             yield from ((foot, unit(apart)) for foot in feet)
         else:
             yield from ((foot, x) for foot in feet for x in across)

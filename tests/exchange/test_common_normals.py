@@ -11,6 +11,7 @@ from derive.exchange.common_normals import place
 from derive.exchange.space import exactly
 from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
+from tests.exchange.chains import random_chain
 from tests.exchange.urdfs import HALF, J, urdf
 
 
@@ -33,3 +34,12 @@ def test_a_slide_takes_the_place_that_costs_least() -> None:
         arm = arm_of(read_urdf(text.encode(), "arm.urdf"), None, None, Fraction(0))
         placement = place(arm, Convention.STANDARD, 1e-6)
     assert [float(row.a) for row in placement.rows] == [0, 0, 0]
+
+
+@pytest.mark.parametrize("seed", [35, 45, 93, 128])
+def test_a_wide_snap_leaves_every_pair_of_axes_a_common_normal(seed: int) -> None:
+    """Closeness is not transitive: an axis that takes the direction of one axis may come near another by that."""
+    text, names = random_chain(seed)
+    with exactly():
+        arm = arm_of(read_urdf(text.encode(), "arm.urdf"), None, None, Fraction(1, 10))
+        assert len(place(arm, Convention.MODIFIED if seed % 2 == 0 else Convention.STANDARD, 0.1).rows) == len(names)
