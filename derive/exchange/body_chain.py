@@ -14,12 +14,15 @@ import numpy as np
 from flint import arb
 
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
-from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, decimal, dot, length, plus, times
+from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, cross, decimal, dot, length, plus, times
 from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import Convention, Inertia, Joint, Link, Motor
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
+
+RESIDUE = 1e-30
+"""Moments of inertia that are left of nothing by a URDF's decimals [kg m^2]."""
 
 CONSTANT = 1e-12
 """How little the cosine of two axes varies where it does not."""
@@ -113,10 +116,18 @@ class Body:
         return xx, yy, zz, xy, xz, yz
 
     @property
+    def principal(self) -> tuple[Array, Frame]:
+        """Principal moments, rising, in floats [kg m^2], and a frame at the centre of mass along their axes."""
+        moments, axes = np.linalg.eigh([[float(entry) for entry in row] for row in self.inertia])
+        x, y, _ = (tuple(map(arb, axis)) for axis in axes.T)
+        return moments, Frame(self.com, x, y, cross(x, y))
+
+    @property
     def is_possible(self) -> bool:
-        """Whether there is such a body: mass and moments positive, no moment above the sum of the others."""
-        a, b, c = np.linalg.eigvalsh([[float(entry) for entry in row] for row in self.inertia])
-        return bool(self.mass > 0 and a > 0 and a + b >= c - float(ROUNDING) * c)
+        """Whether there is such a body, or bodies as near to it as one likes: a point, a thin rod or plate, or none."""
+        a, b, c = self.principal[0]
+        slack = float(ROUNDING) * c + RESIDUE
+        return bool(not self.mass < 0 and a >= -slack and a + b >= c - slack)
 
 
 def moments(inertia: Inertia) -> list[Real]:

@@ -12,7 +12,7 @@ from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
-from derive.exchange.to_mjcf import DENSITY, coupled_by_tendon, mjcf_text
+from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text
 from derive.exchange.to_urdf import SLIDE, urdf_text
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
@@ -150,16 +150,13 @@ def _remarks(arm: BodyChain, to: str, form: Form) -> Iterator[str]:
             "MuJoCo's dry friction is Coulomb's while a joint slips; it is less on a joint that it would stop within "
             "some hundredths of a second, and one that stands creeps under a load"
         )
-    refused = [str(i + 1) for i in range(arm.robot.n) if to == "mjcf" and _is_impossible(arm, i)]
-    if refused:
-        yield f"MuJoCo refuses link {', '.join(refused)}: no body of some thickness has such an inertia"
+    bodies = [(str(i + 1), body) for i in range(arm.robot.n) if to == "mjcf" and (body := arm.body(i)) is not None]
+    if refused := [link for link, body in bodies if not body.is_possible]:
+        yield f"MuJoCo refuses link {', '.join(refused)}: no body has such an inertia; inertia possible finds others"
+    if thin := [link for link, body in bodies if is_too_thin(body)]:
+        yield f"MuJoCo wants a little of each: {LEAST:g} kg or kg m^2 where link {', '.join(thin)} has none"
     if to == "mjcf" and not arm.robot.links:
         yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
-
-
-def _is_impossible(arm: BodyChain, i: int) -> bool:
-    body = arm.body(i)
-    return body is not None and not body.is_possible
 
 
 def _remarks_of_toolboxes(arm: BodyChain, to: str, reversed_joints: Sequence[str]) -> Iterator[str]:

@@ -7,15 +7,19 @@ from typing import Any
 
 from flint import arb
 
-from derive.exchange.body_chain import BodyChain, Rotor, quaternion
+from derive.exchange.body_chain import Body, BodyChain, Rotor, quaternion
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.space import NOTHING, Frame
 from derive.exchange.to_urdf import THICKNESS, rod
+from derive.robot.body_remarks import ROUNDING
 from derive.targets.templating import render
 
 DENSITY = 1000
 """Of the cylinders that stand in for masses where a robot has none [kg/m^3]."""
+
+LEAST = 2e-15
+"""Of masses and principal moments in the file: MuJoCo wants more than 1e-15 [kg, kg m^2]."""
 
 EARTH = "0 0 -9.81"
 """Gravity where the robot file gives none [m/s^2]."""
@@ -79,8 +83,7 @@ def _body(arm: BodyChain, i: int, radius: float, spinning: Collection[int]) -> d
         armature = armature + rotor.reflected
     body, inertial = arm.body(i, spinning=spinning), None
     if body is not None:
-        moved = body.moved(segment.dh)
-        inertial = {"mass": text(moved.mass), "pos": texts(moved.com), "inertia": texts(moved.entries)}
+        inertial = _inertial(body.moved(segment.dh))
     options = {
         "range": texts(map(ball, joint.limits)) if joint.limits else "",
         "armature": _unless_zero(armature),
@@ -101,6 +104,28 @@ def _body(arm: BodyChain, i: int, radius: float, spinning: Collection[int]) -> d
         "rod": rod(segment.end, radius),
         "force": force,
     }
+
+
+def is_too_thin(body: Body) -> bool:
+    """Whether MuJoCo would refuse a body though it is the limit of ones that exist: a point, a thin rod, or nothing.
+
+    Args:
+        body: Of a link.
+    """
+    return body.is_possible and bool(not body.mass > LEAST or body.principal[0][0] < LEAST)
+
+
+def _inertial(body: Body) -> dict[str, str]:
+    """Mass, place and tensor; principal moments where those of the entries might be refused for their last digits."""
+    (a, b, c), axes = body.principal
+    slack = float(ROUNDING) * c
+    if not body.is_possible or (body.mass > LEAST and a > max(LEAST, slack) and a + b > c + slack):
+        return {"mass": text(body.mass), "pos": texts(body.com), "fullinertia": texts(body.entries)}
+    a, b = max(a, LEAST), max(b, LEAST)
+    moments = (a, b, min(max(c, LEAST), a + b))
+    mass = text(body.mass) if body.mass > LEAST else repr(LEAST)
+    tensor = " ".join(repr(float(moment)) for moment in moments)
+    return {"mass": mass, "pos": texts(body.com), "quat": _turn(axes), "diaginertia": tensor}
 
 
 def _unless_zero(value: arb) -> str:

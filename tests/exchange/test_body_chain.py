@@ -42,7 +42,7 @@ def test_only_bodies_that_exist_are_possible() -> None:
     with exactly():
         one = Body(arb(1), vector((0, 0, 0)), (vector((2, 0, 0)), vector((0, 3, 0)), vector((0, 0, 4))))
         assert one.is_possible
-        assert not Body(arb(0), one.com, one.inertia).is_possible
+        assert not Body(arb(-1), one.com, one.inertia).is_possible
         assert not Body(one.mass, one.com, (one.inertia[0], one.inertia[1], vector((0, 0, 6)))).is_possible
         assert [body.is_possible for body in map(Body.of, numeric("puma560-corke").links)] == [
             False,
@@ -52,6 +52,13 @@ def test_only_bodies_that_exist_are_possible() -> None:
             True,
             True,
         ]
+
+
+def test_points_rods_plates_and_nothing_are_limits_of_bodies() -> None:
+    with exactly():
+        for mass, moments in ((1, (0, 0, 0)), (1, (0, 3, 3)), (1, (1, 3, 4)), (0, (0, 0, 0)), (0, (1, 2, 2))):
+            rows = [vector(tuple(m if i == j else 0 for j in range(3))) for i, m in enumerate(moments)]
+            assert Body(arb(mass), vector((0, 0, 0)), (rows[0], rows[1], rows[2])).is_possible
 
 
 def test_the_drag_of_rotors_is_known_where_axes_keep_their_angles() -> None:

@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from derive.exchange.body_chain import Body
 from derive.exchange.formats import exported
-from derive.exchange.to_mjcf import mjcf_text
+from derive.exchange.to_mjcf import LEAST, is_too_thin, mjcf_text
 from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric
+from tests.exchange.bodied import with_links
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -79,9 +81,32 @@ def test_an_arm_without_masses_moves_with_those_of_its_cylinders() -> None:
     assert any("cylinders" in remark for remark in made.remarks)
 
 
+def test_points_rods_and_links_without_mass_accelerate_as_the_equations_say() -> None:
+    """A hip: two links that are nothing between three axes that meet; then a rod, a point, and a slanted plate."""
+    robot = with_links(
+        Robot.from_text(
+            "name: hip\nconvention: standard\ngravity: [0, 0, -9.81]\n"
+            "joints: [{type: revolute, theta: q1, alpha: pi/2}, {type: revolute, theta: q2 + 0.3, alpha: pi/2}, "
+            "{type: revolute, theta: q3, d: 0.4}, {type: revolute, theta: q4, alpha: pi/2}, "
+            "{type: revolute, theta: q5, alpha: 0.7, a: 0.2}, {type: revolute, theta: q6, a: 0.3}]\n"
+            f"links: [{', '.join(['{}'] * 6)}]\n"
+        ),
+        ("0", "0 0 0", "0 0 0 0 0 0"),
+        ("0", "0 0 0", "0 0 0 0 0 0"),
+        ("9.2", "-0.02 -0.25 -0.01", "0.15 0.04 0.16 0 0 0"),
+        ("1.5", "0.1 0 0.1", "0.05 0.05 0 0 0 0"),
+        ("0.7", "-0.1 0.05 0.02", "0 0 0 0 0 0"),
+        ("0.9", "-0.1 0.07 0.02", "0.005 0.005 0.01 0.001 0 0"),
+    )
+    made = exported(robot, "mjcf")
+    assert max(worst(robot, made.text)) < 1e-12
+    assert "MuJoCo wants a little of each: 2e-15 kg or kg m^2 where link 1, 2, 4, 5 has none" in made.remarks
+    assert [LEAST, is_too_thin(Body.of(robot.links[5]))] == [2e-15, False]
+
+
 def test_bodies_that_mujoco_refuses_are_named_before() -> None:
     made = exported(numeric("puma560-corke"), "mjcf")
-    assert "MuJoCo refuses link 1, 3: no body of some thickness has such an inertia" in made.remarks
+    assert "MuJoCo refuses link 1, 3: no body has such an inertia; inertia possible finds others" in made.remarks
     with pytest.raises(ValueError, match=r"mass|inertia"):
         mujoco.MjModel.from_xml_string(made.text)
     assert callable(mjcf_text)
