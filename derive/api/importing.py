@@ -9,7 +9,15 @@ from fractions import Fraction
 from itertools import takewhile
 from pathlib import Path
 
-from derive.errors import DeriveError, OutputError, RobotFileError, VerificationError, near_miss, quoted
+from derive.errors import (
+    DeriveError,
+    OutputError,
+    RobotFileError,
+    TargetError,
+    VerificationError,
+    near_miss,
+    quoted,
+)
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.convert import convention_named
@@ -142,18 +150,20 @@ class ImportCheck:
     Attributes:
         source: Path of the URDF.
         promised: The bound in the file.
-        found: The bound of the robot as it is now; None where the URDF is not there.
+        found: The bound of the robot as it is now; None where it could not be tested.
         changed: Whether the URDF is another than at import.
+        lack: Why it could not be tested.
     """
 
     source: str
     promised: Certificate
     found: Certificate | None
     changed: bool = False
+    lack: str = ""
 
     def __str__(self) -> str:
         if self.found is None:
-            return f"{self.source}: not there, so the promised pose error was not tested"
+            return f"{self.source}: {self.lack}, so the promised pose error was not tested"
         return f"{self.source}: {self.found}" + (" (the URDF has changed since)" if self.changed else "")
 
     def as_dict(self) -> dict[str, object]:
@@ -183,14 +193,20 @@ def verify_import(file: str | Path) -> ImportCheck | None:
     source, promised = told
     path = source.beside(Path(file))
     if not source.file or not path.is_file():
-        return ImportCheck(source.file or "standard input", promised, None)
+        return ImportCheck(source.file or "standard input", promised, None, lack="not there")
     folders = [_moved(folder, path.parent, Path()) for folder in source.packages]
-    urdf = open_urdf(path, folders, dict(source.arguments))
+    try:
+        urdf = open_urdf(path, folders, dict(source.arguments))
+    except TargetError as error:
+        return ImportCheck(str(path), promised, None, lack=f"{error.found} ({error.remedy})")
     robot = Robot.from_text(text, str(file))
     with exactly():
         arm = arm_of(urdf.urdf, source.base, source.tip, Fraction(0))
-    if len(arm.axes) != robot.n:
-        raise VerificationError(f"{file}: {robot.n} joints, but {path} has {len(arm.axes)}", remedy="import it again")
+    ours, theirs = (
+        "".join("R" if joint.is_revolute else "P" for joint in joints) for joints in (robot.joints, arm.axes)
+    )
+    if ours != theirs:
+        raise VerificationError(f"{file}: joints {ours}, but those of {path} are {theirs}", remedy="import it again")
     found = certify(arm, robot).printed
     if found.position > promised.position or found.rotation > promised.rotation:
         raise VerificationError(

@@ -45,19 +45,19 @@ def run(arguments: argparse.Namespace) -> int:
 
     robot = load(arguments.robot)
     imported = verify_import(arguments.robot)
-    if imported is not None and not folder_of(robot, arguments.out).is_dir():
+    if imported is not None and imported.found is not None and not folder_of(robot, arguments.out).is_dir():
         if arguments.json:
             print_json({"robot": robot.name, "import": imported.as_dict(), "remarks": robot.remarks_as_dicts})
         else:
             print(one_line(str(imported)))
         return 0
+    if imported is not None and not arguments.json:
+        print(one_line(str(imported)))
     report = verify(robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
     if arguments.json:
         further = {} if imported is None else {"import": imported.as_dict()}
         print_json(report.as_dict() | further | {"remarks": robot.remarks_as_dicts})
         return 0
-    if imported is not None:
-        print(one_line(str(imported)))
     rows = [(row.target, row.function, str(row.samples), f"{row.worst:.1e}") for row in report.rows]
     print_columns(rows, ("target", "function", "samples", "worst error"))
     for reason in report.reasons:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from derive.errors import DeriveError
+from derive.errors import DeriveError, TargetError
 
 Array = npt.NDArray[Any]
 
@@ -72,14 +72,15 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
         The optimum.
 
     Raises:
-        DeriveError: There is none, or the packages of the extra are missing.
+        DeriveError: There is none.
+        TargetError: Clarabel or SciPy is not installed.
     """
     try:
         import clarabel
         from scipy import sparse
     except ImportError:
-        found = "possible inertias need packages of an extra"
-        raise DeriveError(found, remedy='pip install "derive-robot[exchange]"') from None
+        found = "finding bodies that exist needs clarabel and SciPy, which are not installed"
+        raise TargetError(found, remedy="pip install 'derive-robot[exchange]'") from None
     kinds = {
         Cone.NOT_NEGATIVE: clarabel.NonnegativeConeT,
         Cone.LONGEST_FIRST: clarabel.SecondOrderConeT,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -123,7 +125,19 @@ def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> No
     with pytest.raises(VerificationError, match=r"1e-05 m|e-05 m"):
         verify_import(path)
 
+    turning = r"type: revolute, q: q2, theta: q2[^,]*, d: (\S+),"
+    slide, count = re.subn(turning, r"type: prismatic, q: q2, theta: 0, d: q2 + \1,", text)
+    assert count == 1
+    path.write_text(slide)
+    with pytest.raises(VerificationError, match=r"joints RPR?, but those of .* are RRR?"):
+        verify_import(path)
+
     path.write_text(text)
+    with mock.patch.dict("sys.modules", {"lxml": None}):
+        check = verify_import(path)
+    assert check is not None
+    assert "lxml" in str(check)
+    assert check.found is None
     torso.write_text(torso.read_text().replace("0.3 0 0", "0.31 0 0"))
     with pytest.raises(VerificationError, match="promised"):
         verify_import(path)
