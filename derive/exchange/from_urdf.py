@@ -15,7 +15,7 @@ from derive.errors import DeriveError, RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass, arm_of
 from derive.exchange.carried_table import carried_table, placement_of, with_table
 from derive.exchange.certificate import Certificate, certify
-from derive.exchange.common_normals import ALIKE, FAR, Placement, Row, place
+from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, Row, place
 from derive.exchange.slanted import as_meant, cut_off, meant, named, slant, slanted
 from derive.exchange.space import NOTHING, Frame, Point, Real, decimal, dot, exactly, plus, real
 from derive.exchange.urdf import UNLIMITED, Urdf, UrdfJoint
@@ -151,7 +151,8 @@ class _Made:
         changes: By how much angles were changed, where they were [rad].
         far: See `Placement`.
         carried: Whether the file had the table with it.
-        cut: Angles that are almost fractions of pi, with their joints, where they put axes far away.
+        cut: Angles that are almost fractions of pi, with their joints, where axes meet far away.
+        meant: Whether they were taken for these.
     """
 
     as_written: Arm
@@ -163,6 +164,7 @@ class _Made:
     far: tuple[tuple[int, bool], ...]
     carried: bool = False
     cut: tuple[tuple[UrdfJoint, Fraction], ...] = ()
+    meant: bool = False
 
     @property
     def moves_far(self) -> bool:
@@ -196,10 +198,13 @@ def _made(
         return _Made(as_written, arm, placement, description, found, changed, placement.far)
 
     plain = _by(urdf, ())
-    cut = cut_off(urdf, as_written.base, as_written.tip, snap) if snap and plain.is_far else []
-    other = _by(as_meant(urdf), [float(abs(meant(angle) - angle)) for _, angle in cut]) if cut else plain
-    chosen = plain if other.moves_far or other.is_far else other
-    return replace(chosen, far=plain.far, cut=tuple(cut))
+    slanting = any(slant(as_written, i) > ALIKE for i, _ in plain.placement.far)
+    cut = cut_off(urdf, as_written.base, as_written.tip, snap) if slanting else []
+    other = _by(as_meant(urdf), [float(abs(meant(angle) - angle)) for _, angle in cut]) if cut and snap else plain
+    worth = MOST_MOVED * other.arm.reach if plain.is_far else TURNED
+    if other.is_far or other.certificate.position > worth:
+        return replace(plain, cut=tuple(cut))
+    return replace(other, far=plain.far, cut=tuple(cut), meant=other is not plain)
 
 
 def _slants(urdf: Urdf, made: _Made) -> Iterator[str]:
@@ -207,7 +212,7 @@ def _slants(urdf: Urdf, made: _Made) -> Iterator[str]:
     arm, far = made.as_written, [(i, taken or not made.is_far) for i, taken in made.far]
     yield from (slanted(arm, i, taken) for i, taken in far if not taken or slant(arm, i) > ALIKE)
     if made.cut:
-        yield named(made.cut, not made.is_far)
+        yield named(made.cut, made.meant)
     widest = max((slant(arm, i) for i, taken in far if not taken), default=1.0) * (1 + ALIKE)
     wider = Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest)))
     if wider > MOST_SNAP:

@@ -90,7 +90,9 @@ def slanted(arm: Arm, i: int, taken: bool) -> str:
     away = float(length(plus(before.line.nearest(axis.line), before.line.point, -1)))
     said = f"joints {before.joint.name} and {axis.joint.name} (line {axis.joint.location.line})"
     done = "taken as parallel" if taken else "kept"
-    return f"{said} are {slant(arm, i):.2g} rad from parallel, their common normal {away:.3g} m away: {done}"
+    return (
+        f"{said} are {slant(arm, i):.2g} rad from parallel, their common normal {float(f'{away:.3g}'):g} m away: {done}"
+    )
 
 
 def named(cut: Sequence[tuple[UrdfJoint, Fraction]], taken: bool) -> str:
