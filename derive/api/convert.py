@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load
-from derive.errors import OutputError
 from derive.exchange.convert import Converted, convention_named, converted
-from derive.publish.atomic_folder import write_files
+from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.description import Convention
 
 
@@ -36,14 +34,13 @@ def convert(
     Raises:
         DeriveError: No such convention, or the robot's own.
         RobotFileError: A file that cannot be read or does not describe a robot, or a name that no robot may have.
-        OutputError: There is such a file already, or it cannot be written.
+        OutputError: There is such a file or folder already, or it cannot be written.
     """
+    if path is not None:
+        refuse_taken(Path(path), force=force)
     given = load(robot)
     other = next(member for member in Convention if member is not given.convention)
     made = converted(given, other if convention is None else convention_named(convention), name)
     if path is not None:
-        if os.path.lexists(path) and not force:
-            found, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
-            raise OutputError(found, allowed="a name that is not taken", remedy=remedy)
         write_files({Path(path).name: made.text.encode()}, Path(path).parent, force=True)
     return made

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load
-from derive.errors import DeriveError, OutputError, RobotFileWarning, near_miss, quoted
-from derive.exchange.formats import exported
-from derive.publish.atomic_folder import write_files
+from derive.errors import DeriveError, RobotFileWarning, near_miss, quoted
+from derive.exchange.formats import Exported, exported
+from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value
 from derive.robot.expression import Expression
 from derive.robot.names import limit_symbols, robot_symbols
@@ -42,18 +41,45 @@ def export(
     Raises:
         DeriveError: An unknown format, or a symbol without a number.
         RobotFileError: The file does not describe a robot.
-        OutputError: There is such a file already, or it cannot be written.
+        OutputError: There is such a file or folder already, or it cannot be written.
     """
+    return export_file(robot, to, path, inertia=inertia, values=values, force=force).text
+
+
+def export_file(
+    robot: RobotLike,
+    to: str,
+    path: str | Path | None,
+    *,
+    inertia: str = "given",
+    values: Mapping[str, float | str] | None = None,
+    force: bool = False,
+) -> Exported:
+    """What `export` does, with its remarks as a result, too.
+
+    Args:
+        robot: As there.
+        to: As there.
+        path: As there.
+        inertia: As there.
+        values: As there.
+        force: As there.
+
+    Returns:
+        The text and the remarks.
+
+    Raises:
+        DeriveError: As there.
+    """
+    if path is not None:
+        refuse_taken(Path(path), force=force)
     chosen = load(robot)
-    if path is not None and os.path.lexists(path) and not force:
-        taken, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
-        raise OutputError(taken, allowed="a name that is not taken", remedy=remedy)
     found = exported(chosen, to, inertia, typed_values(chosen, values or {}))
     for remark in found.remarks:
-        warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=2)
+        warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=3)
     if path is not None:
         write_files({Path(path).name: found.text.encode()}, Path(path).parent, force=True)
-    return found.text
+    return found
 
 
 def typed_values(robot: PlainRobot, values: Mapping[str, float | str]) -> dict[str, Expression]:

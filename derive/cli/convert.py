@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.terminal import DONE, one_line
+from derive.cli.terminal import DONE, one_line, print_json
 from derive.errors import DeriveError
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ alpha_0) Trans(x, a_0) into the base. Centres of mass, tensors and rotors are se
 There and back gives the same table: comments in the file say what goes back into it.
 """
 FORMATS = ("text", "latex")
+STDOUT = Path("-")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("-o", "--out", metavar="FILE", type=Path, help="the robot file to write (default: standard output)")
     add("--name", metavar="NAME", help="name of the new robot (default: the same)")
     add("--force", action="store_true", help="overwrite the file if it exists")
+    add("--json", action="store_true", help="machine-readable report")
     add("--derivation", action="store_true", help="print how the factors are regrouped, and that the product is equal")
     add("--format", choices=FORMATS, help="form of the derivation (default text)")
 
@@ -57,17 +59,24 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.format and not arguments.derivation:
         raise DeriveError(f"--format {arguments.format} without --derivation", remedy="add --derivation")
-    if arguments.force and not arguments.out:
-        raise DeriveError("--force without -o", remedy="add -o FILE")
-    made = convert(arguments.robot, arguments.convention, arguments.out, name=arguments.name, force=arguments.force)
+    out = None if arguments.out == STDOUT else arguments.out
+    if out is None and (arguments.force or arguments.json):
+        raise DeriveError(f"--{'force' if arguments.force else 'json'} without -o", remedy="add -o FILE")
+    if arguments.json and arguments.derivation:
+        raise DeriveError("--json with --derivation", remedy="leave one out")
+    made = convert(arguments.robot, arguments.convention, out, name=arguments.name, force=arguments.force)
     if arguments.derivation:
         from derive.exchange.derivation import derivation_latex, derivation_text
 
         print((derivation_latex if arguments.format == "latex" else derivation_text)(made.conversion), end="")
-    elif arguments.out is None:
+    elif out is None:
         print(made.text, end="")
-    if arguments.out is not None and not arguments.derivation:
-        print("\n".join(one_line(line) for line in _report(arguments.out, made)))
+    elif arguments.json:
+        report = {"file": str(out), "convention": made.robot.convention.value, "report": _report(out, made)[1:]}
+        print_json(report | {"remarks": made.conversion.source.remarks_as_dicts})
+    else:
+        head, *lines = map(one_line, _report(out, made))
+        print(head, *(f"  {line}" for line in lines), sep="\n")
     return DONE
 
 
@@ -78,4 +87,4 @@ def _report(path: Path, made: Converted) -> list[str]:
     kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
     count = f"{made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds})"
     lines = [*moves(made.conversion), *made.notes]
-    return [f"{path}: {count}, {made.robot.convention.value}", *(f"  {line}" for line in lines)]
+    return [f"{path}: {count}, {made.robot.convention.value}", *lines]

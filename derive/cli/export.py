@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from derive.cli.terminal import DONE, print_json
+
 DESCRIPTION = """\
 Write a robot for another program, for instance
 
@@ -17,6 +19,7 @@ SerialLink; rigidbodytree: a MATLAB function for the Robotics System Toolbox; cs
 What a format cannot say is remarked on standard error and stands in the file's first comment.
 """
 
+STDOUT = Path("-")
 FORMATS = ("urdf", "mjcf", "rtb", "corke", "rigidbodytree", "csv")
 
 
@@ -33,6 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--inertia", choices=("given", "possible"), default="given", help="bodies as given, or the nearest that exist")
     add("--values", metavar="NAME=VALUE,...", action="append", default=[], help="numbers of symbols, in SI units")
     add("--force", action="store_true", help="overwrite the file if it exists")
+    add("--json", action="store_true", help="machine-readable report")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -45,11 +49,15 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
 
     Raises:
-        DeriveError: Values that are no ``name=value``.
+        DeriveError: Values that are no ``name=value``, or options that do not belong together.
     """
-    from derive.api.export import export
+    from derive.api.export import export_file
+    from derive.api.robots import load
     from derive.errors import DeriveError, quoted
 
+    out = None if arguments.out == STDOUT else arguments.out
+    if out is None and (arguments.force or arguments.json):
+        raise DeriveError(f"--{'force' if arguments.force else 'json'} without -o", remedy="add -o FILE")
     values = {}
     for cell in ",".join(arguments.values).split(",") if arguments.values else []:
         name, equals, value = (part.strip() for part in cell.partition("="))
@@ -58,16 +66,13 @@ def run(arguments: argparse.Namespace) -> int:
         if name in values:
             raise DeriveError(f"{quoted(name)[1:-1]} twice in --values", remedy="leave one of them out")
         values[name] = value
-    text = export(
-        arguments.robot,
-        arguments.to,
-        arguments.out,
-        inertia=arguments.inertia,
-        values=values,
-        force=arguments.force,
-    )
-    if arguments.out is None:
-        print(text, end="")
+    robot = load(arguments.robot)
+    found = export_file(robot, arguments.to, out, inertia=arguments.inertia, values=values, force=arguments.force)
+    if out is None:
+        print(found.text, end="")
+    elif arguments.json:
+        report = {"file": str(out), "format": arguments.to, "report": list(found.remarks)}
+        print_json(report | {"remarks": robot.remarks_as_dicts})
     else:
-        print(arguments.out)
-    return 0
+        print(out)
+    return DONE

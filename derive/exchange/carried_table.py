@@ -13,9 +13,11 @@ from derive.exchange.arm import Arm
 from derive.exchange.body_chain import body_chain
 from derive.exchange.certificate import along_x, along_z, ball, certify, frame_of
 from derive.exchange.common_normals import Placement, Row
+from derive.exchange.numeric import text
 from derive.exchange.space import WORLD, exactly
-from derive.exchange.urdf import Urdf
-from derive.robot.description import Convention, Description, Link
+from derive.exchange.urdf import SLIDE, Urdf
+from derive.robot.description import Convention, Description, Joint, Link
+from derive.robot.expression import Expression, number
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
@@ -65,16 +67,25 @@ def placement_of(table: Robot) -> Placement:
 
 
 def table_text(robot: Robot) -> str:
-    """A robot file of what a URDF has no words for: the table, gravity, armatures and motors.
+    """A robot file of what a URDF has no words for: the table, slides without limits, gravity, armatures and motors.
 
     Args:
         robot: Of numbers.
     """
-    joints = tuple(replace(joint, limits=None, speed=None, torque=None) for joint in robot.joints)
+    joints = tuple(replace(joint, speed=None, torque=None) for joint in robot.joints)
     links = tuple(Link(armature=link.armature, motor=link.motor) for link in robot.links)
     return robot_text(
         Description(robot.name, "", robot.convention, joints, robot.base, robot.tool, robot.gravity, links)
     )
+
+
+def _limits(joint: Joint, row: Joint) -> tuple[Expression, Expression] | None:
+    """Those of the table, where the URDF has them, or its stand-in for a slide without; else those of the URDF."""
+    written = row.limits or (None if row.is_revolute else (number(-SLIDE), number(SLIDE)))
+    if joint.limits is None or written is None:
+        return joint.limits
+    ours, theirs = ([text(ball(cell)) for cell in ends] for ends in (joint.limits, written))
+    return row.limits if ours == theirs else joint.limits
 
 
 def with_table(robot: Description, table: Robot) -> Description:
@@ -89,7 +100,7 @@ def with_table(robot: Description, table: Robot) -> Description:
     """
     cells = ("variable", "sign", "theta", "d", "a", "alpha")
     joints = tuple(
-        replace(joint, **{cell: getattr(row, cell) for cell in cells})
+        replace(joint, limits=_limits(joint, row), **{cell: getattr(row, cell) for cell in cells})
         for joint, row in zip(robot.joints, table.joints, strict=True)
     )
     robot = replace(robot, joints=joints, base=table.base, tool=table.tool)

@@ -13,7 +13,8 @@ from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
 from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text
-from derive.exchange.to_urdf import SLIDE, urdf_text
+from derive.exchange.to_urdf import urdf_text
+from derive.exchange.urdf import SLIDE
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 from derive.version import __version__

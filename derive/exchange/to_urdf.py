@@ -11,7 +11,7 @@ from derive.exchange.carried_table import table_text
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.space import Frame, Point, length
-from derive.exchange.urdf import UNLIMITED
+from derive.exchange.urdf import SLIDE, UNLIMITED
 from derive.targets.templating import render
 
 ROOT = "base_link"
@@ -22,9 +22,6 @@ TIP = "tool"
 
 THICKNESS = 0.06
 """Radius of the cylinders, of the longest link."""
-
-SLIDE = 10
-"""Limits of a slide that has none, which URDF does not allow [m]."""
 
 
 def urdf_text(arm: BodyChain, head: list[str]) -> str:

@@ -30,6 +30,9 @@ MOST_DIGITS = 400
 UNLIMITED = 10**6
 """Efforts and speeds from here on are none: URDF wants numbers [N m or N, rad/s or m/s]."""
 
+SLIDE = 10
+"""Limits of a slide that has none, which URDF does not allow: so far to either side [m]."""
+
 GREATEST = 60
 """Power of ten beyond which a number is no length and no mass; what is as small is zero."""
 

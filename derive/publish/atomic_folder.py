@@ -238,6 +238,23 @@ def _refusal(path: Path, found: str, remedy: str) -> OutputError:
     return OutputError(f"{path} {found}", allowed="derive replaces only folders that it wrote itself", remedy=remedy)
 
 
+def refuse_taken(path: Path, *, force: bool) -> None:
+    """Refuse a file's name that is taken, before work is done for it.
+
+    Args:
+        path: Of the file.
+        force: Whether a file that exists may be overwritten; a folder never is.
+
+    Raises:
+        OutputError: There is a folder, or a file that stays.
+    """
+    if path.is_dir():
+        raise OutputError(f"{str(path)!r} is a folder", remedy="write the name of a file in it")
+    if os.path.lexists(path) and not force:
+        taken, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
+        raise OutputError(taken, allowed="a name that is not taken", remedy=remedy)
+
+
 def write_files(files: Mapping[str, bytes], folder: Path, *, force: bool = False) -> list[Path]:
     """Writes files into a folder, which is made if there is none.
 
@@ -253,6 +270,7 @@ def write_files(files: Mapping[str, bytes], folder: Path, *, force: bool = False
         OutputError: A file is there that derive did not write, or the system refused to write.
     """
     targets = {folder / name: data for name, data in files.items()}
+    written: dict[Path, Path] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         foreign = [path for path in targets if os.path.lexists(path) and not (force or _is_ours(path))]
@@ -261,7 +279,6 @@ def write_files(files: Mapping[str, bytes], folder: Path, *, force: bool = False
                 f"{foreign[0]} was not written by derive",
                 remedy="move it away, choose another --out, or overwrite it with --force",
             )
-        written: dict[Path, Path] = {}
         try:
             for target, data in targets.items():
                 written[target] = target.with_name(f".derive-{secrets.token_hex(4)}-{target.name}")
@@ -274,9 +291,9 @@ def write_files(files: Mapping[str, bytes], folder: Path, *, force: bool = False
                     temporary.unlink(missing_ok=True)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise OutputError(
-            f"cannot write {error.filename or folder}: {reason}", remedy="make room, or choose another --out"
-        ) from error
+        named = {str(temporary): target for target, temporary in written.items()}
+        place = named.get(str(error.filename), error.filename or folder)
+        raise OutputError(f"cannot write {place}: {reason}", remedy="make room, or choose another --out") from error
     return list(targets)
 
 

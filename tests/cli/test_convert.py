@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,12 @@ def test_the_file_is_written_and_the_report_says_what_has_moved(tmp_path: Path) 
     assert Robot.load(tmp_path / "mdh.yaml").convention == "modified"
 
 
+def test_the_report_for_scripts_says_what_has_moved(tmp_path: Path) -> None:
+    done = derive("convert", "planar-2r-perugia", "-o", "mdh.yaml", "--json", folder=tmp_path)
+    moved = ["Trans(x, a2) of row 2 is in the tool now"]
+    assert json.loads(done.stdout) == {"file": "mdh.yaml", "convention": "modified", "report": moved, "remarks": []}
+
+
 def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None:
     (tmp_path / "pendulum.yaml").write_text(PENDULUM)
     there = derive("convert", "pendulum.yaml", folder=tmp_path)
@@ -36,6 +43,8 @@ def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None
     ("options", "message"),
     [
         (("--convention", "craig"), "unknown convention 'craig'; allowed: standard (distal), modified (Craig, Khalil)"),
+        (("--json",), "--json without -o; add -o FILE"),
+        (("-o", "."), "'.' is a folder; write the name of a file in it"),
         (("--convention", "modifid"), "did you mean 'modified'?"),
         (("--convention", "standard"), "thumb has a standard table already; write --convention modified"),
         (("--name", "Thumb"), "'Thumb' is not a robot name; allowed: a-z, 0-9 and -"),

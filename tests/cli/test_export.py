@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,14 @@ def test_the_text_goes_to_standard_output(to: str, tmp_path: Path) -> None:
     assert "0.5" in done.stdout
 
 
+def test_the_report_for_scripts_holds_what_the_format_cannot_say(tmp_path: Path) -> None:
+    done = derive("export", "puma560-corke", "--to", "rtb", "-o", "puma.py", "--json", folder=tmp_path)
+    report = json.loads(done.stdout)
+    assert (report["file"], report["format"], report["remarks"]) == ("puma.py", "rtb", [])
+    assert report["report"]
+    assert all(f"derive: remark: puma560-corke: {line}" in done.stderr for line in report["report"])
+
+
 def test_strict_makes_errors_of_remarks(tmp_path: Path) -> None:
     done = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", "--strict", folder=tmp_path)
     assert done.status == 2
@@ -52,6 +61,10 @@ def test_strict_makes_errors_of_remarks(tmp_path: Path) -> None:
         (("anthropomorphic-arm", "--to", "csv", "--values", "a2=x"), "value 'x' of a2 holds a name"),
         (("anthropomorphic-arm", "--to", "csv", "--values", "b=1"), "no 'b' in anthropomorphic-arm; allowed: a2, a3"),
         (("nobody", "--to", "csv"), "nobody"),
+        (("kuka-kr5", "--to", "csv", "-o", "."), "'.' is a folder; write the name of a file in it"),
+        (("kuka-kr5", "--to", "csv", "-o", ".", "--force"), "'.' is a folder; write the name of a file in it"),
+        (("kuka-kr5", "--to", "csv", "-o", "-", "--json"), "--json without -o; add -o FILE"),
+        (("kuka-kr5", "--to", "csv", "--force"), "--force without -o; add -o FILE"),
     ],
 )
 def test_wrong_arguments_get_one_message(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:

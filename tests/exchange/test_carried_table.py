@@ -15,6 +15,7 @@ from derive.exchange.from_urdf import Imported, import_urdf
 from derive.exchange.space import exactly
 from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
+from derive.robot.expression import Pi, multiply, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric
@@ -42,6 +43,17 @@ def test_the_table_comes_back_to_the_letter_and_torques_to_rounding(name: str) -
         states = np.random.default_rng(2).uniform(-2, 2, (3, 4, robot.n))
         ours, theirs = (Oracle.of(r).evaluate("inverse_dynamics", *states) for r in (robot, found.robot))
         assert np.abs(ours - theirs).max() < 1e-12 * np.abs(ours).max()
+
+
+def test_limits_come_back_and_slides_without_any_stay_so() -> None:
+    robot = dressed("stanford-deluca")
+    ends = (multiply(number("-1/2"), Pi()), number(2))
+    for places in ((), (1, 2)):
+        joints = tuple(replace(joint, limits=ends if k in places else None) for k, joint in enumerate(robot.joints))
+        found = back(exported(replace(robot, joints=joints), "urdf").text, robot.convention)
+        assert [joint.limits for joint in found.robot.joints] == [joint.limits for joint in joints]
+    narrower = exported(robot, "urdf").text.replace('lower="-10" upper="10"', 'lower="-9" upper="10"')
+    assert back(narrower, robot.convention).robot.joints[2].limits == (number(-9), number(10))
 
 
 def test_a_table_of_another_arm_or_convention_gives_way_to_common_normals() -> None:
