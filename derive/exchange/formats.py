@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -18,6 +19,9 @@ from derive.exchange.urdf import SLIDE
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 from derive.version import __version__
+
+EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
+"""Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2]."""
 
 INERTIAS = ("given", "possible")
 """Which bodies are written: those of the robot file, or the nearest ones that exist and move alike."""
@@ -131,7 +135,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
         arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
         remarks = (*changes, *_remarks(arm, to, form), *_remarks_of_toolboxes(arm, to, reversed_joints))
         head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
-        text = form.write(arm, [line.replace("--", "- -") for line in head])
+        text = form.write(arm, [re.sub("-(?=-)", "- ", line) for line in head])
     return Exported(text, remarks)
 
 
@@ -179,7 +183,7 @@ def _remarks_of_toolboxes(arm: BodyChain, to: str, reversed_joints: Sequence[str
 
 def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
     down = [float(ball(cell)) for cell in arm.robot.gravity or ()]
-    if down and (down[0] or down[1] or down[2] > 0):
+    if down and (down[0] or down[1] or abs(down[2] - EARTH) > ROUNDING_OF_EARTH):
         yield f"URDF cannot say the gravity {down[0]:g}, {down[1]:g}, {down[2]:g} m/s^2"
     bounds = [
         segment.joint.variable

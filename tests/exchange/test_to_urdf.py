@@ -53,6 +53,17 @@ def test_what_urdf_cannot_say_is_named_in_its_first_comment() -> None:
         assert lost in made.text.partition("-->")[0]
 
 
+@pytest.mark.parametrize(("down", "is_named"), [("-9.81", False), ("-9.8", False), ("-1.62", True), ("9.81", True)])
+def test_a_gravity_that_is_not_the_earths_is_named(down: str, is_named: bool) -> None:
+    robot = replace(dressed("planar-3r"), gravity=(number(0), number(0), number(down)))
+    assert any("the gravity 0, 0, " in remark for remark in exported(robot, "urdf").remarks) == is_named
+
+
+def test_dashes_of_a_name_end_no_comment() -> None:
+    made = exported(replace(dressed("planar-3r"), name="a---b----c"), "urdf")
+    assert Xml.fromstring(made.text).get("name") == "a---b----c"
+
+
 def test_a_cylinder_goes_from_joint_to_joint() -> None:
     found = rod((arb(0), arb(3), arb(4)), 0.1)
     assert found == {"xyz": "0 1.5 2", "rpy": "0 0.643501 1.5708", "length": "5", "to": "0 3 4"}
