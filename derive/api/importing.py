@@ -23,6 +23,7 @@ from derive.exchange.certificate import Certificate, certify
 from derive.exchange.convert import convention_named
 from derive.exchange.from_urdf import MOST_SNAP, Imported, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
+from derive.exchange.slanted import cut_off, named, snap_for
 from derive.exchange.source import Source, open_urdf, opened, relative
 from derive.exchange.space import exactly
 from derive.publish.atomic_folder import write_files
@@ -257,9 +258,30 @@ class _Importer:
             tip: Name of the last link.
             name: Of the robot.
         """
-        found = of_urdf(self.opened.urdf, base, tip, self._convention, self._snap, name, self._head)
+        found = self._with_hint(of_urdf(self.opened.urdf, base, tip, self._convention, self._snap, name, self._head))
         found = with_possible_bodies(found) if self._possible and found.robot.links else found
         return with_named_lengths(found) if self._symbols else found
+
+    def _with_hint(self, arm: Imported) -> Imported:
+        """The arm with a note on angles such as 1.5708 that stay so: which snap takes them for pi/2, at what cost."""
+        told, urdf = Source.of(arm.text), self.opened.urdf
+        if told is None or not self._snap:
+            return arm
+        ends = told[0].base, told[0].tip
+        with exactly():
+            cut = cut_off(urdf, *ends, self._snap)
+            if not cut or any(named(cut, taken) in arm.notes for taken in (False, True)):
+                return arm
+            wider = snap_for(cut)
+        try:
+            other = of_urdf(urdf, *ends, self._convention, wider)
+        except RobotFileError:  # poses would move too far
+            return arm
+        ours, theirs = ((made.robot.joints, made.robot.base, made.robot.tool) for made in (arm, other))
+        if ours == theirs:
+            return arm
+        price = f"--snap {float(wider):g} would take them for these and move poses by up to"
+        return replace(arm, notes=(*arm.notes, f"{named(cut, False)}; {price} {other.certificate.position:.2g} m"))
 
     def _head(self, base: str, tip: str) -> str:
         return Source(self._path, base, tip, self.opened.sha256, self._folders, self._arguments).line

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from decimal import ROUND_CEILING, Context
 from fractions import Fraction
 from math import pi
 
 from flint import arb
 
 from derive.exchange.arm import FRACTIONS, Arm, joints_between
+from derive.exchange.common_normals import ALIKE
 from derive.exchange.space import DIGITS, cross, decimal, length, plus
 from derive.exchange.urdf import Origin, Urdf, UrdfJoint
 
@@ -66,6 +68,16 @@ def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> list[tuple[Urdf
     between = joints_between(urdf, one, other)
     angles = [(joint, angle) for joint in between for angle in joint.origin.rpy]
     return [(joint, angle) for joint, angle in angles if abs(meant(angle) - angle) > snap]
+
+
+def snap_for(cut: Sequence[tuple[UrdfJoint, Fraction]]) -> Fraction:
+    """The snap, of two digits, that takes angles for the fractions of pi that they were meant for [rad].
+
+    Args:
+        cut: They, with their joints; see `cut_off`.
+    """
+    widest = max(abs(meant(angle) - angle) for _, angle in cut)
+    return Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(float(widest) * (1 + ALIKE))))
 
 
 def slant(arm: Arm, i: int) -> float:

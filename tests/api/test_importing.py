@@ -63,6 +63,18 @@ def test_lengths_have_names_on_request(tmp_path: Path) -> None:
     assert checked.found == named.certificate.printed
 
 
+def test_the_snap_that_takes_cut_off_angles_is_named_with_its_price(tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(urdf([J("0 0 0.5"), J("0 0 0.3", "1.5708 0 0"), J("0.4 0 0")]))
+    *_, hint = import_urdf(file).notes
+    found = re.fullmatch(r"1\.5708 \(joint .*\): almost .*; --snap (\S+) would .* by up to (\S+) m", hint)
+    assert found is not None
+    wider = import_urdf(file, snap=found[1])
+    assert to_text(wider.robot.joints[0].alpha) == "pi/2"
+    assert wider.certificate.position == pytest.approx(float(found[2]), rel=0.05)
+    assert not any("almost" in note for note in (*wider.notes, *import_urdf(file, snap=0).notes))
+
+
 def test_every_tip_gets_an_arm_or_a_reason(torso: Path) -> None:
     found = import_all(torso)
     assert [arm.robot.name for arm in found.arms] == ["torso-left-hand", "torso-right-hand"]
