@@ -21,7 +21,7 @@ from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
 
-RESIDUE = 1e-30
+RESIDUE = 1e-15
 """Moments of inertia that are left of nothing by a URDF's decimals [kg m^2]."""
 
 CONSTANT = 1e-12

@@ -13,7 +13,7 @@ from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
-from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text
+from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, written_bodies
 from derive.exchange.to_urdf import urdf_text
 from derive.exchange.urdf import SLIDE
 from derive.robot.expression import Expression
@@ -155,7 +155,8 @@ def _remarks(arm: BodyChain, to: str, form: Form) -> Iterator[str]:
             "MuJoCo's dry friction is Coulomb's while a joint slips; it is less on a joint that it would stop within "
             "some hundredths of a second, and one that stands creeps under a load"
         )
-    bodies = [(str(i + 1), body) for i in range(arm.robot.n) if to == "mjcf" and (body := arm.body(i)) is not None]
+    written = written_bodies(arm) if to == "mjcf" else []
+    bodies = [(str(link), body) for link, body in enumerate(written, start=1) if body is not None]
     if refused := [link for link, body in bodies if not body.is_possible]:
         yield f"MuJoCo refuses link {', '.join(refused)}: no body has such an inertia; inertia possible finds others"
     if thin := [link for link, body in bodies if is_too_thin(body)]:

@@ -45,6 +45,9 @@ HEAVIEST = 1e-6
 LARGEST = 1e-3
 """A link is at least this part of the arm's largest length."""
 
+LIGHT, SHORT = 1e-2, 0.1
+"""The same of links that are given without a mass: the units of what they get, if they get something."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bodies:
@@ -119,11 +122,12 @@ def in_own_units(parameters: Sequence[Exact], basis: Sequence[Direction], size: 
 def _units(body: Array, heaviest: float, size: float) -> Array:
     """To coordinates about the centre of mass, in radii of gyration and masses of the link, within reason."""
     given = body[3, 3]
-    mass = max(abs(given), HEAVIEST * heaviest)
+    least_mass, least_radius = (HEAVIEST, LARGEST) if given else (LIGHT, SHORT)
+    mass = max(abs(given), least_mass * heaviest)
     center = body[:3, 3] / given if abs(given) == mass else np.zeros(3)
     spread = float(np.abs(np.linalg.eigvalsh(body[:3, :3] - given * np.outer(center, center))).sum())
     mass = max(mass, spread / size**2)
-    radius = max(sqrt(spread / mass), LARGEST * size)
+    radius = max(sqrt(spread / mass), least_radius * size)
     return np.block([[np.eye(3) / radius, -center[:, None] / radius], [np.zeros((1, 3)), np.ones((1, 1))]]) / sqrt(mass)
 
 

@@ -18,8 +18,8 @@ from derive.targets.templating import render
 DENSITY = 1000
 """Of the cylinders that stand in for masses where a robot has none [kg/m^3]."""
 
-LEAST = 2e-15
-"""Of masses and principal moments in the file: MuJoCo wants more than 1e-15 [kg, kg m^2]."""
+LEAST = 1e-15
+"""Of masses and principal moments in the file: MuJoCo takes no less [kg, kg m^2]."""
 
 EARTH = "0 0 -9.81"
 """Gravity where the robot file gives none [m/s^2]."""
@@ -34,8 +34,7 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     """
     gravity, end = arm.robot.gravity, arm.segments[-1].dh.then(arm.tool)
     radius = THICKNESS * arm.size
-    rotors = {i: segment.rotor for i, segment in enumerate(arm.segments) if segment.rotor is not None}
-    spinning = {i: rotor for i, rotor in rotors.items() if coupled_by_tendon(rotor)}
+    spinning = _spinning(arm)
     bodies = [_body(arm, i, radius, spinning) for i in range(len(arm.segments))]
     return render(
         "exchange/robot.mjcf.jinja",
@@ -60,6 +59,22 @@ def coupled_by_tendon(rotor: Rotor) -> bool:
         rotor: Of a joint.
     """
     return rotor.is_coupled and rotor.drag is not None
+
+
+def _spinning(arm: BodyChain) -> dict[int, Rotor]:
+    """The rotors that are tendons, by joint."""
+    rotors = ((i, segment.rotor) for i, segment in enumerate(arm.segments))
+    return {i: rotor for i, rotor in rotors if rotor is not None and coupled_by_tendon(rotor)}
+
+
+def written_bodies(arm: BodyChain) -> list[Body | None]:
+    """The bodies of the file: links with the rotors that they carry, in DH frames.
+
+    Args:
+        arm: The robot.
+    """
+    spinning = _spinning(arm)
+    return [arm.body(i, spinning=spinning) for i in range(len(arm.segments))]
 
 
 def _turn(frame: Frame) -> str:
@@ -112,18 +127,18 @@ def is_too_thin(body: Body) -> bool:
     Args:
         body: Of a link.
     """
-    return body.is_possible and bool(not body.mass > LEAST or body.principal[0][0] < LEAST)
+    return body.is_possible and bool(not body.mass >= LEAST or body.principal[0][0] < LEAST)
 
 
 def _inertial(body: Body) -> dict[str, str]:
     """Mass, place and tensor; principal moments where those of the entries might be refused for their last digits."""
     (a, b, c), axes = body.principal
     slack = float(ROUNDING) * c
-    if not body.is_possible or (body.mass > LEAST and a > max(LEAST, slack) and a + b > c + slack):
+    if not body.is_possible or (body.mass >= LEAST and a > max(LEAST, slack) and a + b > c + slack):
         return {"mass": text(body.mass), "pos": texts(body.com), "fullinertia": texts(body.entries)}
     a, b = max(a, LEAST), max(b, LEAST)
     moments = (a, b, min(max(c, LEAST), a + b))
-    mass = text(body.mass) if body.mass > LEAST else repr(LEAST)
+    mass = text(body.mass) if body.mass >= LEAST else repr(LEAST)
     tensor = " ".join(repr(float(moment)) for moment in moments)
     return {"mass": mass, "pos": texts(body.com), "quat": _turn(axes), "diaginertia": tensor}
 
