@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load
 from derive.exchange.convert import Converted, convention_named, converted
+from derive.exchange.possible import with_chosen_bodies
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.description import Convention
 
@@ -15,6 +17,7 @@ def convert(
     convention: str | None = None,
     path: str | Path | None = None,
     *,
+    inertia: str = "given",
     name: str | None = None,
     force: bool = False,
 ) -> Converted:
@@ -24,6 +27,8 @@ def convert(
         robot: A robot, the path of a robot file, or a name of the catalogue.
         convention: ``standard`` or ``modified``; None for the other one.
         path: The robot file that is written; None for none.
+        inertia: ``given``, or ``possible``: the nearest bodies that exist and give the same torques; a robot of
+            numbers alone.
         name: Name of the new robot; None for the same.
         force: Whether a file that exists is overwritten.
 
@@ -32,7 +37,7 @@ def convert(
         otherwise, and the ``conversion``: which factor has moved where.
 
     Raises:
-        DeriveError: No such convention, or the robot's own.
+        DeriveError: No such convention, or the robot's own; no such choice of inertia, or no possible bodies.
         RobotFileError: A file that cannot be read or does not describe a robot, or a name that no robot may have.
         OutputError: There is such a file or folder already, or it cannot be written.
     """
@@ -40,7 +45,9 @@ def convert(
         refuse_taken(Path(path), force=force)
     given = load(robot)
     other = next(member for member in Convention if member is not given.convention)
-    made = converted(given, other if convention is None else convention_named(convention), name)
+    target = other if convention is None else convention_named(convention)
+    bodies, changes = with_chosen_bodies(given, inertia)
+    made = replace(converted(bodies, target, name), bodies=changes)
     if path is not None:
         write_files({Path(path).name: made.text.encode()}, Path(path).parent, force=True)
     return made

@@ -23,6 +23,7 @@ from derive.exchange.certificate import Certificate, certify
 from derive.exchange.convert import convention_named
 from derive.exchange.from_urdf import MOST_SNAP, Imported, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
+from derive.exchange.possible import INERTIAS, possible
 from derive.exchange.slanted import cut_off, named, snap_for
 from derive.exchange.source import Source, open_urdf, opened, relative
 from derive.exchange.space import exactly
@@ -36,9 +37,6 @@ from derive.robot.writer import robot_text
 
 SNAP = "1e-6"
 """How near an angle is to a simple fraction of pi that it is taken for [rad]."""
-
-INERTIAS = ("given", "possible")
-"""What becomes of inertias that no body has."""
 
 
 def import_urdf(
@@ -299,8 +297,6 @@ def with_possible_bodies(arm: Imported) -> Imported:
     Raises:
         DeriveError: There are none, or the packages of the extra are missing.
     """
-    from derive.exchange.possible import possible
-
     found = possible(arm.robot)
     return _rewritten(arm, found.robot, found.report)
 

@@ -32,21 +32,22 @@ class Robot(PlainRobot):
     def __hash__(self) -> int:
         return PlainRobot.__hash__(self)
 
-    def convert(self, convention: str) -> Robot:
+    def convert(self, convention: str, inertia: str = "given") -> Robot:
         """The same arm by the table of the other Denavit-Hartenberg convention; see `derive.convert`.
 
         Args:
             convention: ``standard`` or ``modified``.
+            inertia: ``given``, or ``possible``: the nearest bodies that exist, with the same dynamics.
 
         Returns:
             The arm whose T, J, B, C, g and tau are the same functions.
 
         Raises:
-            DeriveError: No such convention, or the robot's own.
+            DeriveError: No such convention, or the robot's own, or there are no possible bodies.
         """
-        from derive.exchange.convert import convention_named, converted  # `import derive` and `load` need no algebra
+        from derive.api.convert import convert  # `import derive` and `load` need no algebra
 
-        return Robot.of(converted(self, convention_named(convention)).robot)
+        return Robot.of(convert(self, convention, inertia=inertia).robot)
 
     @classmethod
     def from_urdf(
@@ -100,18 +101,21 @@ class Robot(PlainRobot):
         )
         return cls.of(imported.robot)
 
-    def to_urdf(self) -> str:
+    def to_urdf(self, inertia: str = "given") -> str:
         """The robot as URDF; see `derive.export` for its remarks, files, and numbers of symbols.
+
+        Args:
+            inertia: ``given``, or ``possible``: the nearest bodies that exist, with the same dynamics.
 
         Returns:
             The text, with what URDF cannot say in its first comment.
 
         Raises:
-            DeriveError: A symbol has no number.
+            DeriveError: A symbol has no number, or there are no possible bodies.
         """
         from derive.exchange.formats import exported  # `import derive` and `load` need none of it
 
-        return exported(self, "urdf").text
+        return exported(self, "urdf", inertia).text
 
     def to_mjcf(self, inertia: str = "given") -> str:
         """The robot as MJCF, for MuJoCo; see `derive.export` for its remarks, files, and numbers of symbols.

@@ -36,6 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("robot", metavar="ROBOT", help="robot file or catalogue name")
     add("--convention", metavar="NAME", help="standard or modified (default: the other one)")
     add("-o", "--out", metavar="FILE", type=Path, help="the robot file to write (default: standard output)")
+    add("--inertia", choices=("given", "possible"), default="given", help="bodies as given, or the nearest that exist")
     add("--name", metavar="NAME", help="name of the new robot (default: the same)")
     add("--force", action="store_true", help="overwrite the file if it exists")
     add("--json", action="store_true", help="machine-readable report")
@@ -64,7 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise DeriveError(f"--{'force' if arguments.force else 'json'} without -o", remedy="add -o FILE")
     if arguments.json and arguments.derivation:
         raise DeriveError("--json with --derivation", remedy="leave one out")
-    made = convert(arguments.robot, arguments.convention, out, name=arguments.name, force=arguments.force)
+    options = {"inertia": arguments.inertia, "name": arguments.name, "force": arguments.force}
+    made = convert(arguments.robot, arguments.convention, out, **options)
     if arguments.derivation:
         from derive.exchange.derivation import derivation_latex, derivation_text
 

@@ -28,16 +28,18 @@ class Converted:
         text: Its file.
         robot: What it says.
         conversion: How it was made.
+        bodies: What was changed of the links before, where bodies that exist were asked for.
     """
 
     text: str
     robot: Robot
     conversion: Conversion
+    bodies: tuple[str, ...] = ()
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the other convention says otherwise, as sentences."""
-        return self.conversion.notes
+        """What became of the links, and what the other convention says otherwise, as sentences."""
+        return (*self.bodies, *self.conversion.notes)
 
 
 def convention_named(text: str) -> Convention:

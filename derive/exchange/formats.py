@@ -11,6 +11,7 @@ from derive.errors import DeriveError, near_miss, quoted
 from derive.exchange.body_chain import BodyChain, Segment, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
+from derive.exchange.possible import INERTIAS, possible
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
 from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, written_bodies
@@ -22,9 +23,6 @@ from derive.version import __version__
 
 EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
 """Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2]."""
-
-INERTIAS = ("given", "possible")
-"""Which bodies are written: those of the robot file, or the nearest ones that exist and move alike."""
 
 GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
     {
@@ -126,8 +124,6 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     form, numeric = FORMS[to], with_numbers(robot, values)
     changes: tuple[str, ...] = ()
     if inertia == "possible":
-        from derive.exchange.possible import possible  # it needs a solver that others do without
-
         found = possible(numeric)
         numeric, changes = found.robot, found.report
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]

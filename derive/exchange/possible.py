@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb, fmpq
 
-from derive.errors import DeriveError
+from derive.errors import DeriveError, near_miss, quoted
 from derive.exchange.exact_scalars import Exact, ExactDomain, is_zero, null_space
 from derive.exchange.nearest_bodies import (
     BORDER,
@@ -55,6 +55,9 @@ from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
 Array = npt.NDArray[Any]
+
+INERTIAS = ("given", "possible")
+"""Which bodies are taken: those of the robot, or the nearest ones that exist and move alike."""
 
 UNITS = (1e-8, 1e-11, 1e-14)
 """To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse."""
@@ -150,6 +153,30 @@ def possible(robot: Robot) -> Possible:
             if (steps := _decimal_steps(alone, target)) is not None:
                 return _result(robot, chain, domain, combined(among, steps), border=border)
         raise DeriveError(f"{robot.name}: bodies with these torques may exist, but the search did not reach any")
+
+
+def with_chosen_bodies(robot: Robot, inertia: str) -> tuple[Robot, tuple[str, ...]]:
+    """A robot with its own bodies, or with the nearest that exist.
+
+    Args:
+        robot: The robot.
+        inertia: One of `INERTIAS`.
+
+    Returns:
+        The robot, whose comments say what was changed, and these sentences.
+
+    Raises:
+        DeriveError: No such choice, or no such bodies.
+    """
+    if inertia not in INERTIAS:
+        allowed = f"allowed: {', '.join(INERTIAS)}"
+        raise DeriveError(
+            f"no choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
+        )
+    if inertia == "given":
+        return robot, ()
+    found = possible(robot)
+    return replace(found.robot, comments=(*robot.comments, *found.report)), found.report
 
 
 def _without_mass(parameters: Sequence[Exact], basis: list[Direction]) -> list[Direction]:

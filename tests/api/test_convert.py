@@ -25,6 +25,19 @@ def test_a_robot_is_converted_and_written(tmp_path: Path) -> None:
     assert derive.load(path).convention == "modified"
 
 
+def test_bodies_that_exist_are_converted_where_they_are_asked_for() -> None:
+    pytest.importorskip("clarabel")
+    robot = derive.load("puma560-corke")
+    made = convert(robot, "modified", inertia="possible")
+    assert made.notes[0] == "2 of 6 links changed; base parameters and torques stay the same"
+    assert f"# {made.notes[0]}" in made.text
+    assert made.robot == robot.convert("modified", inertia="possible")
+    assert made.robot.links == convert(derive.possible(robot).robot, "modified").robot.links
+    assert made.robot.links != convert(robot, "modified").robot.links
+    with pytest.raises(derive.DeriveError, match="no choice of inertia 'posible'; allowed: given, possible; did you"):
+        robot.convert("modified", inertia="posible")
+
+
 def test_a_robot_converts_itself() -> None:
     robot = derive.load("planar-2r-perugia")
     other = robot.convert("modified")
