@@ -32,13 +32,13 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
         robot: What it says.
 
     Returns:
-        A remark for each, in the order of the file.
+        A remark about all of them, at the first; none where bodies have all tensors.
     """
     try:
         values = parameter_values(robot)
     except ArithmeticError:
         return ()
-    found = []
+    lacks: dict[int, float] = {}
     for index, link in enumerate(robot.links):
         cells = _cells(link.inertia)
         if sum(cell != ZERO for cell in cells[:3]) < 2 or any(n not in values for c in cells for n in names(c)):
@@ -49,11 +49,17 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
             continue
         lack = missing_moment((xx, yy, zz, xy, xz, yz))
         if lack > 0:
-            path: KeyPath = ("links", index, "inertia")
-            what = f"links entry {index + 1}, inertia: no body has it, a principal moment is {lack:.3g} kg m^2 larger"
-            remedy = "for bodies that exist and give the same torques see derive export --inertia possible"
-            found.append(Remark(document.location(path), f"{what} than the sum of the other two", remedy))
-    return tuple(found)
+            lacks[index] = lack
+    if not lacks:
+        return ()
+    path: KeyPath = ("links", min(lacks), "inertia")
+    where = f"links {'entries' if len(lacks) > 1 else 'entry'} {', '.join(str(index + 1) for index in lacks)}"
+    amounts = ", ".join(f"{lack:.3g}" for lack in lacks.values())
+    what = (
+        f"{where}, inertia: no body has it, a principal moment is {amounts} kg m^2 larger than the sum of the other two"
+    )
+    remedy = "for bodies that exist and give the same torques see derive export --inertia possible"
+    return (Remark(document.location(path), what, remedy),)
 
 
 def _cells(inertia: Inertia) -> tuple[Expression, ...]:

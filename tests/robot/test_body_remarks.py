@@ -34,6 +34,15 @@ def test_a_tensor_that_no_body_has_is_remarked_on_with_the_amount() -> None:
     assert "is 0.5 kg m^2 larger" in remark
 
 
+def test_several_links_are_one_remark() -> None:
+    text = catalogue_text("puma560-corke").replace("inertia: {yy: 0.35}", "inertia: {xx: 0.1, yy: 0.35}")
+    (remark,) = Robot.from_text(text, "my.yaml").remarks
+    expected = (
+        "links entries 1, 3, inertia: no body has it, a principal moment is 0.25, 0.0075 kg m^2 larger than the sum"
+    )
+    assert expected in remark.found
+
+
 def test_bodies_that_exist_planar_arms_and_symbols_are_not_remarked_on() -> None:
     for inertia in ("xx: 0.1, yy: 0.1, zz: 0.2", "zz: 0.2", "xx: 1, yy: i1, zz: 5", "xx: 0, yy: 0.1, zz: 0.1"):
         assert remarks(inertia) == []
