@@ -31,7 +31,7 @@ from derive.exchange.space import (
     unit,
     vector,
 )
-from derive.exchange.urdf import MOVING, ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
 from derive.robot.size_limits import FILE_LIMITS
 
 FRACTIONS = (12, 8)
@@ -83,7 +83,7 @@ class Axis:
     def limits(self) -> tuple[Fraction, Fraction] | None:
         """Of its variable; None where the file gives none that leave room [rad or m]."""
         limits = self.joint.limits
-        return limits if limits is not None and limits[0] < limits[1] else None
+        return limits if limits is not None and -UNLIMITED < limits[0] < limits[1] < UNLIMITED else None
 
     @property
     def travel(self) -> tuple[Fraction, Fraction]:

@@ -261,13 +261,13 @@ def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
             yield f"link {body.link}: no body has its inertia (A + B < C by {c - a - b:.2g} kg m^2)"
     for axis in arm.axes:
         joint = axis.joint
-        if joint.limits is not None and joint.limits[0] >= joint.limits[1]:
+        if joint.limits is not None and axis.limits is None:
             lower, upper = map(float, joint.limits)
             yield f"joint {joint.name}: limits {lower:g} to {upper:g} are taken as none"
         for kind, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0:
                 yield f"joint {joint.name}: negative {kind} {float(value):g}"
-        if not axis.is_revolute and joint.limits is None:
+        if not axis.is_revolute and axis.limits is None:
             yield f"joint {joint.name}: a slide without limits, proven for 1 m to either side"
     if arm.held:
         yield f"held at zero: {', '.join(arm.held)}"
@@ -321,8 +321,8 @@ def robot_name(text: str) -> str:
 def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
     """A row of the table; its variable is the joint's own."""
     of_file, limits = axis.joint, None
-    if of_file.limits is not None and of_file.limits[0] < of_file.limits[1]:
-        limits = number(rounded(of_file.limits[0])), number(rounded(of_file.limits[1]))
+    if axis.limits is not None:
+        limits = number(rounded(axis.limits[0])), number(rounded(axis.limits[1]))
     speed, torque = (
         number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in (of_file.velocity, of_file.effort)
     )

@@ -26,6 +26,7 @@ MARK = "derive import: "
 XACRO = ".xacro"
 
 _DATA = re.compile(rf"\A(?:#.*\n)*?# {MARK}(.*)$", re.MULTILINE)
+_XACRO = re.compile(rb"<xacro:|\$[{(]")
 _KIND = re.compile(r"^<class '[^']*'>: ")
 _PROMISE = re.compile(r"^# pose error over all limits <= (\S+) m and (\S+) rad, proven$", re.MULTILINE)
 
@@ -103,7 +104,7 @@ def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, 
     """Read a URDF or a xacro file.
 
     Args:
-        path: Of the file; one that ends with .xacro is expanded.
+        path: Of the file; one that ends with .xacro is expanded, and so is one that uses the namespace of xacro.
         packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
         arguments: Of xacro.
 
@@ -115,9 +116,17 @@ def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, 
         TargetError: lxml or xacrodoc is not installed.
     """
     data, name = file_bytes(path, MOST_BYTES), str(path)
-    if path.suffix.lower() == XACRO:
+    if path.suffix.lower() == XACRO or _is_xacro(data):
         return Opened(read_urdf(_expanded(path, packages, arguments or {}), name), sha256(data).hexdigest())
     return opened(data, name)
+
+
+def _is_xacro(data: bytes) -> bool:
+    """Whether a file has something to expand outside comments."""
+    if b"xmlns:xacro" not in data:
+        return False
+    first, *others = data.split(b"<!--")
+    return any(_XACRO.search(part) for part in (first, *(other.partition(b"-->")[2] for other in others)))
 
 
 def opened(data: bytes, name: str) -> Opened:

@@ -28,7 +28,7 @@ MOST_DIGITS = 400
 """Of a number."""
 
 UNLIMITED = 10**6
-"""Efforts and speeds from here on are none: URDF wants numbers [N m or N, rad/s or m/s]."""
+"""Limits, efforts and speeds from here on are none: URDF wants numbers [rad or m, N m or N, rad/s or m/s]."""
 
 SLIDE = 10
 """Limits of a slide that has none, which URDF does not allow: so far to either side [m]."""
@@ -53,6 +53,10 @@ READ = {
 }
 """The elements within each that an arm is made of."""
 
+_DECLARATION = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
+_ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
+_INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
+_XACRO = re.compile(r"\{[^}]*xacro")
 _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII)
 
 
@@ -171,6 +175,10 @@ def read_urdf(data: bytes, source: str) -> Urdf:
     if len(elements) > MOST_ELEMENTS:
         found = f"{len(elements)} links and joints"
         raise reader.refused(root, found, "give one robot", f"allowed: at most {MOST_ELEMENTS}")
+    macro = next((child for child in root if _XACRO.match(str(child.tag))), None)
+    if macro is not None:
+        found = f"an element {quoted('xacro:' + str(macro.tag).rpartition('}')[2])}"
+        raise reader.refused(macro, found, "give it as a file: derive import expands xacro in files alone")
     bodies: dict[str, UrdfBody | None] = {}
     joints: dict[str, UrdfJoint] = {}
     for element in (element for element in elements if element.tag == "link"):
@@ -210,12 +218,15 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
     if (tags := data.count(b"<")) > MOST_TAGS:
         found, allowed = f"{source} has {tags} tags", f"allowed: at most {MOST_TAGS}"
         raise RobotFileError(found, allowed=allowed, remedy="give one robot")
+    data, slips = _mended(data)
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True, recover=True
     )
     root = etree.fromstring(data, parser) if data.strip() else None
-    unbound = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE
-    errors = [error for error in parser.error_log if error.level > 1 and error.type != unbound]
+    unbound, hyphens = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE, etree.ErrorTypes.ERR_HYPHEN_IN_COMMENT
+    errors = [error for error in parser.error_log if error.level > 1 and error.type not in (unbound, hyphens)]
+    if any(error.type == hyphens for error in parser.error_log):
+        slips.append("-- within XML comments")
     has_types = root is not None and root.getroottree().docinfo.internalDTD is not None
     if has_types or (errors and b"<!DOCTYPE" in data):
         place = Location(source, data[: max(data.find(b"<!DOCTYPE"), 0)].count(b"\n") + 1)
@@ -225,8 +236,23 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
         place = Location(source, max(errors[0].line, 1), max(errors[0].column, 1)) if errors else Location(source)
         raise RobotFileError(f"no XML: {found}", remedy="give a well-formed URDF", location=place)
     prefixes = sorted({error.message.split()[2] for error in parser.error_log if error.type == unbound})
-    notes = [f"the XML prefix {prefix} is not bound" for prefix in prefixes]
-    return root, (*notes, *(f"the XML namespace {quoted(name)} is passed over" for name in _without_default(root)))
+    slips += [f"the XML prefix {prefix} is not bound" for prefix in prefixes]
+    return root, (*slips, *(f"the XML namespace {quoted(name)} is passed over" for name in _without_default(root)))
+
+
+def _mended(data: bytes) -> tuple[bytes, list[str]]:
+    """A file with slips mended over which other readers of URDF pass, with the same lines, and what they were."""
+    slips = []
+    if late := _DECLARATION.match(data):
+        data = late[2] + late[1] + data[late.end() :]
+        slips.append("space before the XML declaration")
+    if not data.startswith((b"\xff\xfe", b"\xfe\xff")) and not _ENCODING.match(data):
+        try:
+            data.decode()
+        except UnicodeDecodeError:
+            data = data.decode("latin-1").encode()
+            slips.append("not in UTF-8, read as Latin-1")
+    return data, slips
 
 
 def _without_default(root: etree._Element) -> list[str]:
@@ -279,13 +305,16 @@ class _Reader:
             raise self.refused(element, f"a {element.tag} without a name", 'write name="..."')
         return str(name)
 
-    def numbers(self, element: etree._Element, attribute: str, count: int) -> tuple[Fraction, ...] | None:
+    def numbers(
+        self, element: etree._Element, attribute: str, count: int, *, infinite: bool = False
+    ) -> tuple[Fraction, ...] | None:
         """The decimals of an attribute.
 
         Args:
             element: Which has it.
             attribute: Its name.
             count: How many there must be.
+            infinite: Whether they may be so; then they are the greatest numbers that there are.
 
         Returns:
             They; None where the attribute is not there.
@@ -297,31 +326,36 @@ class _Reader:
         if len(words) != count:
             found = f"{element.tag}, {attribute}: {len(words)} numbers, {quoted(text)}"
             raise self.refused(element, found, f"write {count}", f"allowed: exactly {count}")
-        return tuple(self._number(element, attribute, word) for word in words)
+        return tuple(self._number(element, attribute, word, infinite) for word in words)
 
-    def number(self, element: etree._Element, attribute: str) -> Fraction | None:
+    def number(self, element: etree._Element, attribute: str, *, infinite: bool = False) -> Fraction | None:
         """The decimal of an attribute.
 
         Args:
             element: Which has it.
             attribute: Its name.
+            infinite: See `numbers`.
 
         Returns:
             It; None where the attribute is not there.
         """
-        found = self.numbers(element, attribute, 1)
+        found = self.numbers(element, attribute, 1, infinite=infinite)
         return found[0] if found else None
 
-    def _number(self, element: etree._Element, attribute: str, word: str) -> Fraction:
+    def _number(self, element: etree._Element, attribute: str, word: str, infinite: bool) -> Fraction:
         if _DECIMAL.fullmatch(word) and len(word) <= MOST_DIGITS:
             value = Decimal(word)
             if value == 0 or value.adjusted() < -GREATEST:
                 return Fraction(0)
             if value.adjusted() <= GREATEST:
                 return Fraction(value)
+            word = "-inf" if infinite and value < 0 else "inf" if infinite else word
+        if infinite and _INFINITE.fullmatch(word):
+            return Fraction((-1 if word[0] == "-" else 1) * 10**GREATEST)
         found = f"{element.tag}, {attribute}: {quoted(word)} is no number"
         allowed = f"allowed: finite decimals below 1e{GREATEST}"
-        raise self.refused(element, found, "write a decimal such as 0.42", allowed)
+        remedy = "separate numbers by spaces alone" if "," in word else "write a decimal such as 0.42"
+        raise self.refused(element, found, remedy, allowed)
 
     def origin(self, element: etree._Element) -> Origin:
         """Where something is.
@@ -382,7 +416,8 @@ class _Reader:
             raise self.refused(element if axis is None else axis, found, 'write <axis xyz="0 0 1"/>')
         limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
         lower, upper, effort, velocity = (
-            None if limit is None else self.number(limit, key) for key in ("lower", "upper", "effort", "velocity")
+            None if limit is None else self.number(limit, key, infinite=True)
+            for key in ("lower", "upper", "effort", "velocity")
         )
         damping, friction = (
             None if dynamics is None else self.number(dynamics, key) for key in ("damping", "friction")

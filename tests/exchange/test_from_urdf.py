@@ -38,3 +38,15 @@ def test_poses_and_dynamics_are_those_of_pinocchio(convention: Convention) -> No
         wanted = reading.torque(q, qd, qdd)
         assert np.abs(oracle.evaluate("inverse_dynamics", q, qd, qdd) - wanted).max() < 1e-10
         assert np.abs(oracle.evaluate("inertia_matrix", q) - reading.inertia(q)).max() < 1e-10
+
+
+def test_limits_that_bound_nothing_are_none_and_named() -> None:
+    limits = ('lower="-inf" upper="inf"', 'lower="0" upper="0"', 'lower="-1e9" upper="2"', 'lower="-2" upper="1"')
+    text = urdf([J("0 0 0.3", limit=limit) for limit in limits])
+    imported = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, Convention.STANDARD, SNAP)
+    assert [joint.limits is None for joint in imported.robot.joints] == [True, True, True, False]
+    assert [note for note in imported.notes if "taken as none" in note] == [
+        "joint j1: limits -1e+60 to 1e+60 are taken as none",
+        "joint j2: limits 0 to 0 are taken as none",
+        "joint j3: limits -1e+09 to 2 are taken as none",
+    ]

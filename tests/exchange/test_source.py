@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from derive.errors import RobotFileError
-from derive.exchange.source import MARK, Source, open_urdf, relative
+from derive.exchange.source import MARK, Source, open_urdf, opened, relative
 from tests.exchange.urdfs import J, urdf
 
 XACRO = """\
@@ -48,6 +48,18 @@ def test_xacro_is_expanded_with_its_arguments(tmp_path: Path) -> None:
     path.write_text(XACRO)
     assert float(open_urdf(path).urdf.joints[1].origin.xyz[0]) == 0.5
     assert float(open_urdf(path, arguments={"length": "0.25"}).urdf.joints[1].origin.xyz[0]) == 0.25
+
+
+def test_xacro_is_known_by_what_it_uses_whatever_the_file_is_called(tmp_path: Path) -> None:
+    """From standard input, which has no folder, it is refused; what stands in comments is no use of it."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(XACRO)
+    assert float(open_urdf(path).urdf.joints[1].origin.xyz[0]) == 0.5
+    with pytest.raises(RobotFileError, match=r"arm\.urdf:2:1: an element 'xacro:arg'"):
+        opened(XACRO.encode(), "arm.urdf")
+    text = urdf([J()], top="<!-- <xacro:bar/> ${pi} <!-- -->").replace("<robot ", '<robot xmlns:xacro="http://xacro" ')
+    path.write_text(text)
+    assert open_urdf(path) == opened(text.encode(), str(path))
 
 
 def test_what_xacro_does_not_find_is_one_message(tmp_path: Path) -> None:

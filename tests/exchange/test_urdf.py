@@ -24,6 +24,9 @@ def test_decimals_are_read_as_they_are_written() -> None:
     assert read.bodies["l0"] is None
 
 
+DECLARED = '<?xml version="1.0"?>\n' + urdf([J()])
+
+
 @pytest.mark.parametrize(
     ("text", "line", "found"),
     [
@@ -64,3 +67,37 @@ def test_elements_of_a_default_namespace_are_read_and_remarked() -> None:
     assert (read.bodies, read.joints, read.unread) == (plain.bodies, plain.joints, plain.unread)
     assert read.notes == ("the XML namespace 'http://ros' is passed over",)
     assert plain.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("data", "note"),
+    [
+        (("\n " + DECLARED).encode(), "space before the XML declaration"),
+        (DECLARED.replace("<robot", "<!-- --- base --- -->\n<robot").encode(), "-- within XML comments"),
+        (DECLARED.replace("arm", "r\xe9").encode("latin-1"), "not in UTF-8, read as Latin-1"),
+    ],
+)
+def test_slips_over_which_other_readers_pass_are_remarked(data: bytes, note: str) -> None:
+    read = read_urdf(data, "arm.urdf")
+    assert read.notes == (note,)
+    assert read.joints[0].axis == (0, 0, 1)
+    assert read.joints[0].location.line == data[: data.index(b"<joint")].count(b"\n") + 1
+
+
+def test_infinite_limits_are_the_greatest_numbers_and_nothing_else_is_infinite() -> None:
+    text = urdf([J(limit='lower="-inf" upper="1.7976931348623157e+308" effort="Infinity" velocity="1e400"')])
+    (joint,) = read_urdf(text.encode(), "arm.urdf").joints
+    assert joint.limits == (-(10**60), 10**60)
+    assert joint.effort == joint.velocity == 10**60
+    for wrong in (
+        text.replace("-inf", "nan"),
+        text.replace("-inf", "inf f"),
+        text.replace('xyz="0 0 0"', 'xyz="inf 0 0"'),
+    ):
+        with pytest.raises(RobotFileError):
+            read_urdf(wrong.encode(), "arm.urdf")
+
+
+def test_numbers_with_commas_are_refused_with_what_to_write() -> None:
+    with pytest.raises(RobotFileError, match=r"'1\.57,' is no number.*separate numbers by spaces"):
+        read_urdf(urdf([J("1.57, 0, 0")]).encode(), "arm.urdf")
