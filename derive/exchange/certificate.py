@@ -3,7 +3,8 @@
 Both arms are products of exponentials, exp(S_1 q_1) ... exp(S_n q_n) M (Brockett; Lynch and Park, Modern Robotics,
 4.1). Replacing one factor after the other changes the pose by what a turn about a slightly other axis does: axes that
 differ by an angle e and a distance h turn a point at a distance r to places at most 2 e r + 2 h apart; slides of s
-along them by e s. The sum over all joints is the bound. It is computed in balls from the numbers of both files.
+along them by e s. The sum over all joints is the bound, with what the digits of the table's base lack to a rotation:
+by that much it is no rigid motion. It is computed in balls from the numbers of both files.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from flint import arb
 
 from derive.errors import QuantityError
 from derive.exchange.arm import Arm
-from derive.exchange.space import Frame, Line, Point, Real, dot, exactly, length, plus, real, times
+from derive.exchange.space import Frame, Line, Point, Real, dot, exactly, length, plus, real, times, unit
 from derive.robot.description import Convention, Description, Matrix
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 
@@ -26,11 +27,11 @@ EXACT = 1e-30
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """A bound for all configurations within the limits; without limits a turn for joints that turn.
+    """A bound for all angles and for slides within the limits of the URDF, 1 m to either side where it gives none.
 
     Attributes:
         position: Largest distance of both end effectors [m].
-        rotation: Largest norm of the difference of both rotations.
+        rotation: Largest angle between both end effectors [rad].
     """
 
     position: float
@@ -56,10 +57,12 @@ def certify(arm: Arm, robot: Description) -> Certificate:
         It.
 
     Raises:
-        QuantityError: The table has symbols, or a slide without limits.
+        QuantityError: The table has symbols without numbers.
     """
     with exactly():
-        axes, end = screws(robot)
+        base = frame_of(robot.base, dict(robot.parameters))
+        rigid = _rigid(base)
+        axes, end = screws(robot, rigid)
         position = length(plus(arm.end.origin, end.origin, -1))
         rotation = _apart(arm.end, end)
         beyond = arb(0)
@@ -76,20 +79,22 @@ def certify(arm: Arm, robot: Description) -> Certificate:
                 travel = real(max(map(abs, axis.travel)))
                 position += angle * travel
                 beyond += travel
-        return Certificate(_up(position), _up(rotation))
+        skew, far = _apart(base, rigid), beyond + length(plus(place, base.origin, -1)) + position
+        return Certificate(_up(position + skew * far), _up(rotation + 2 * skew))
 
 
-def screws(robot: Description) -> tuple[list[Line], Frame]:
+def screws(robot: Description, base: Frame) -> tuple[list[Line], Frame]:
     """The axes of a table and its end at q = 0, in the world.
 
     Args:
         robot: A robot of numbers.
+        base: Where its frame 0 is.
 
     Returns:
         A line for each joint, and the frame of the end effector.
     """
     known = dict(robot.parameters)
-    frame, lines = frame_of(robot.base, known), []
+    frame, lines = base, []
     for joint in robot.joints:
         theta, d, a, alpha = (ball(cell, known) for cell in (joint.theta, joint.d, joint.a, joint.alpha))
         if robot.convention is Convention.MODIFIED:
@@ -166,13 +171,19 @@ def frame_of(matrix: Matrix, known: Mapping[str, Expression] | None = None) -> F
     return Frame(origin, x, y, z)
 
 
+def _rigid(frame: Frame) -> Frame:
+    """The frame with axes of length 1 that are perpendicular, next to one of decimals."""
+    z = unit(frame.z)
+    return Frame.of(frame.origin, unit(plus(frame.x, z, -dot(frame.x, z))), z)
+
+
 def _between(a: Point, b: Point) -> Real:
     """An upper bound of the angle between two unit vectors that are close: |a - b| <= angle <= pi/2 |a - b|."""
     return arb.pi() / 2 * length(plus(a, b, -1))
 
 
 def _apart(a: Frame, b: Frame) -> Real:
-    """The Frobenius norm of the difference of two rotations, which is not less than its largest stretch."""
+    """The Frobenius norm of the difference of two rotations: at least its largest stretch, and the angle up to 2.7."""
     square = arb(0)
     for one, other in ((a.x, b.x), (a.y, b.y), (a.z, b.z)):
         difference = plus(one, other, -1)

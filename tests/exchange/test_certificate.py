@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -13,6 +14,7 @@ from derive.exchange.from_urdf import import_urdf
 from derive.exchange.space import exactly
 from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
+from derive.robot.expression import number
 from tests.exchange.urdfs import J, pose, urdf
 
 TEXT = urdf([J("0 0 0.3", "1.5 0.3 0"), J("0.4 0 0.1", "1.57075 0 0"), J("0.3 0.1 0", "-1.2 0 0", axis="0 1 0")])
@@ -41,3 +43,16 @@ def test_a_slide_whose_limits_leave_no_room_is_bound_for_a_metre() -> None:
     read = read_urdf(urdf(joints).encode(), "arm.urdf")
     bound = import_urdf(read, None, None, Convention.STANDARD, Fraction(1, 1000)).certificate
     assert 2.9e-4 < bound.position < 0.01
+
+
+def test_a_base_that_is_no_rotation_counts_where_the_hand_goes() -> None:
+    """At zero the hand is along x, where this base is right; a quarter turn on it is not."""
+    read = read_urdf(urdf([J("0 0 0.3"), J("0.5 0 0", type="fixed")]).encode(), "arm.urdf")
+    robot = import_urdf(read, None, None, Convention.STANDARD, Fraction(0)).robot
+    columns = [list(row) for row in robot.base]
+    columns[1][1] = number(Fraction(1001, 1000))
+    skew = replace(robot, base=tuple(map(tuple, columns)))
+    with exactly():
+        arm = arm_of(read, None, None, Fraction(0))
+    assert certify(arm, robot).position < 1e-15
+    assert 0.5e-3 <= certify(arm, skew).position < 2e-3
