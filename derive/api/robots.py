@@ -45,9 +45,10 @@ class Robot(PlainRobot):
         Raises:
             DeriveError: No such convention, or the robot's own, or there are no possible bodies.
         """
-        from derive.api.convert import convert  # `import derive` and `load` need no algebra
+        from derive.exchange.convert import convention_named, converted  # `import derive` and `load` need no algebra
+        from derive.exchange.possible import with_chosen_bodies
 
-        return Robot.of(convert(self, convention, inertia=inertia).robot)
+        return Robot.of(converted(with_chosen_bodies(self, inertia)[0], convention_named(convention)).robot)
 
     @classmethod
     def from_urdf(

@@ -89,12 +89,12 @@ class Possible:
     Attributes:
         robot: The robot.
         changes: The links that changed.
-        border: Whether some body is the limit of ones that exist, such as a thin rod, and the arm leaves no choice.
+        border: Links, from 1, that are limits of bodies, such as a point or a thin rod, since torques leave no choice.
     """
 
     robot: Robot
     changes: tuple[Change, ...]
-    border: bool
+    border: tuple[int, ...] = ()
 
     @property
     def report(self) -> tuple[str, ...]:
@@ -102,7 +102,14 @@ class Possible:
         head = f"{len(self.changes)} of {self.robot.n} links changed; base parameters and torques stay the same"
         lines = [head, *map(str, self.changes)] if self.changes else ["all links exist as they are"]
         if self.border:
-            lines.append("some body is at the limit of what exists (a thin rod or a plate), and torques allow no other")
+            which = (
+                f"link {self.border[0]} is"
+                if len(self.border) == 1
+                else f"links {', '.join(map(str, self.border))} are"
+            )
+            lines.append(
+                f"{which} at the limit of what exists (nothing, a point, a thin rod or plate); torques allow no other"
+            )
         return tuple(lines)
 
     @property
@@ -133,7 +140,7 @@ def possible(robot: Robot) -> Possible:
         parameters = [value for body in chain.bodies for value in parameters_of(body)]
         size = size_of(chain)
         if float(least_eigenvalues(in_own_units(parameters, (), size)).min()) >= EXISTING:
-            return Possible(robot, (), border=False)
+            return Possible(robot, ())
         every = directions(robot, chain, domain)
         basis = _without_mass(parameters, every)
         bodies = in_own_units(parameters, basis, size)
@@ -142,16 +149,16 @@ def possible(robot: Robot) -> Possible:
             prices = np.einsum("nba,nbc,ncd->nad", bodies.units, room.prices, bodies.units)
             raise refusal(robot, chain, every, prices)
         target = targets(bodies, room)
-        border = bool((target < 0).any())
+        border = tuple(int(i) + 1 for i in np.flatnonzero(target < 0))
         if border and float(least_eigenvalues(bodies).min()) >= -BORDER:
-            return Possible(robot, (), border=True)
+            return Possible(robot, (), border)
         bodies = weighed(bodies, target)
         changed = needed(bodies, target)
         fewer = keeping(basis, [i for i in range(robot.n) if i not in changed])
         for among in (fewer, basis):  # at the limit a solver may need the other links, too
             alone = replace(in_own_units(parameters, among, size), masses=bodies.masses)
             if (steps := _decimal_steps(alone, target)) is not None:
-                return _result(robot, chain, domain, combined(among, steps), border=border)
+                return _result(robot, chain, domain, combined(among, steps), border)
         raise DeriveError(f"{robot.name}: bodies with these torques may exist, but the search did not reach any")
 
 
@@ -213,7 +220,9 @@ def _decimal_steps(bodies: Bodies, target: Array) -> list[Exact] | None:
     return None
 
 
-def _result(robot: Robot, chain: Chain[Exact], domain: ExactDomain, moved: Direction, *, border: bool) -> Possible:
+def _result(
+    robot: Robot, chain: Chain[Exact], domain: ExactDomain, moved: Direction, border: tuple[int, ...]
+) -> Possible:
     """The links after a change of their parameters."""
     links, changes = list(robot.links), []
     shapes = in_own_units([value for body in chain.bodies for value in parameters_of(body)], [moved], size_of(chain))

@@ -33,6 +33,7 @@ from derive.mechanics.floats import FloatDomain
 from derive.mechanics.joint_motion import origin, to_child
 from derive.mechanics.regressor import with_unit_rotors
 from derive.mechanics.vectors import add, scale
+from derive.model.identification.base_parameters import base_set
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
@@ -121,7 +122,7 @@ def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], price
         basis: All changes that no torque notices.
         prices: See `find_witness`.
     """
-    witness = find_witness(robot, chain, basis, prices)
+    witness = find_witness(robot, chain, basis, prices) if base_set(robot).proven else None
     found = f"no bodies have these torques: {witness}" if witness else "no bodies with these torques were found"
     if witness is None:
         found += ", but no proof either that there are none"
