@@ -31,7 +31,10 @@ DIVISORS = 180
 """Angles that are exact multiples of pi by this are written so."""
 
 TOUCHING = Fraction(1, 10**9)
-"""Lengths below are zero, or below the snap where that is less [m]."""
+"""Lengths that are so close to a whole number of micrometres are it, or closer than the snap where that is less [m]."""
+
+PLACES = 6
+"""Of decimals that a length has where it is one of few digits."""
 
 MOST_MOVED = 0.01
 """Of the arm's reach: a table whose poses may be farther from the URDF's is refused."""
@@ -363,7 +366,8 @@ def distance(value: Real, snap: Fraction) -> Expression:
         value: [m].
         snap: See `angle`.
     """
-    return ZERO if abs(value) <= real(min(TOUCHING, snap)) else number(decimal(value))
+    short = Fraction(round(float(value) * 10**PLACES), 10**PLACES)
+    return number(short if abs(value - real(short)) <= real(min(TOUCHING, snap)) else decimal(value))
 
 
 def rounded(value: Fraction) -> Fraction:

@@ -50,3 +50,18 @@ def test_limits_that_bound_nothing_are_none_and_named() -> None:
         "joint j2: limits 0 to 0 are taken as none",
         "joint j3: limits -1e+09 to 2 are taken as none",
     ]
+
+
+def test_lengths_a_nanometre_from_few_digits_have_these_and_others_all() -> None:
+    """0.1 - 1.94e-11 of an exporter's rounding is 0.1, within the bound; with no snap it is what it is."""
+    text = urdf(
+        [J("0 0 0.10000000000194"), J("0.1 0 0.3", f"{HALF} 0 0"), J("0.2500001234 0 1e-11", type="fixed")]
+    ).encode()
+    snapped, exact = (
+        import_urdf(read_urdf(text, "a"), None, None, Convention.STANDARD, s) for s in (SNAP, Fraction(0))
+    )
+    assert "d: 0.4," in snapped.text
+    assert "a: 0.2500001234," in snapped.text
+    assert 1e-11 <= snapped.certificate.position < 1e-9
+    assert exact.certificate.position < 1e-15
+    assert "d: 0.40000000000194," in exact.text
