@@ -315,8 +315,10 @@ def robot_name(text: str) -> str:
     """A name of robot files from any text.
 
     Args:
-        text: For instance ``UR5 (cb3)``.
+        text: For instance ``UR5 (cb3)``; what is such a name already stays.
     """
+    if is_robot_name(text):
+        return text
     name = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[: FILE_LIMITS.name_length - 6].strip("-") or "arm"
     return name if is_robot_name(name) else f"{name}-robot"
 

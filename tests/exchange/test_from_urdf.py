@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from derive.exchange.from_urdf import import_urdf
+from derive.exchange.from_urdf import import_urdf, robot_name
 from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
 from derive.verification.oracle.functions import Oracle
@@ -65,3 +65,8 @@ def test_lengths_a_nanometre_from_few_digits_have_these_and_others_all() -> None
     assert 1e-11 <= snapped.certificate.position < 1e-9
     assert exact.certificate.position < 1e-15
     assert "d: 0.40000000000194," in exact.text
+
+
+def test_a_name_of_robot_files_stays_and_any_other_text_becomes_one() -> None:
+    named = {"a--b": "a--b", "x" * 40: "x" * 40, "UR5 (cb3)": "ur5-cb3", "import": "import-robot", "ü": "arm"}
+    assert {text: robot_name(text) for text in named} == named

@@ -115,6 +115,13 @@ def test_points_rods_and_links_without_mass_accelerate_as_the_equations_say() ->
     assert [LEAST, is_too_thin(Body.of(robot.links[5]))] == [1e-15, False]
 
 
+def test_nothing_is_said_of_bodies_that_mujoco_takes() -> None:
+    pytest.importorskip("clarabel")
+    made = exported(numeric("scara-matlab"), "mjcf", "possible")  # with its rotor's spin, link 2 would be no body
+    assert mujoco.MjModel.from_xml_string(made.text).nv == 4
+    assert not any("refuses" in remark for remark in made.remarks)
+
+
 def test_bodies_that_mujoco_refuses_are_named_before() -> None:
     made = exported(numeric("puma560-corke"), "mjcf")
     assert "MuJoCo refuses link 1, 3: no body has such an inertia; inertia possible finds others" in made.remarks

@@ -168,3 +168,13 @@ def test_a_robot_without_formulas_says_why_it_has_no_inverse_kinematics() -> Non
     texts = render_octave(source_of(robot, build_program(robot, Effort.QUICK, inverse=True)))
     assert "+skew_arm/inverse_kinematics.m" not in texts
     assert "Inverse kinematics: there is no function, since " in texts["+skew_arm/Contents.m"]
+
+
+@needs_octave
+def test_a_forgotten_argument_is_named_before_parameters_that_are_missing_then(tmp_path: Path) -> None:
+    rows = "".join(f"  - {{type: revolute, a: {length}}}\n" for length in ("a1", "a2", "0.2"))
+    robot = Robot.from_text(f"name: three-bars\nconvention: standard\njoints:\n{rows}inverse: {{task: [x, y]}}\n")
+    program = build_program(robot, Effort.QUICK, inverse=True)
+    message = r"inverse_kinematics: given must be 1 x 1 or 1 x N; got \[2 1\]"
+    with octave_model(tmp_path, robot, program) as model, pytest.raises(VerificationError, match=message):
+        model.results("inverse_kinematics", [np.eye(4), np.array([[0.5], [0.4]])], 1)
