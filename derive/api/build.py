@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load, load_all
-from derive.errors import OutputError
+from derive.errors import OutputError, VerificationError
 from derive.programs.search_policy import Effort, effort_named
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, folder_of
+from derive.publish.manifest import read_manifest
 from derive.publish.many import build_many, check_many
 from derive.verification.verify import Report
 from derive.verification.verify import verify as verify_folder
@@ -145,4 +146,11 @@ def verify(robot: RobotLike, out: str | Path = FOLDER, *, samples: int = 24, see
     if not folder.is_dir():
         remedy = f"run: derive build {chosen.source or chosen.name} --out {out}"
         raise OutputError(f"no folder {folder}", remedy=remedy)
-    return verify_folder(chosen, folder, samples=samples, seed=seed)
+    try:
+        return verify_folder(chosen, folder, samples=samples, seed=seed)
+    except VerificationError as error:
+        if (read_manifest(folder) or {}).get("robot_file_sha256") == chosen.digest:
+            raise
+        reason = f"{folder} was built from another robot file than {chosen.source or chosen.name}"
+        remedy = f"{reason}; run: derive build {chosen.source or chosen.name} --out {out}"
+        raise VerificationError(error.found, allowed=error.allowed, remedy=remedy) from error

@@ -8,7 +8,7 @@ import pytest
 
 import derive
 from derive.api.build import build, build_all, stale, verify
-from derive.errors import OutputError, RobotFileError
+from derive.errors import OutputError, RobotFileError, VerificationError
 from derive.publish.build import BuildFailure, BuildResult
 
 ARM = "name: arm\nconvention: standard\njoints:\n  - {type: revolute, a: a1}\n"
@@ -27,6 +27,9 @@ def test_a_robot_is_built_verified_and_current(tmp_path: Path) -> None:
     (after,) = stale([tmp_path / "arm.yaml"], out, targets=["numpy"], effort="quick")
     assert (before.is_current, after.is_current) == (False, True)  # type: ignore[union-attr]
     assert verify(tmp_path / "arm.yaml", out, samples=3).worst < 1e-9
+    (tmp_path / "arm.yaml").write_text(ARM.replace("a: a1", "d: a1"))
+    with pytest.raises(VerificationError, match=r"built from another robot file than .*; run: derive build"):
+        verify(tmp_path / "arm.yaml", out, samples=3)
 
 
 def test_one_failure_does_not_stop_the_others(tmp_path: Path) -> None:
