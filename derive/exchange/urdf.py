@@ -53,6 +53,7 @@ READ = {
 }
 """The elements within each that an arm is made of."""
 
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _DECLARATION = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
 _ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
 _INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
@@ -223,10 +224,13 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
         resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True, recover=True
     )
     root = etree.fromstring(data, parser) if data.strip() else None
-    unbound, hyphens = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE, etree.ErrorTypes.ERR_HYPHEN_IN_COMMENT
-    errors = [error for error in parser.error_log if error.level > 1 and error.type not in (unbound, hyphens)]
-    if any(error.type == hyphens for error in parser.error_log):
-        slips.append("-- within XML comments")
+    unbound = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE
+    passed = {
+        etree.ErrorTypes.ERR_HYPHEN_IN_COMMENT: "-- within XML comments",
+        etree.ErrorTypes.ERR_UNKNOWN_VERSION: "a version of XML that does not exist",
+    }
+    errors = [error for error in parser.error_log if error.level > 1 and error.type not in (unbound, *passed)]
+    slips += [said for kind, said in passed.items() if any(error.type == kind for error in parser.error_log)]
     has_types = root is not None and root.getroottree().docinfo.internalDTD is not None
     if has_types or (errors and b"<!DOCTYPE" in data):
         place = Location(source, data[: max(data.find(b"<!DOCTYPE"), 0)].count(b"\n") + 1)
@@ -246,7 +250,13 @@ def _mended(data: bytes) -> tuple[bytes, list[str]]:
     if late := _DECLARATION.match(data):
         data = late[2] + late[1] + data[late.end() :]
         slips.append("space before the XML declaration")
-    if not data.startswith((b"\xff\xfe", b"\xfe\xff")) and not _ENCODING.match(data):
+    if data.startswith(_UTF_16):
+        return data, slips
+    whole = data.rstrip(b"\0\x1a\r\n\t ")
+    if data[len(whole) :].strip():
+        data = whole
+        slips.append("control characters at the end of the file")
+    if not _ENCODING.match(data):
         try:
             data.decode()
         except UnicodeDecodeError:

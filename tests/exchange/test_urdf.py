@@ -75,6 +75,8 @@ def test_elements_of_a_default_namespace_are_read_and_remarked() -> None:
         (("\n " + DECLARED).encode(), "space before the XML declaration"),
         (DECLARED.replace("<robot", "<!-- --- base --- -->\n<robot").encode(), "-- within XML comments"),
         (DECLARED.replace("arm", "r\xe9").encode("latin-1"), "not in UTF-8, read as Latin-1"),
+        (DECLARED.replace("1.0", "0.0").encode(), "a version of XML that does not exist"),
+        (DECLARED.encode() + b"\x1a\n\0", "control characters at the end of the file"),
     ],
 )
 def test_slips_over_which_other_readers_pass_are_remarked(data: bytes, note: str) -> None:
