@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from flint import arb
 
+from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import Arm
 from derive.exchange.space import NOTHING, WORLD, Frame, Line, Point, Real, cross, dot, length, plus, times, unit
 from derive.robot.description import Convention
@@ -112,6 +113,9 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
 
     Returns:
         The frames with the fewest numbers, among equal ones with the fewest minus signs.
+
+    Raises:
+        RobotFileError: Lengths differ by more digits than floats have.
     """
     lines, far = _straightened(arm, snap)
     turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
@@ -296,7 +300,10 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
         costs = total.min(axis=0)
     costs = costs + np.array([_frame_cost(c.frame, arm.end) for c in candidates[-1]])
     at = int(costs.argmin())
-    assert np.isfinite(costs[at]), "two lines have a common normal"
+    if not np.isfinite(costs[at]):  # two lines have a common normal, but floats may not tell where
+        away = max(arm.axes, key=lambda axis: float(length(axis.line.point)))
+        found = f"joint {quoted(away.joint.name)}: so far from others that floats lose where these are"
+        raise RobotFileError(found, remedy="correct the lengths", location=away.joint.location)
     chosen = [at]
     for choice in reversed(back):
         chosen.append(int(choice[chosen[-1]]))

@@ -220,7 +220,10 @@ def _slants(urdf: Urdf, made: _Made) -> Iterator[str]:
     wider = Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest)))
     if wider > MOST_SNAP:
         return
-    other = _made(urdf, arm.base, arm.tip, made.placement.convention, wider, None)
+    try:
+        other = _made(urdf, arm.base, arm.tip, made.placement.convention, wider, None)
+    except RobotFileError:
+        return
     if not other.is_far:
         refused = f"; refused, being more than {MOST_MOVED:.0%} of the reach" if other.moves_far else ""
         moved = f"poses by up to {other.certificate.position:.2g} m"

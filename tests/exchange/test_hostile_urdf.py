@@ -47,6 +47,18 @@ def chain(count: int, kind: str) -> str:
         (urdf([J("1e999999999999 0 0")]), "is no number"),
         (urdf([J("0 0 1e61")]), "is no number"),
         (urdf([J(inertial=body("-1"))]), "weigh -1 kg"),
+        (
+            urdf(
+                [
+                    J(),
+                    J("0 0.1 0", "3.14 0 0"),
+                    J("0.4 0.1 1e23", "3.1415 0 0"),
+                    J("0.4 0 0.1", "1.57 0 0.4"),
+                    J("1 0 2"),
+                ]
+            ),
+            "joint 'j.': so far",
+        ),
         (urdf([J(), J(link="x"), J(link="y", parent="x")]).replace('child link="y"', 'child link="l1"'), "two joints"),
         (urdf([J()]).replace('parent link="l0"', 'parent link="l1"').replace('<link name="l0"/>', ""), "loop"),
     ],
