@@ -210,13 +210,14 @@ def targets(bodies: Bodies, room: Room) -> Array:
 def weighed(bodies: Bodies, target: Array) -> Bodies:
     """The same with masses for the links that are given none, as far as torques allow them.
 
-    One that has moments of inertia would else get next to nothing, and a radius of gyration of kilometres.
+    One that has moments of inertia would else get next to nothing, and a radius of gyration of kilometres. Those that
+    are at the limit of what exists anyway stay what they are, to the last digit.
 
     Args:
         bodies: The arm's.
         target: Least eigenvalues to keep to.
     """
-    massless, (n, _, width) = bodies.given[:, -1] == 0, bodies.along.shape
+    massless, (n, _, width) = (bodies.given[:, -1] == 0) & (target > 0), bodies.along.shape
     if not massless.any():
         return bodies
     own = np.eye(n + width)[width:]

@@ -146,8 +146,7 @@ def possible(robot: Robot) -> Possible:
         bodies = in_own_units(parameters, basis, size)
         room = most_room(bodies)
         if room.value < -BORDER:
-            prices = np.einsum("nba,nbc,ncd->nad", bodies.units, room.prices, bodies.units)
-            raise refusal(robot, chain, every, prices)
+            raise refusal(robot, chain, every, room.prices, bodies.units)
         target = targets(bodies, room)
         border = tuple(int(i) + 1 for i in np.flatnonzero(target < 0))
         if border and float(least_eigenvalues(bodies).min()) >= -BORDER:

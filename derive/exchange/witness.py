@@ -19,6 +19,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
+from math import ceil, log10
 from typing import Any
 
 import numpy as np
@@ -43,8 +45,8 @@ Array = npt.NDArray[Any]
 ADDED = (0.0, *(10.0**-k for k in range(10, 0, -1)))
 """Parts of kinetic energy that are tried."""
 
-DIGITS = 12
-"""Of the largest coefficient of a function."""
+DIGITS = (6, 12)
+"""Of the largest coefficient of a function, in the units of the links; few are easier to read."""
 
 SHOWN = 100
 """Coefficients smaller by this factor are left out of messages."""
@@ -113,7 +115,7 @@ def _polynomial(matrix: Sequence[Sequence[Fraction]]) -> str:
     return text
 
 
-def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array) -> NoSuchBodies:
+def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array, units: Array) -> NoSuchBodies:
     """The error that says why there are no bodies.
 
     Args:
@@ -121,8 +123,9 @@ def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], price
         chain: Its links and frames.
         basis: All changes that no torque notices.
         prices: See `find_witness`.
+        units: See `find_witness`.
     """
-    witness = find_witness(robot, chain, basis, prices) if base_set(robot).proven else None
+    witness = find_witness(robot, chain, basis, prices, units) if base_set(robot).proven else None
     found = f"no bodies have these torques: {witness}" if witness else "no bodies with these torques were found"
     if witness is None:
         found += ", but no proof either that there are none"
@@ -131,27 +134,34 @@ def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], price
     return error
 
 
-def find_witness(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array) -> Witness | None:
+def find_witness(
+    robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array, units: Array
+) -> Witness | None:
     """A witness from approximate functions.
 
     Args:
         robot: The robot.
         chain: Its links and frames.
         basis: All changes that no torque notices.
-        prices: (n, 4, 4) matrices of functions that nearly are one.
+        prices: (n, 4, 4) matrices of functions that nearly are one, in the units of the links.
+        units: (n, 4, 4) what takes pseudo-inertias in joint frames to these units, from both sides.
 
     Returns:
         The witness, or None where rounding them does not give one.
     """
     parameters = [value for body in chain.bodies for value in parameters_of(body)]
-    seen = null_space([*basis, *_still(chain)], len(parameters))
-    given = np.array([coefficients(matrix) for matrix in prices]).ravel()
-    energy = _kinetic_energy(robot)
-    given, energy = given / np.abs(given).max(), energy / np.abs(energy).max()
-    for part in ADDED:
-        wanted = (1 - part) * given + part * energy
-        weights = [fmpq(round(float(wanted[k]) * 10**DIGITS), 10**DIGITS) for k in seen]
-        total = combined(list(seen.values()), weights)
+    seen = list(null_space([*basis, *_still(chain)], len(parameters)).values())
+    columns = np.array([_in_units([float(entry) for entry in vector], units) for vector in seen]).T
+    lengths = np.linalg.norm(columns, axis=0)
+    given, energy = prices.ravel(), _in_units(_kinetic_energy(robot), units)
+    given, energy = given / np.linalg.norm(given), energy / np.linalg.norm(energy)
+    for part, digits in product(ADDED, DIGITS):
+        nearest, *_ = np.linalg.lstsq(columns / lengths, (1 - part) * given + part * energy, rcond=None)
+        nearest = nearest / lengths
+        most = np.abs(nearest).max()
+        places = [digits + max(0, ceil(log10(length * most))) for length in lengths]
+        weights = [fmpq(round(float(x / most) * 10**p)) / fmpq(10) ** p for x, p in zip(nearest, places, strict=True)]
+        total = combined(seen, weights)
         value = sum((c * p for c, p in zip(total, parameters, strict=True)), fmpq(0))
         matrices = [function_matrix(total[WIDTH * i : WIDTH * (i + 1)]) for i in range(robot.n)]
         if not value < 0 or not all(map(is_semidefinite, matrices)):
@@ -165,6 +175,14 @@ def find_witness(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], 
         exact = all(is_rational(entry) for entries in (total, parameters, *basis) for entry in entries)
         return Witness(functions, as_fraction(value) / unit, exact)
     return None
+
+
+def _in_units(factors: Sequence[float], units: Array) -> Array:
+    """The matrices of functions, one a link after the other, in the units of the links."""
+    inverses = np.linalg.inv(units)
+    matrices = [function_matrix(factors[WIDTH * i : WIDTH * (i + 1)]) for i in range(len(units))]
+    found: Array = np.einsum("nba,nbc,ncd->nad", inverses, np.array(matrices), inverses).ravel()
+    return found
 
 
 def _still(chain: Chain[Exact]) -> list[Direction]:

@@ -159,3 +159,18 @@ def test_a_link_whose_mass_torques_keep_at_zero_gets_no_first_moment() -> None:
     assert found.robot.links[2].com == given.links[2].com
     moments = np.linalg.eigvalsh(Oracle.of(found.robot).arm.inertia)
     assert (moments[:, 0] + moments[:, 1] > (1 - 1e-7) * moments[:, 2]).all()
+
+
+def test_a_last_link_that_weighs_nothing_stays_so_beside_one_that_changes() -> None:
+    given = with_links(
+        arm("spatial", "modified"),
+        ("0.9", "0.1 -0.2 0.1", "0.1 0.1 0.08 0 0 0.01"),
+        ("1.9", "-0.13 -0.23 0.07", "0.23 0.015 0.2 0 0 0"),
+        ("1.7", "-0.11 0.01 0.25", "0.16 0.25 0.19 0.01 0.02 -0.02"),
+        ("0", "0 0 0", "0 0 0 0 0 0"),
+    )
+    found = possible(given)
+    same_torques(given, found.robot)
+    assert found.border == (4,)
+    assert 2 in [change.link for change in found.changes]
+    assert found.robot.links[3] == given.links[3]

@@ -88,6 +88,18 @@ def test_a_witness_is_found_where_slanted_axes_leave_points_that_never_move() ->
     prove(robot)
 
 
+def test_a_witness_is_found_beside_a_last_link_that_weighs_nothing() -> None:
+    """Its function is of another size than those of links that weigh something; what is near is seen in their units."""
+    robot = with_links(
+        arm("spatial", "modified"),
+        ("0.9", "0.1 -0.2 0.1", "0.1 0.1 0.08 0 0 0.01"),
+        ("1.9", "-0.13 -0.23 0.07", "0.4 0.015 0.2 -0.07 -0.01 -0.08"),
+        ("1.7", "-0.11 0.01 0.25", "0.16 0.35 0.19 0.01 0.08 -0.02"),
+        ("0", "0 0 0", "0 0 0 0 0 0"),
+    )
+    prove(robot)
+
+
 def test_functions_and_factors_of_parameters_are_each_other_s_inverse() -> None:
     random = np.random.default_rng(2).normal(size=(4, 4))
     matrix = random + random.T
