@@ -177,7 +177,7 @@ def find_witness(
     return None
 
 
-def _in_units(factors: Sequence[float], units: Array) -> Array:
+def _in_units(factors: Sequence[float] | Array, units: Array) -> Array:
     """The matrices of functions, one a link after the other, in the units of the links."""
     inverses = np.linalg.inv(units)
     matrices = [function_matrix(factors[WIDTH * i : WIDTH * (i + 1)]) for i in range(len(units))]
