@@ -16,10 +16,10 @@ a little of it makes up for rounding. All three claims are then checked again in
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
 from math import ceil, log10
 from typing import Any
 
@@ -30,6 +30,7 @@ from flint import fmpq
 from derive.errors import DeriveError
 from derive.exchange.exact_scalars import Exact, as_fraction, is_rational, is_zero, null_space
 from derive.exchange.regressor_null_space import WIDTH, Direction, combined, parameters_of
+from derive.exchange.semidefinite import Cone, Limit, least, packed
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.joint_motion import origin, to_child
@@ -50,6 +51,9 @@ DIGITS = (6, 12)
 
 SHOWN = 100
 """Coefficients smaller by this factor are left out of messages."""
+
+STILL = 1e-9
+"""Part of a link's kinetic energy that is rounding."""
 
 STATES = 12
 """Of which kinetic energies are added up."""
@@ -153,11 +157,12 @@ def find_witness(
     seen = list(null_space([*basis, *_still(chain)], len(parameters)).values())
     columns = np.array([_in_units([float(entry) for entry in vector], units) for vector in seen]).T
     lengths = np.linalg.norm(columns, axis=0)
-    given, energy = prices.ravel(), _in_units(_kinetic_energy(robot), units)
-    given, energy = given / np.linalg.norm(given), energy / np.linalg.norm(energy)
-    for part, digits in product(ADDED, DIGITS):
-        nearest, *_ = np.linalg.lstsq(columns / lengths, (1 - part) * given + part * energy, rcond=None)
-        nearest = nearest / lengths
+    values = [float(sum((e * p for e, p in zip(vector, parameters, strict=True)), fmpq(0))) for vector in seen]
+    starts = _starts(
+        columns / lengths, np.array(values) / lengths, prices, _in_units(list(_kinetic_energy(robot)), units)
+    )
+    for start, digits in ((each, few) for each in starts for few in DIGITS):
+        nearest = start / lengths
         most = np.abs(nearest).max()
         places = [digits + max(0, ceil(log10(length * most))) for length in lengths]
         weights = [fmpq(round(float(x / most) * 10**p)) / fmpq(10) ** p for x, p in zip(nearest, places, strict=True)]
@@ -177,7 +182,35 @@ def find_witness(
     return None
 
 
-def _in_units(factors: Sequence[float] | Array, units: Array) -> Array:
+def _starts(columns: Array, values: Array, prices: Array, energy: Array) -> Iterator[Array]:
+    """Combinations of functions that may be a witness but for rounding: the dual of the search with some energy in it.
+
+    Where a solver was not accurate enough about the dual, the one that is wanted is looked for itself.
+    """
+    scaled = np.array([prices.ravel() / np.linalg.norm(prices), energy / np.linalg.norm(energy)]).T
+    dual, among = np.linalg.lstsq(columns, scaled, rcond=None)[0].T
+    yield from ((1 - part) * dual + part * among for part in ADDED)
+    with suppress(DeriveError):
+        found = _least_function(columns, values, energy)
+        yield from ((1 - part) * found + part * among for part in ADDED)
+
+
+def _least_function(columns: Array, values: Array, energy: Array) -> Array:
+    """The combination of functions that are seen, nowhere negative and of trace 1, with the least integral.
+
+    They are looked at where kinetic energy is positive, since elsewhere they are zero.
+    """
+    limits, total = [], np.zeros(len(values))
+    for matrices, moving in zip(columns.reshape(-1, 4, 4, len(values)), energy.reshape(-1, 4, 4), strict=True):
+        sizes, axes = np.linalg.eigh(moving)
+        axes = axes[:, sizes > STILL * sizes[-1]]
+        slope = packed(np.einsum("ab,acv,cd->vbd", axes, matrices, axes)).T
+        limits.append(Limit(Cone.SEMIDEFINITE, np.zeros(len(slope)), slope))
+        total += np.einsum("aav->v", matrices)
+    return least(values, [*limits, Limit(Cone.NOT_NEGATIVE, np.ones(1), -total[None])]).x
+
+
+def _in_units(factors: Sequence[float], units: Array) -> Array:
     """The matrices of functions, one a link after the other, in the units of the links."""
     inverses = np.linalg.inv(units)
     matrices = [function_matrix(factors[WIDTH * i : WIDTH * (i + 1)]) for i in range(len(units))]
