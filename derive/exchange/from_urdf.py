@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, Context
 from fractions import Fraction
@@ -218,16 +219,12 @@ def _slants(urdf: Urdf, made: _Made) -> Iterator[str]:
         yield named(made.cut, made.meant)
     widest = max((slant(arm, i) for i, taken in far if not taken), default=1.0) * (1 + ALIKE)
     wider = Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest)))
-    if wider > MOST_SNAP:
-        return
-    try:
-        other = _made(urdf, arm.base, arm.tip, made.placement.convention, wider, None)
-    except RobotFileError:
-        return
-    if not other.is_far:
-        refused = f"; refused, being more than {MOST_MOVED:.0%} of the reach" if other.moves_far else ""
-        moved = f"poses by up to {other.certificate.position:.2g} m"
-        yield f"--snap {float(wider):g} would take them as parallel and move {moved}{refused}"
+    with suppress(RobotFileError):
+        other = _made(urdf, arm.base, arm.tip, made.placement.convention, wider, None) if wider <= MOST_SNAP else made
+        if not other.is_far and other is not made:
+            refused = f"; refused, being more than {MOST_MOVED:.0%} of the reach" if other.moves_far else ""
+            moved = f"poses by up to {other.certificate.position:.2g} m"
+            yield f"--snap {float(wider):g} would take them as parallel and move {moved}{refused}"
 
 
 def _loaded(urdf: Urdf, text: str, name: str) -> Robot:
