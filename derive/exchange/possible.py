@@ -12,6 +12,7 @@ out is looked at again: bodies that do not exist are never handed out.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import Any
@@ -157,7 +158,8 @@ def possible(robot: Robot) -> Possible:
         for among in (fewer, basis):  # at the limit a solver may need the other links, too
             alone = replace(in_own_units(parameters, among, size), masses=bodies.masses)
             if (steps := _decimal_steps(alone, target)) is not None:
-                return _result(robot, chain, domain, combined(among, steps), border)
+                with suppress(DeriveError):  # rounding left a link a first moment without a mass
+                    return _result(robot, chain, domain, combined(among, steps), border)
         raise DeriveError(f"{robot.name}: bodies with these torques may exist, but the search did not reach any")
 
 

@@ -96,7 +96,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
     found = clarabel.DefaultSolver(square, linear, matrix, constant, cones, settings).solve()
     x = np.array(found.x)
     if "Infeasible" in str(found.status) or not np.isfinite(x).all():
-        raise DeriveError(f"a search within convex limits ended: {found.status}")
+        raise DeriveError(f"the search for bodies ended without any, by rounding: {found.status}")
     ends = np.cumsum([len(limit.constant) for limit in limits])
     return Optimum(x, tuple(np.split(np.array(found.z), ends[:-1])))
 
