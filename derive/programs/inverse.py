@@ -8,7 +8,7 @@ what coincides are values too, 1 or 0, by which the program chooses among the fo
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
 from typing import Any
@@ -300,10 +300,10 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     codes: list[Value] = []
     leaves = list(run.leaves())
     existing = _existing(run, leaves)
-    lost = ~reduce(Mask.__or__, existing)
-    for leaf, exists in zip(leaves, existing, strict=True):
+    lost = ~reduce(Mask.__or__, [exists for exists, _ in existing])
+    for leaf, (exists, ill) in zip(leaves, existing, strict=True):
         angles += run.angles(leaf)
-        codes.append(_code(field, exists, leaf, lost))
+        codes.append(_code(field, exists, replace(leaf, ill=ill), lost))
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else _without_given(INTERFACE)
@@ -368,23 +368,25 @@ def _without_given(interface: Interface) -> Interface:
     )
 
 
-def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[Mask]:
-    """Which solutions exist: those whose pose is asked for, but for `CLOSED` of it, if that may be another.
+def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:
+    """Which solutions exist, and which are to be checked: those whose pose is asked for, if that may be another.
 
     Where one of them has the pose to more digits, so have the others: a wrong choice of signs is almost right next to
-    poses at which two choices are one. Those that have lost digits on the way are checked instead.
+    poses at which two choices are one. Those that have lost digits on the way are checked instead, and all where none
+    has the pose to all digits and there are more choices than solutions: perhaps none of them is one.
     """
     if not _may_miss(run.graph):
-        return [leaf.exists for leaf in leaves]
-    most = CLOSED * run.reach
+        return [(leaf.exists, leaf.ill) for leaf in leaves]
+    most, small = CLOSED * run.reach, Fraction(str(POLICY.reproduced)) * run.reach
     errors = [_error(run, leaf) for leaf in leaves]
     found = [leaf.exists & Mask(error.less(most)) for leaf, error in zip(leaves, errors, strict=True)]
     best = reduce(Value.minimum, [mask.value.select(e, most) for mask, e in zip(found, errors, strict=True)])
-    limit = (best * WORSE).maximum(Fraction(str(POLICY.reproduced)) * run.reach)
+    limit = (best * WORSE).maximum(small)
+    rough = Mask(small.less(limit)) if run.graph.leaves != run.graph.count else run.field.truth(False)
     if len(leaves) == 1:
-        return found
+        return [(found[0], leaves[0].ill | rough)]
     right = [leaf.ill | Mask(error.less(limit)) for leaf, error in zip(leaves, errors, strict=True)]
-    return [mask & each for mask, each in zip(found, right, strict=True)]
+    return [(mask & each, leaf.ill | rough) for mask, each, leaf in zip(found, right, leaves, strict=True)]
 
 
 def _error(run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:

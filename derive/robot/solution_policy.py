@@ -33,7 +33,7 @@ class SolutionPolicy:
     closed: float = 1e-7
     same: float = 1e-7
     double: float = 3e-5
-    damping: float = 1e-12
+    damping: float = 1e-16
     nudge: float = 1e-5
     back: float = 1e-8
     elsewhere: tuple[float, ...] = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)

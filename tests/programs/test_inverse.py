@@ -309,3 +309,28 @@ def test_a_solution_that_has_lost_more_digits_than_another_is_checked_not_droppe
     found = model.inverse_kinematics(model.forward_kinematics(q), given=q[[1, 2, 4, 5]])
     assert np.isfinite(found).all()
     assert np.abs(found[:, 0] - 2.75855005).min() < 1e-7
+
+
+THUMB = """
+name: thumb
+convention: standard
+joints:
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, a: 0.038, alpha: -pi/2, theta: q2 + pi/2}
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, a: 0.032}
+  - {type: revolute, a: 0.0275, theta: q5 - pi/2}
+"""
+
+
+def test_of_an_arm_with_few_joints_no_solution_is_listed_that_is_almost_right_beside_another() -> None:
+    model, rng = model_of(Robot.from_text(THUMB)), np.random.default_rng(11)
+    q = rng.integers(-3, 5, (300, 5)) * np.pi / 4 + 10.0 ** rng.uniform(-10, -3, (300, 1)) * rng.standard_normal(
+        (300, 5)
+    )
+    pose = model.forward_kinematics(q)
+    found = model.inverse_kinematics(pose)
+    off = np.abs(model.forward_kinematics(np.nan_to_num(found)) - pose[:, None]).max(axis=(-1, -2))
+    off[np.isnan(found[..., 0])] = np.nan
+    assert np.isfinite(off).any(axis=1).all()
+    assert np.nanmax(off[np.nanmin(off, axis=1) < 3e-11]) < 1e-10
