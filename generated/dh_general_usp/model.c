@@ -757,7 +757,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 1 };
-    double ahead[1 + 2], found[1 + 2], damping = 1e-12, fall = 0.1;
+    double ahead[1 + 2], found[1 + 2], damping = 1e-16, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 5, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -802,30 +802,39 @@ static int inverse_kinematics_apart(const double *restrict T, const double *rest
 }
 
 /* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
-   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. Where nothing else is left,
+   the pose may be one that the arm reaches but for rounding. */
 static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
 {
     const double *const codes = values + 1;
-    for (int exists = 1; exists >= 0; --exists)
-        for (size_t b = 0; b < 1; ++b) {
-            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
-            double *const row = q + 1 * b;
-            if (!doubts[b] || (code % 4 > 0) != exists)
-                continue;
-            for (size_t j = 0; j < 1; ++j)
-                row[j] = isfinite(values[1 * b + j]) ? values[1 * b + j] : 0.0;
-            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 1e-07 : 3e-11);
-            for (size_t other = 0; fine && other < 1; ++other) {
-                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
-                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 1 * other, row, tolerance) : 1;
-                if (kinds[other] && apart == 0)
-                    fine = 0;
-                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
-                    fine = free[b] = 0;
+    double errors[1];
+    int found = 0;
+    for (int pass = 0; pass < 2 && !found; ++pass)
+        for (int exists = 1; exists >= 0; --exists)
+            for (size_t b = 0; b < 1; ++b) {
+                const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+                double *const row = q + 1 * b;
+                found |= kinds[b] > 0;
+                if (!doubts[b] || (code % 4 > 0) != exists)
+                    continue;
+                if (!pass) {
+                    for (size_t j = 0; j < 1; ++j)
+                        row[j] = isfinite(values[1 * b + j]) ? values[1 * b + j] : 0.0;
+                    errors[b] = inverse_kinematics_refined(T, k, row);
+                }
+                int fine = errors[b] <= (pass && kind < 3 ? 1e-07 : 3e-11);
+                for (size_t other = 0; fine && other < 1; ++other) {
+                    const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                    const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 1 * other, row, tolerance) : 1;
+                    if (kinds[other] && apart == 0)
+                        fine = 0;
+                    else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                        fine = free[b] = 0;
+                }
+                kinds[b] = fine ? kind : 0;
+                settled[b] = fine && exists && kind == 3 && memcmp(row, values + 1 * b, 1 * sizeof *row) == 0;
+                found |= fine;
             }
-            kinds[b] = fine ? kind : 0;
-            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 1 * b, 1 * sizeof *row) == 0;
-        }
 }
 
 static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
@@ -903,7 +912,7 @@ static void inverse_kinematics_alone(const double *restrict T, const double *res
         {0.43},
         {-0.334},
     };
-    const double damping = 1e-12;
+    const double damping = 1e-16;
     double start[1], step[1 + 2], values[2], moved[16] = {0.0};
     for (size_t j = 0; j < 1; ++j)
         start[j] = isfinite(q[j]) ? q[j] : 0.0;

@@ -386,7 +386,7 @@ def _inverse_kinematics(functions, k, T, near):
     t86 = maximum(t69, t85)
     t87 = less(t86, t71)*t73
     t88 = minimum(select(t74, t70, t71), select(t87, t86, t71))
-    t89 = maximum(1000.0*t88, 3e-11*t24)
+    t89 = maximum(3e-11*t24, 1000.0*t88)
     t90 = 1.0 - less(1e-09, t10)
     t91 = maximum(k8, t90 - t90*less(t10, -9.999999999999999e-10))
     t92 = maximum(t91, 1.0 - less(1e-06*t25, t26))
@@ -603,7 +603,7 @@ def _inverse():
     values = _inverse_kinematics(_OPERATORS, constants, *entries)
     joints, codes = values[: DOF * 2], values[DOF * 2 :]
     at = casadi.SX.sym("at", DOF)
-    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-16])
     step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
     functions = []
     for branch, code in enumerate(codes):

@@ -3784,13 +3784,13 @@ _ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
 others are turned, too, differently in each branch."""
 
 _CLOSED = 3e-11
-"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none, where the pose has no other."""
 
 _TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
 """Joints that may be turned: not those that are given."""
 
 _REPRODUCED = 3e-11
-"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+"""Likewise where it has another, of one with free joints, or that was found near a branch that does not exist."""
 
 _ROUNDING = 1e-13
 """An error that no further step makes smaller."""
@@ -3826,7 +3826,7 @@ class _Step(_Function):
         The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
         near double roots; who gains less than a tenth in eight steps is given up.
         """
-        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        damping, fall = np.full((len(q), 1), 1e-16), np.full((len(q), 1), 0.1)
         ahead = self._steps(q, poses, damping, parameters)
         error = ahead[:, DOF].copy()
         before, refused = error.copy(), np.zeros(len(q), dtype=int)
@@ -3862,14 +3862,14 @@ class _Step(_Function):
 
     def units(self, q, poses, parameters):
         """Units of the joint variables (N, DOF), 1 for angles."""
-        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-16), parameters)[:, DOF + 1]
         return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
-        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-16,))
         for _ in range(2):
-            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-16,))
             better = found[DOF] < ahead[DOF]
             q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
             ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
@@ -4038,7 +4038,10 @@ class _Inverse(_Function):
         start = np.nan_to_num(q[place, branch])
         found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
         kinds = np.where(exists, codes[place, branch], SINGULAR)
-        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        fine = error <= _REPRODUCED
+        other = ((codes > 0.0) & ~doubtful).any(axis=1)
+        other[place[fine]] = True
+        fine |= (error <= _CLOSED) & (kinds != SINGULAR) & ~other[place]
         q[place, branch] = found
         codes[place, branch] = np.where(fine, kinds, NONE)
         settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)

@@ -1792,7 +1792,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
 {
     enum { error = 6 };
-    double ahead[6 + 2], found[6 + 2], damping = 1e-12, fall = 0.1;
+    double ahead[6 + 2], found[6 + 2], damping = 1e-16, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1837,30 +1837,39 @@ static int inverse_kinematics_apart(const double *restrict T, const double *rest
 }
 
 /* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
-   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. Where nothing else is left,
+   the pose may be one that the arm reaches but for rounding. */
 static void inverse_kinematics_checked(const double *restrict T, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
 {
     const double *const codes = values + 48;
-    for (int exists = 1; exists >= 0; --exists)
-        for (size_t b = 0; b < 8; ++b) {
-            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
-            double *const row = q + 6 * b;
-            if (!doubts[b] || (code % 4 > 0) != exists)
-                continue;
-            for (size_t j = 0; j < 6; ++j)
-                row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
-            int fine = inverse_kinematics_refined(T, row) <= (kind < 3 ? 3e-11 : 3e-11);
-            for (size_t other = 0; fine && other < 8; ++other) {
-                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
-                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
-                if (kinds[other] && apart == 0)
-                    fine = 0;
-                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
-                    fine = free[b] = 0;
+    double errors[8];
+    int found = 0;
+    for (int pass = 0; pass < 2 && !found; ++pass)
+        for (int exists = 1; exists >= 0; --exists)
+            for (size_t b = 0; b < 8; ++b) {
+                const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+                double *const row = q + 6 * b;
+                found |= kinds[b] > 0;
+                if (!doubts[b] || (code % 4 > 0) != exists)
+                    continue;
+                if (!pass) {
+                    for (size_t j = 0; j < 6; ++j)
+                        row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
+                    errors[b] = inverse_kinematics_refined(T, row);
+                }
+                int fine = errors[b] <= (pass && kind < 3 ? 3e-11 : 3e-11);
+                for (size_t other = 0; fine && other < 8; ++other) {
+                    const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                    const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
+                    if (kinds[other] && apart == 0)
+                        fine = 0;
+                    else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                        fine = free[b] = 0;
+                }
+                kinds[b] = fine ? kind : 0;
+                settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
+                found |= fine;
             }
-            kinds[b] = fine ? kind : 0;
-            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
-        }
 }
 
 static void inverse_kinematics_values(const double *restrict T, const double *restrict near, double *restrict result)
@@ -1917,7 +1926,7 @@ static void inverse_kinematics_alone(const double *restrict T, const double *res
         {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
         {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
     };
-    const double damping = 1e-12;
+    const double damping = 1e-16;
     double start[6], step[6 + 2], values[56], moved[16] = {0.0};
     for (size_t j = 0; j < 6; ++j)
         start[j] = isfinite(q[j]) ? q[j] : 0.0;

@@ -473,7 +473,7 @@ def _inverse():
     values = _inverse_kinematics(_OPERATORS, constants, *entries)
     joints, codes = values[: DOF * 1], values[DOF * 1 :]
     at = casadi.SX.sym("at", DOF)
-    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-16])
     step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
     functions = []
     for branch, code in enumerate(codes):

@@ -615,7 +615,7 @@ def _inverse_kinematics(functions, k, T, near):
     t77 = maximum(0.0, t76)
     t78 = less(t77, t65)*t68
     t79 = minimum(select(t67, t64, t65), select(t78, t77, t65))
-    t80 = maximum(1000.0*t79, 3e-11*t16)
+    t80 = maximum(3e-11*t16, 1000.0*t79)
     t81 = 1.0 - less(1e-09, t3)
     t82 = t81 - t81*less(t3, -9.999999999999999e-10)
     t83 = maximum(1.0 - less(1e-06*t17, t15), maximum(1.0 - less(1e-06, t31), t82))
@@ -872,7 +872,7 @@ def _inverse():
     values = _inverse_kinematics(_OPERATORS, constants, *entries)
     joints, codes = values[: DOF * 2], values[DOF * 2 :]
     at = casadi.SX.sym("at", DOF)
-    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-16])
     step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
     functions = []
     for branch, code in enumerate(codes):

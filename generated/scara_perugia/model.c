@@ -2232,7 +2232,7 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t73 = maximum(0.0, maximum(fabs(k2*t46 + (T24 - k1*t41)), t72));
     const double t74 = (t73 < t62)*t64;
     const double t75 = minimum(t65 > 0.0 ? t61 : t62, t74 > 0.0 ? t73 : t62);
-    const double t76 = maximum(1000.0*t75, 3e-11*t16);
+    const double t76 = maximum(3e-11*t16, 1000.0*t75);
     const double t77 = 1.0 - (1e-09 < t3);
     const double t78 = maximum(k8, t77 - t77*(t3 < -9.999999999999999e-10));
     const double t79 = maximum(1.0 - (1e-06*t17 < t18), maximum(1.0 - (1e-06 < t26), t78));
@@ -2298,7 +2298,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 4 };
-    double ahead[4 + 2], found[4 + 2], damping = 1e-12, fall = 0.1;
+    double ahead[4 + 2], found[4 + 2], damping = 1e-16, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 8, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -2343,30 +2343,39 @@ static int inverse_kinematics_apart(const double *restrict T, const double *rest
 }
 
 /* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
-   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. Where nothing else is left,
+   the pose may be one that the arm reaches but for rounding. */
 static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
 {
     const double *const codes = values + 8;
-    for (int exists = 1; exists >= 0; --exists)
-        for (size_t b = 0; b < 2; ++b) {
-            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
-            double *const row = q + 4 * b;
-            if (!doubts[b] || (code % 4 > 0) != exists)
-                continue;
-            for (size_t j = 0; j < 4; ++j)
-                row[j] = isfinite(values[4 * b + j]) ? values[4 * b + j] : 0.0;
-            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 1e-07 : 3e-11);
-            for (size_t other = 0; fine && other < 2; ++other) {
-                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
-                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 4 * other, row, tolerance) : 4;
-                if (kinds[other] && apart == 0)
-                    fine = 0;
-                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
-                    fine = free[b] = 0;
+    double errors[2];
+    int found = 0;
+    for (int pass = 0; pass < 2 && !found; ++pass)
+        for (int exists = 1; exists >= 0; --exists)
+            for (size_t b = 0; b < 2; ++b) {
+                const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+                double *const row = q + 4 * b;
+                found |= kinds[b] > 0;
+                if (!doubts[b] || (code % 4 > 0) != exists)
+                    continue;
+                if (!pass) {
+                    for (size_t j = 0; j < 4; ++j)
+                        row[j] = isfinite(values[4 * b + j]) ? values[4 * b + j] : 0.0;
+                    errors[b] = inverse_kinematics_refined(T, k, row);
+                }
+                int fine = errors[b] <= (pass && kind < 3 ? 1e-07 : 3e-11);
+                for (size_t other = 0; fine && other < 2; ++other) {
+                    const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                    const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 4 * other, row, tolerance) : 4;
+                    if (kinds[other] && apart == 0)
+                        fine = 0;
+                    else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                        fine = free[b] = 0;
+                }
+                kinds[b] = fine ? kind : 0;
+                settled[b] = fine && exists && kind == 3 && memcmp(row, values + 4 * b, 4 * sizeof *row) == 0;
+                found |= fine;
             }
-            kinds[b] = fine ? kind : 0;
-            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 4 * b, 4 * sizeof *row) == 0;
-        }
 }
 
 static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
@@ -2449,7 +2458,7 @@ static void inverse_kinematics_alone(const double *restrict T, const double *res
         {-0.593, -0.241, 0.921, 0.775},
         {-0.88, -0.773, 0.178, -0.147},
     };
-    const double damping = 1e-12;
+    const double damping = 1e-16;
     double start[4], step[4 + 2], values[10], moved[16] = {0.0};
     for (size_t j = 0; j < 4; ++j)
         start[j] = isfinite(q[j]) ? q[j] : 0.0;

@@ -833,7 +833,7 @@ def _inverse_kinematics(functions, k, T, near):
     t86 = maximum(0.0, t85)
     t87 = less(t86, t74)*t76
     t88 = minimum(select(t77, t73, t74), select(t87, t86, t74))
-    t89 = maximum(1000.0*t88, 3e-11*t23)
+    t89 = maximum(3e-11*t23, 1000.0*t88)
     t90 = 1.0 - less(1e-09, t8)
     t91 = maximum(k8, t90 - t90*less(t8, -9.999999999999999e-10))
     t92 = maximum(1.0 - less(1e-06*t24, t25), maximum(1.0 - less(1e-06, t35), t91))
@@ -1188,7 +1188,7 @@ def _inverse():
     values = _inverse_kinematics(_OPERATORS, constants, *entries)
     joints, codes = values[: DOF * 2], values[DOF * 2 :]
     at = casadi.SX.sym("at", DOF)
-    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-16])
     step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
     functions = []
     for branch, code in enumerate(codes):

@@ -839,7 +839,7 @@ def _inverse_kinematics(functions, k, T, near):
     t92 = maximum(0.0, t91)
     t93 = less(t92, t78)*t80
     t94 = minimum(select(t81, t77, t78), select(t93, t92, t78))
-    t95 = maximum(1000.0*t94, 3e-11*t23)
+    t95 = maximum(3e-11*t23, 1000.0*t94)
     t96 = 1.0 - less(1e-09, t8)
     t97 = maximum(k8, t96 - t96*less(t8, -9.999999999999999e-10))
     t98 = maximum(1.0 - less(1e-06*t24, t25), maximum(1.0 - less(1e-06, t34), t97))
@@ -1194,7 +1194,7 @@ def _inverse():
     values = _inverse_kinematics(_OPERATORS, constants, *entries)
     joints, codes = values[: DOF * 2], values[DOF * 2 :]
     at = casadi.SX.sym("at", DOF)
-    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-16])
     step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
     functions = []
     for branch, code in enumerate(codes):

@@ -383,7 +383,7 @@ def _inverse_kinematics(functions, k, T, near):
     t93 = maximum(0.0, t92)
     t94 = less(t93, t79)*t81
     t95 = minimum(select(t82, t78, t79), select(t94, t93, t79))
-    t96 = maximum(1000.0*t95, 3e-11*t23)
+    t96 = maximum(3e-11*t23, 1000.0*t95)
     t97 = 1.0 - less(1e-09, t9)
     t98 = maximum(k8, t97 - t97*less(t9, -9.999999999999999e-10))
     t99 = maximum(1.0 - less(1e-06*t24, t25), maximum(1.0 - less(1e-06, t35), t98))
@@ -597,7 +597,7 @@ def _inverse():
     values = _inverse_kinematics(_OPERATORS, constants, *entries)
     joints, codes = values[: DOF * 2], values[DOF * 2 :]
     at = casadi.SX.sym("at", DOF)
-    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-16])
     step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
     functions = []
     for branch, code in enumerate(codes):

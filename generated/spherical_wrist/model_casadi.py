@@ -361,7 +361,7 @@ def _inverse_kinematics(functions, k, T, near):
     t39 = (1.0 - t4)*t38
     t40 = minimum(select(t38, t36, t37), select(t39, t36, t37))
     t41 = (1.0 - less(0.001, t2))*(1.0 - less(0.001, t3))
-    t42 = maximum(t41, less(t36, maximum(1000.0*t40, 3e-11*t34)))
+    t42 = maximum(t41, less(t36, maximum(3e-11*t34, 1000.0*t40)))
     t43 = t38*t42
     t44 = t39*t42
     t45 = select(t4, 8.0, 4.0*maximum(t4, t41*(1.0 - maximum(t43, t44))))
@@ -599,7 +599,7 @@ def _inverse():
     values = _inverse_kinematics(_OPERATORS, constants, *entries)
     joints, codes = values[: DOF * 2], values[DOF * 2 :]
     at = casadi.SX.sym("at", DOF)
-    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-16])
     step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
     functions = []
     for branch, code in enumerate(codes):

@@ -1447,17 +1447,17 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double k6 = k[5 * k_lanes];
     const double k7 = k[6 * k_lanes];
     const double k8 = k[7 * k_lanes];
-    const double t1 = T14 - k1*T11;
-    const double t2 = T34 - k1*T31;
-    const double t3 = T24 - k1*T21;
-    const double t4 = k3*(T21*t3 + (T11*t1 + T31*t2));
-    const double t5 = k3*(t3*T22 + (t1*T12 + t2*T32));
+    const double t1 = T34 - k1*T31;
+    const double t2 = T24 - k1*T21;
+    const double t3 = T14 - k1*T11;
+    const double t4 = k3*(T11*t3 + (T31*t1 + T21*t2));
+    const double t5 = k3*(t1*T32 + (t3*T12 + t2*T22));
     const double t6 = t4*t4 + t5*t5;
     const double t7 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)));
     const double t8 = t7*t7;
     const double t9 = t6 + t8*(1e-10*t8);
     const double t10 = fabs(t9);
-    const double t11 = t2*t2 + (t1*t1 - (k6 - t3*t3));
+    const double t11 = t1*t1 + (t3*t3 - (k6 - t2*t2));
     const double t12 = t6 - t11*t11;
     const double t13 = 1e-14*t10 < t12;
     const double t14 = t11/t6;
@@ -1473,12 +1473,12 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t24 = t23 - t23*(t22 < t21);
     const double t25 = t24 > 0.0 ? ca1 : t18 + t16;
     const double t26 = t24 > 0.0 ? -ca1 : t18 - t16;
-    const double t27 = t24 > 0.0 ? sa1 : t17 - t20;
-    const double t28 = t24 > 0.0 ? sa1 : t17 + t20;
-    const double t29 = arctangent(t28, t26);
-    const double t30 = arctangent(t27, t25);
-    const double t31 = t1 - k2*(T11*t25 - T12*t27);
-    const double t32 = t3 - k2*(T21*t25 - T22*t27);
+    const double t27 = t24 > 0.0 ? sa1 : t20 + t17;
+    const double t28 = t24 > 0.0 ? -sa1 : t20 - t17;
+    const double t29 = arctangent(t27, t26);
+    const double t30 = arctangent(t28, t25);
+    const double t31 = t3 - k2*(T11*t25 + T12*t28);
+    const double t32 = t2 - k2*(T21*t25 + T22*t28);
     const double t33 = sqrt(t31*t31 + t32*t32);
     const double t34 = fabs(t31);
     const double t35 = 1e-12*t7;
@@ -1489,7 +1489,7 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t40 = t38 > 0.0 ? t39 : t32/t33;
     const double t41 = t38 > 0.0 ? sa2 : t31/t33;
     const double t42 = (t32*t40 + t31*t41)/k4;
-    const double t43 = (t2 - k2*(T31*t25 - T32*t27))/k4;
+    const double t43 = (t1 - k2*(T31*t25 + T32*t28))/k4;
     const double t44 = 1.5 - 0.5*(t42*t42 + t43*t43);
     const double t45 = t42*t44;
     const double t46 = k7 > 0.0 ? -t43*t44 : sa3;
@@ -1501,14 +1501,14 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t52 = t49 - T31*t50;
     const double t53 = T12*t47 + T22*t48;
     const double t54 = t53 - T32*t50;
-    const double t55 = t27*t27 + t25*t25;
-    const double t56 = (t27*t52 + t25*t54)/t55;
-    const double t57 = (t27*t54 - t25*t52)/t55;
+    const double t55 = t28*t28 + t25*t25;
+    const double t56 = (t28*t52 - t25*t54)/t55;
+    const double t57 = (t28*t54 + t25*t52)/t55;
     const double t58 = 1.5 - 0.5*(t56*t56 + t57*t57);
     const double t59 = t56*t58;
     const double t60 = t57*t58;
     const double t61 = t41*T23 - t40*T13;
-    const double t62 = (t3*T23 + (t2*T33 + t1*T13))/k4;
+    const double t62 = (t2*T23 + (t3*T13 + t1*T33))/k4;
     const double t63 = t62*t62;
     const double t64 = 1.5 - 0.5*(t63 + t61*t61);
     const double t65 = t61*t64;
@@ -1518,22 +1518,22 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t69 = k7 > 0.0 ? -t62*t64 : sa4;
     const double t70 = t40*t69;
     const double t71 = t70 - t66*t68;
-    const double t72 = t59*t71 - t47*t60;
-    const double t73 = t47*t59 + t60*t71;
-    const double t74 = t25*t72 + t27*t73;
+    const double t72 = t47*t59 + t60*t71;
+    const double t73 = t59*t71 - t47*t60;
+    const double t74 = t28*t72 - t25*t73;
     const double t75 = t40*t50;
     const double t76 = t41*t69;
     const double t77 = t76 + t66*t75;
     const double t78 = t59*t77 + t48*t60;
     const double t79 = t48*t59 - t60*t77;
-    const double t80 = t25*t78 - t27*t79;
+    const double t80 = t25*t78 + t28*t79;
     const double t81 = t46*t66;
-    const double t82 = t50*t59 + t60*t81;
-    const double t83 = t50*t60 - t59*t81;
-    const double t84 = t27*t82 - t25*t83;
-    const double t85 = maximum(fabs(T31 + t84), maximum(fabs(T11 - t74), fabs(T21 + t80)));
-    const double t86 = maximum(fabs(t27*t78 - (T22 - t25*t79)), maximum(fabs(t27*t72 + (T12 - t25*t73)), t85));
-    const double t87 = maximum(fabs(t69*t68 - (T13 - t40*t66)), maximum(fabs(t27*t83 + (T32 + t25*t82)), t86));
+    const double t82 = t50*t60 - t59*t81;
+    const double t83 = t50*t59 + t60*t81;
+    const double t84 = t25*t82 + t28*t83;
+    const double t85 = maximum(fabs(T31 + t84), maximum(fabs(T11 - t74), fabs(T21 - t80)));
+    const double t86 = maximum(fabs(t28*t78 - (T22 + t25*t79)), maximum(fabs(t28*t73 + (T12 + t25*t72)), t85));
+    const double t87 = maximum(fabs(t69*t68 - (T13 - t40*t66)), maximum(fabs(t28*t82 + (T32 - t25*t83)), t86));
     const double t88 = fabs(T33 - t46*t69);
     const double t89 = maximum(t88, maximum(fabs(t69*t75 - (T23 + t41*t66)), t87));
     const double t90 = fabs(t41*t41 - (1.0 - t40*t40));
@@ -1542,10 +1542,10 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t93 = maximum(fabs(t92 - t66*t66), maximum(fabs(t91 - t50*t50), maximum(t90, t89)));
     const double t94 = fabs(1.0 - t55);
     const double t95 = maximum(t94, maximum(fabs(t60*t60 - (1.0 - t59*t59)), t93));
-    const double t96 = maximum(fabs(k1*t74 + (k2*t72 - (T14 + k4*t68))), t7*t95);
-    const double t97 = maximum(fabs(k2*t78 + (k1*t80 + (T24 + k4*t75))), t96);
+    const double t96 = maximum(fabs(k2*t73 - (k1*t74 - (T14 + k4*t68))), t7*t95);
+    const double t97 = maximum(fabs(k1*t80 + (k2*t78 - (T24 + k4*t75))), t96);
     const double t98 = T34 + k4*t46;
-    const double t99 = maximum(fabs(k2*t83 - (t98 + k1*t84)), t97);
+    const double t99 = maximum(fabs(k1*t84 + (t98 + k2*t82)), t97);
     const double t100 = t46*t67;
     const double t101 = 1e-07*t7;
     const double t102 = (1.0 - t24)*(1.0 - (t12 < -1e-11*t10));
@@ -1555,39 +1555,39 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t106 = t102 - t103 > 0.0 ? 2.0 : 1.0;
     const double t107 = t49 + T31*t51;
     const double t108 = t53 + T32*t51;
-    const double t109 = (t27*t107 + t25*t108)/t55;
-    const double t110 = (t27*t108 - t25*t107)/t55;
+    const double t109 = (t28*t107 - t25*t108)/t55;
+    const double t110 = (t28*t108 + t25*t107)/t55;
     const double t111 = 1.5 - 0.5*(t109*t109 + t110*t110);
     const double t112 = t109*t111;
     const double t113 = t110*t111;
     const double t114 = t41*t51;
     const double t115 = t70 - t67*t114;
-    const double t116 = t112*t115 - t47*t113;
-    const double t117 = t47*t112 + t113*t115;
-    const double t118 = t25*t116 + t27*t117;
+    const double t116 = t47*t112 + t113*t115;
+    const double t117 = t112*t115 - t47*t113;
+    const double t118 = t28*t116 - t25*t117;
     const double t119 = t40*t51;
     const double t120 = t76 + t67*t119;
     const double t121 = t112*t120 + t48*t113;
     const double t122 = t48*t112 - t113*t120;
-    const double t123 = t25*t121 - t27*t122;
-    const double t124 = t51*t113 - t112*t100;
-    const double t125 = t51*t112 + t113*t100;
-    const double t126 = t25*t124 - t27*t125;
-    const double t127 = maximum(fabs(T31 + t126), maximum(fabs(T11 - t118), fabs(T21 + t123)));
-    const double t128 = maximum(fabs(t27*t121 - (T22 - t25*t122)), maximum(fabs(t27*t116 + (T12 - t25*t117)), t127));
-    const double t129 = maximum(fabs(t69*t114 + (T13 + t40*t67)), maximum(fabs(t27*t124 - (T32 - t25*t125)), t128));
+    const double t123 = t25*t121 + t28*t122;
+    const double t124 = t51*t112 + t113*t100;
+    const double t125 = t51*t113 - t112*t100;
+    const double t126 = t28*t124 + t25*t125;
+    const double t127 = maximum(fabs(T31 - t126), maximum(fabs(T11 - t118), fabs(T21 - t123)));
+    const double t128 = maximum(fabs(t28*t121 - (T22 + t25*t122)), maximum(fabs(t28*t117 + (T12 + t25*t116)), t127));
+    const double t129 = maximum(fabs(t69*t114 + (T13 + t40*t67)), maximum(fabs(t28*t125 - (T32 + t25*t124)), t128));
     const double t130 = arctangent(t41, -t40);
     const double t131 = maximum(t88, maximum(fabs(t69*t119 + (T23 - t41*t67)), t129));
     const double t132 = maximum(fabs(t92 - t67*t67), maximum(fabs(t91 - t51*t51), maximum(t90, t131)));
     const double t133 = maximum(t94, maximum(fabs(t113*t113 - (1.0 - t112*t112)), t132));
-    const double t134 = maximum(fabs(k1*t118 + (k2*t116 - (T14 - k4*t114))), t7*t133);
-    const double t135 = maximum(fabs(k2*t121 + (k1*t123 + (T24 - k4*t119))), t134);
-    const double t136 = maximum(fabs(k1*t126 + (t98 + k2*t124)), t135);
+    const double t134 = maximum(fabs(k2*t117 - (k1*t118 - (T14 - k4*t114))), t7*t133);
+    const double t135 = maximum(fabs(k2*t121 + (k1*t123 - (T24 - k4*t119))), t134);
+    const double t136 = maximum(fabs(k2*t125 - (t98 - k1*t126)), t135);
     const double t137 = t104*(t136 < t101);
     const double t138 = t137 - t38*t137;
     const double t139 = minimum(t105 > 0.0 ? t99 : t101, t138 > 0.0 ? t136 : t101);
-    const double t140 = t1 - k2*(T11*t26 + T12*t28);
-    const double t141 = t3 - k2*(T21*t26 + T22*t28);
+    const double t140 = t3 - k2*(T11*t26 + T12*t27);
+    const double t141 = t2 - k2*(T21*t26 + T22*t27);
     const double t142 = sqrt(t140*t140 + t141*t141);
     const double t143 = fabs(t140);
     const double t144 = 1.0 - (t35 < t143);
@@ -1596,7 +1596,7 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t147 = t146 > 0.0 ? t39 : t141/t142;
     const double t148 = t146 > 0.0 ? sa2 : t140/t142;
     const double t149 = (t141*t147 + t140*t148)/k4;
-    const double t150 = (t2 - k2*(T31*t26 + T32*t28))/k4;
+    const double t150 = (t1 - k2*(T31*t26 + T32*t27))/k4;
     const double t151 = 1.5 - 0.5*(t149*t149 + t150*t150);
     const double t152 = k7 > 0.0 ? -t150*t151 : sa3;
     const double t153 = t149*t151;
@@ -1608,9 +1608,9 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t159 = t156 - T31*t157;
     const double t160 = T12*t154 + T22*t155;
     const double t161 = t160 - T32*t157;
-    const double t162 = t28*t28 + t26*t26;
-    const double t163 = (t28*t159 - t26*t161)/t162;
-    const double t164 = (t28*t161 + t26*t159)/t162;
+    const double t162 = t27*t27 + t26*t26;
+    const double t163 = (t27*t159 - t26*t161)/t162;
+    const double t164 = (t27*t161 + t26*t159)/t162;
     const double t165 = 1.5 - 0.5*(t163*t163 + t164*t164);
     const double t166 = t163*t165;
     const double t167 = t164*t165;
@@ -1623,22 +1623,22 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t174 = t148*t157;
     const double t175 = t147*t171;
     const double t176 = t175 - t172*t174;
-    const double t177 = t154*t166 + t167*t176;
-    const double t178 = t166*t176 - t154*t167;
-    const double t179 = t28*t177 - t26*t178;
+    const double t177 = t166*t176 - t154*t167;
+    const double t178 = t154*t166 + t167*t176;
+    const double t179 = t26*t177 - t27*t178;
     const double t180 = t147*t157;
     const double t181 = t148*t171;
     const double t182 = t181 + t172*t180;
     const double t183 = t155*t166 - t167*t182;
     const double t184 = t166*t182 + t155*t167;
-    const double t185 = t28*t183 + t26*t184;
+    const double t185 = t27*t183 + t26*t184;
     const double t186 = t152*t172;
     const double t187 = t157*t166 + t167*t186;
     const double t188 = t157*t167 - t166*t186;
-    const double t189 = t28*t187 + t26*t188;
-    const double t190 = maximum(fabs(T31 + t189), maximum(fabs(T11 - t179), fabs(T21 - t185)));
-    const double t191 = maximum(fabs(t28*t184 - (T22 + t26*t183)), maximum(fabs(t28*t178 + (T12 + t26*t177)), t190));
-    const double t192 = maximum(fabs(t171*t174 - (T13 - t147*t172)), maximum(fabs(t28*t188 + (T32 - t26*t187)), t191));
+    const double t189 = t27*t187 + t26*t188;
+    const double t190 = maximum(fabs(T31 + t189), maximum(fabs(T11 + t179), fabs(T21 - t185)));
+    const double t191 = maximum(fabs(t27*t184 - (T22 + t26*t183)), maximum(fabs(t27*t177 + (T12 + t26*t178)), t190));
+    const double t192 = maximum(fabs(t171*t174 - (T13 - t147*t172)), maximum(fabs(t27*t188 + (T32 - t26*t187)), t191));
     const double t193 = fabs(T33 - t152*t171);
     const double t194 = maximum(t193, maximum(fabs(t171*t180 - (T23 + t148*t172)), t192));
     const double t195 = fabs(t148*t148 - (1.0 - t147*t147));
@@ -1647,7 +1647,7 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t198 = maximum(fabs(t197 - t172*t172), maximum(fabs(t196 - t157*t157), maximum(t195, t194)));
     const double t199 = fabs(1.0 - t162);
     const double t200 = maximum(t199, maximum(fabs(t167*t167 - (1.0 - t166*t166)), t198));
-    const double t201 = maximum(fabs(k2*t178 - (k1*t179 - (T14 + k4*t174))), t7*t200);
+    const double t201 = maximum(fabs(k1*t179 + (k2*t177 + (T14 + k4*t174))), t7*t200);
     const double t202 = maximum(fabs(k2*t184 + (k1*t185 - (T24 + k4*t180))), t201);
     const double t203 = T34 + k4*t152;
     const double t204 = maximum(fabs(k2*t188 + (t203 + k1*t189)), t202);
@@ -1655,8 +1655,8 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t206 = t103*(t204 < t101);
     const double t207 = t156 + T31*t158;
     const double t208 = t160 + T32*t158;
-    const double t209 = (t28*t207 - t26*t208)/t162;
-    const double t210 = (t28*t208 + t26*t207)/t162;
+    const double t209 = (t27*t207 - t26*t208)/t162;
+    const double t210 = (t27*t208 + t26*t207)/t162;
     const double t211 = 1.5 - 0.5*(t209*t209 + t210*t210);
     const double t212 = t209*t211;
     const double t213 = t210*t211;
@@ -1664,80 +1664,84 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t215 = t175 - t173*t214;
     const double t216 = t212*t215 - t154*t213;
     const double t217 = t154*t212 + t213*t215;
-    const double t218 = t26*t216 - t28*t217;
+    const double t218 = t26*t216 - t27*t217;
     const double t219 = t147*t158;
     const double t220 = t181 + t173*t219;
     const double t221 = t155*t212 - t213*t220;
     const double t222 = t212*t220 + t155*t213;
-    const double t223 = t28*t221 + t26*t222;
-    const double t224 = t158*t213 - t212*t205;
-    const double t225 = t158*t212 + t213*t205;
-    const double t226 = t26*t224 + t28*t225;
+    const double t223 = t27*t221 + t26*t222;
+    const double t224 = t158*t212 + t213*t205;
+    const double t225 = t158*t213 - t212*t205;
+    const double t226 = t27*t224 + t26*t225;
     const double t227 = maximum(fabs(T31 - t226), maximum(fabs(T11 + t218), fabs(T21 - t223)));
-    const double t228 = maximum(fabs(t28*t222 - (T22 + t26*t221)), maximum(fabs(t28*t216 + (T12 + t26*t217)), t227));
-    const double t229 = maximum(fabs(t171*t214 + (T13 + t147*t173)), maximum(fabs(t28*t224 - (T32 + t26*t225)), t228));
+    const double t228 = maximum(fabs(t27*t222 - (T22 + t26*t221)), maximum(fabs(t27*t216 + (T12 + t26*t217)), t227));
+    const double t229 = maximum(fabs(t171*t214 + (T13 + t147*t173)), maximum(fabs(t27*t225 - (T32 + t26*t224)), t228));
     const double t230 = arctangent(t148, -t147);
     const double t231 = maximum(t193, maximum(fabs(t171*t219 + (T23 - t148*t173)), t229));
     const double t232 = maximum(fabs(t197 - t173*t173), maximum(fabs(t196 - t158*t158), maximum(t195, t231)));
     const double t233 = maximum(t199, maximum(fabs(t213*t213 - (1.0 - t212*t212)), t232));
     const double t234 = maximum(fabs(k1*t218 + (k2*t216 + (T14 - k4*t214))), t7*t233);
-    const double t235 = maximum(fabs(k1*t223 + (k2*t222 - (T24 - k4*t219))), t234);
-    const double t236 = maximum(fabs(k1*t226 - (t203 - k2*t224)), t235);
+    const double t235 = maximum(fabs(k2*t222 + (k1*t223 - (T24 - k4*t219))), t234);
+    const double t236 = maximum(fabs(k2*t225 - (t203 - k1*t226)), t235);
     const double t237 = t103*(t236 < t101);
     const double t238 = t237 - t146*t237;
     const double t239 = minimum(t238 > 0.0 ? t236 : t101, minimum(t206 > 0.0 ? t204 : t101, t139));
-    const double t240 = maximum(1000.0*t239, 3e-11*t7);
-    const double t241 = 0.001*t7;
-    const double t242 = 1.0 - (t241 < t34);
-    const double t243 = 0.001*t8;
-    const double t244 = 1.0 - (t243 < t19);
-    const double t245 = 1.0 - (t241 < t143);
-    const double t246 = 1.0 - (1e-14*fabs(100000.0*t9) < t12);
-    const double t247 = t246 - t246*(t12 < -1e-11*fabs(100.0*t9));
-    const double t248 = maximum(t247, t244 - t244*(t243 < t21));
-    const double t249 = maximum(t24, t247);
-    const double t250 = maximum(k8, maximum(k8, maximum(t248, t242 - t242*(t241 < t37))));
-    const double t251 = t105*maximum(t250, t99 < t240);
-    const double t252 = t138*maximum(t250, t136 < t240);
-    const double t253 = maximum(k8, maximum(t248, t245 - t245*(t241 < t145)));
-    const double t254 = maximum(k8, t253);
-    const double t255 = t206*maximum(t254, t204 < t240);
-    const double t256 = t238*maximum(t254, t236 < t240);
-    const double t257 = 1.0 - maximum(t256, maximum(t255, maximum(t251, t252)));
-    const double t258 = maximum(maximum(k8, maximum(k8, maximum(t146, t249))), t254*t257);
-    const double t259 = maximum(t24, maximum(k8, maximum(k8, t146)));
-    const double t260 = maximum(maximum(k8, maximum(k8, maximum(t38, t249))), t250*t257);
-    const double t261 = maximum(t24, maximum(k8, maximum(k8, t38)));
-    const double t262 = t259 > 0.0 ? 8.0 : 4.0*t258;
-    const double t263 = t261 > 0.0 ? 8.0 : 4.0*t260;
-    const double t264 = (t259 > 0.0 ? 3.0 : t106) + 4.0*t254;
-    const double t265 = (t261 > 0.0 ? 3.0 : t106) + 4.0*t250;
-    const double t266 = (0.0 < t230) ? 3.141592653589793 : -3.141592653589793;
-    const double t267 = (0.0 < t130) ? 3.141592653589793 : -3.141592653589793;
+    const double t240 = 3e-11*t7;
+    const double t241 = maximum(t240, 1000.0*t239);
+    const double t242 = t240 < t241;
+    const double t243 = 0.001*t7;
+    const double t244 = 1.0 - (t243 < t34);
+    const double t245 = 0.001*t8;
+    const double t246 = 1.0 - (t245 < t19);
+    const double t247 = 1.0 - (t243 < t143);
+    const double t248 = 1.0 - (1e-14*fabs(100000.0*t9) < t12);
+    const double t249 = t248 - t248*(t12 < -1e-11*fabs(100.0*t9));
+    const double t250 = maximum(t249, t246 - t246*(t245 < t21));
+    const double t251 = maximum(t24, t249);
+    const double t252 = maximum(k8, maximum(k8, maximum(t250, t244 - t244*(t243 < t37))));
+    const double t253 = t105*maximum(t252, t99 < t241);
+    const double t254 = t138*maximum(t252, t136 < t241);
+    const double t255 = maximum(k8, maximum(t250, t247 - t247*(t243 < t145)));
+    const double t256 = maximum(k8, t255);
+    const double t257 = t206*maximum(t256, t204 < t241);
+    const double t258 = t238*maximum(t256, t236 < t241);
+    const double t259 = maximum(t242, t256);
+    const double t260 = maximum(t252, t242);
+    const double t261 = 1.0 - maximum(t258, maximum(t257, maximum(t253, t254)));
+    const double t262 = maximum(maximum(k8, maximum(k8, maximum(t146, t251))), t261*t259);
+    const double t263 = maximum(t24, maximum(k8, maximum(k8, t146)));
+    const double t264 = maximum(maximum(k8, maximum(k8, maximum(t38, t251))), t260*t261);
+    const double t265 = maximum(t24, maximum(k8, maximum(k8, t38)));
+    const double t266 = t263 > 0.0 ? 8.0 : 4.0*t262;
+    const double t267 = t265 > 0.0 ? 8.0 : 4.0*t264;
+    const double t268 = (t263 > 0.0 ? 3.0 : t106) + 4.0*t259;
+    const double t269 = (t265 > 0.0 ? 3.0 : t106) + 4.0*t260;
+    const double t270 = (0.0 < t230) ? 3.141592653589793 : -3.141592653589793;
+    const double t271 = (0.0 < t130) ? 3.141592653589793 : -3.141592653589793;
     result[0] = t130;
     result[lanes] = arctangent(t46, t50);
     result[2 * lanes] = arctangent(t69, t66);
-    result[3 * lanes] = -arctangent(t57, t56);
-    result[4 * lanes] = t30;
-    result[5 * lanes] = t130 - t267;
+    result[3 * lanes] = arctangent(t57, -t56);
+    result[4 * lanes] = -t30;
+    result[5 * lanes] = t130 - t271;
     result[6 * lanes] = arctangent(t46, t51);
     result[7 * lanes] = arctangent(t69, t67);
-    result[8 * lanes] = arctangent(t110, -t109);
-    result[9 * lanes] = t30;
+    result[8 * lanes] = -arctangent(t110, t109);
+    result[9 * lanes] = -t30;
     result[10 * lanes] = t230;
     result[11 * lanes] = arctangent(t152, t157);
     result[12 * lanes] = arctangent(t171, t172);
     result[13 * lanes] = arctangent(t164, -t163);
     result[14 * lanes] = -t29;
-    result[15 * lanes] = t230 - t266;
+    result[15 * lanes] = t230 - t270;
     result[16 * lanes] = arctangent(t152, t158);
     result[17 * lanes] = arctangent(t171, t173);
     result[18 * lanes] = -arctangent(t210, t209);
     result[19 * lanes] = -t29;
-    result[20 * lanes] = t251 > 0.0 ? t265 : t263;
-    result[21 * lanes] = t252 > 0.0 ? t265 : t263;
-    result[22 * lanes] = t255 > 0.0 ? t264 : t262;
-    result[23 * lanes] = t256 > 0.0 ? t264 : t262;
+    result[20 * lanes] = t253 > 0.0 ? t269 : t267;
+    result[21 * lanes] = t254 > 0.0 ? t269 : t267;
+    result[22 * lanes] = t257 > 0.0 ? t268 : t266;
+    result[23 * lanes] = t258 > 0.0 ? t268 : t266;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1784,7 +1788,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 5 };
-    double ahead[5 + 2], found[5 + 2], damping = 1e-12, fall = 0.1;
+    double ahead[5 + 2], found[5 + 2], damping = 1e-16, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 8, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1829,30 +1833,39 @@ static int inverse_kinematics_apart(const double *restrict T, const double *rest
 }
 
 /* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
-   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. Where nothing else is left,
+   the pose may be one that the arm reaches but for rounding. */
 static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
 {
     const double *const codes = values + 20;
-    for (int exists = 1; exists >= 0; --exists)
-        for (size_t b = 0; b < 4; ++b) {
-            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
-            double *const row = q + 5 * b;
-            if (!doubts[b] || (code % 4 > 0) != exists)
-                continue;
-            for (size_t j = 0; j < 5; ++j)
-                row[j] = isfinite(values[5 * b + j]) ? values[5 * b + j] : 0.0;
-            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 1e-07 : 3e-11);
-            for (size_t other = 0; fine && other < 4; ++other) {
-                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
-                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 5 * other, row, tolerance) : 5;
-                if (kinds[other] && apart == 0)
-                    fine = 0;
-                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
-                    fine = free[b] = 0;
+    double errors[4];
+    int found = 0;
+    for (int pass = 0; pass < 2 && !found; ++pass)
+        for (int exists = 1; exists >= 0; --exists)
+            for (size_t b = 0; b < 4; ++b) {
+                const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+                double *const row = q + 5 * b;
+                found |= kinds[b] > 0;
+                if (!doubts[b] || (code % 4 > 0) != exists)
+                    continue;
+                if (!pass) {
+                    for (size_t j = 0; j < 5; ++j)
+                        row[j] = isfinite(values[5 * b + j]) ? values[5 * b + j] : 0.0;
+                    errors[b] = inverse_kinematics_refined(T, k, row);
+                }
+                int fine = errors[b] <= (pass && kind < 3 ? 1e-07 : 3e-11);
+                for (size_t other = 0; fine && other < 4; ++other) {
+                    const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                    const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 5 * other, row, tolerance) : 5;
+                    if (kinds[other] && apart == 0)
+                        fine = 0;
+                    else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                        fine = free[b] = 0;
+                }
+                kinds[b] = fine ? kind : 0;
+                settled[b] = fine && exists && kind == 3 && memcmp(row, values + 5 * b, 5 * sizeof *row) == 0;
+                found |= fine;
             }
-            kinds[b] = fine ? kind : 0;
-            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 5 * b, 5 * sizeof *row) == 0;
-        }
 }
 
 static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
@@ -1935,7 +1948,7 @@ static void inverse_kinematics_alone(const double *restrict T, const double *res
         {0.538, -0.275, -0.516, -0.254, 0.452},
         {0.301, -0.721, 0.853, 0.952, -0.485},
     };
-    const double damping = 1e-12;
+    const double damping = 1e-16;
     double start[5], step[5 + 2], values[24], moved[16] = {0.0};
     for (size_t j = 0; j < 5; ++j)
         start[j] = isfinite(q[j]) ? q[j] : 0.0;

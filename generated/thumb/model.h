@@ -192,7 +192,7 @@ void thumb_analytic_jacobian_zyz_constants(const double *params, double *k);
  * @param[out] status  what each branch is, 4; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 377 mul, 260 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 161 cases.
+ * Closed form, all branches at once: 377 mul, 260 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 164 cases.
  * Once per set of parameters: 4 mul, 4 add, 1 cases.
  */
 int thumb_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

@@ -44,7 +44,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 111, "add": 67, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 76, "add": 29, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 54, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
-    "inverse_kinematics": {"mul": 377, "add": 260, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 161},
+    "inverse_kinematics": {"mul": 377, "add": 260, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 164},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -219,7 +219,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 377 mul, 260 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 161 cases.
+    Closed form, all branches at once: 377 mul, 260 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 164 cases.
     Once per set of parameters: 4 mul, 4 add, 1 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -694,17 +694,17 @@ def _inverse_kinematics(functions, k, T, near):
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     near1, near2, near3, near4, near5 = near
     p_lI3, p_lI2, k3, p_lI1, k5, k6, k7, k8 = k
-    t8 = T14 - p_lI3*T11
-    t9 = T34 - p_lI3*T31
-    t10 = T24 - p_lI3*T21
-    t11 = k3*(T21*t10 + (T11*t8 + T31*t9))
-    t12 = k3*(t10*T22 + (t8*T12 + t9*T32))
+    t8 = T34 - p_lI3*T31
+    t9 = T24 - p_lI3*T21
+    t10 = T14 - p_lI3*T11
+    t11 = k3*(T11*t10 + (T31*t8 + T21*t9))
+    t12 = k3*(t8*T32 + (t10*T12 + t9*T22))
     t13 = t11*t11 + t12*t12
     t14 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
     t15 = t14*t14
     t16 = t13 + t15*(1e-10*t15)
     t17 = absolute(t16)
-    t18 = t9*t9 + (t8*t8 - (k6 - t10*t10))
+    t18 = t8*t8 + (t10*t10 - (k6 - t9*t9))
     t19 = t13 - t18*t18
     t20 = less(1e-14*t17, t19)
     t21 = t18/t13
@@ -722,12 +722,12 @@ def _inverse_kinematics(functions, k, T, near):
     t33 = select(t31, t32, t25 + t23)
     t34 = select(t31, -t32, t25 - t23)
     t35 = sin(near5)
-    t36 = select(t31, t35, t24 - t27)
-    t37 = select(t31, t35, t24 + t27)
-    t38 = atan2(t37, t34)
-    t39 = atan2(t36, t33)
-    t40 = t8 - p_lI2*(T11*t33 - T12*t36)
-    t41 = t10 - p_lI2*(T21*t33 - T22*t36)
+    t36 = select(t31, t35, t27 + t24)
+    t37 = select(t31, -t35, t27 - t24)
+    t38 = atan2(t36, t34)
+    t39 = atan2(t37, t33)
+    t40 = t10 - p_lI2*(T11*t33 + T12*t37)
+    t41 = t9 - p_lI2*(T21*t33 + T22*t37)
     t42 = sqrt(t40*t40 + t41*t41)
     t43 = absolute(t40)
     t44 = 1e-12*t14
@@ -740,7 +740,7 @@ def _inverse_kinematics(functions, k, T, near):
     t51 = sin(near1)
     t52 = select(t47, t51, t40/t42)
     t53 = (t41*t50 + t40*t52)/p_lI1
-    t54 = (t9 - p_lI2*(T31*t33 - T32*t36))/p_lI1
+    t54 = (t8 - p_lI2*(T31*t33 + T32*t37))/p_lI1
     t55 = 1.5 - 0.5*(t53*t53 + t54*t54)
     t56 = t53*t55
     t57 = sin(near2)
@@ -754,14 +754,14 @@ def _inverse_kinematics(functions, k, T, near):
     t65 = t61 - T31*t63
     t66 = T12*t59 + T22*t60
     t67 = t66 - T32*t63
-    t68 = t36*t36 + t33*t33
-    t69 = (t36*t65 + t33*t67)/t68
-    t70 = (t36*t67 - t33*t65)/t68
+    t68 = t37*t37 + t33*t33
+    t69 = (t37*t65 - t33*t67)/t68
+    t70 = (t37*t67 + t33*t65)/t68
     t71 = 1.5 - 0.5*(t69*t69 + t70*t70)
     t72 = t69*t71
     t73 = t70*t71
     t74 = t52*T23 - t50*T13
-    t75 = (t10*T23 + (t9*T33 + t8*T13))/p_lI1
+    t75 = (t9*T23 + (t10*T13 + t8*T33))/p_lI1
     t76 = t75*t75
     t77 = 1.5 - 0.5*(t76 + t74*t74)
     t78 = t74*t77
@@ -773,24 +773,24 @@ def _inverse_kinematics(functions, k, T, near):
     t84 = select(k7, -t75*t77, t83)
     t85 = t50*t84
     t86 = t85 - t80*t82
-    t87 = t72*t86 - t59*t73
-    t88 = t59*t72 + t73*t86
-    t89 = t33*t87 + t36*t88
+    t87 = t59*t72 + t73*t86
+    t88 = t72*t86 - t59*t73
+    t89 = t37*t87 - t33*t88
     t90 = t50*t63
     t91 = t52*t84
     t92 = t91 + t80*t90
     t93 = t72*t92 + t60*t73
     t94 = t60*t72 - t73*t92
-    t95 = t33*t93 - t36*t94
+    t95 = t33*t93 + t37*t94
     t96 = t58*t80
-    t97 = t63*t72 + t73*t96
-    t98 = t63*t73 - t72*t96
-    t99 = t36*t97 - t33*t98
-    t100 = maximum(absolute(T31 + t99), maximum(absolute(T11 - t89), absolute(T21 + t95)))
-    t101 = maximum(absolute(t36*t93 - (T22 - t33*t94)), maximum(absolute(t36*t87 + (T12 - t33*t88)), t100))
-    t102 = absolute(p_lI3*t89 + (p_lI2*t87 - (T14 + p_lI1*t82)))
-    t103 = maximum(absolute(t84*t82 - (T13 - t50*t80)), maximum(absolute(t36*t98 + (T32 + t33*t97)), t101))
-    t104 = absolute(p_lI2*t93 + (p_lI3*t95 + (T24 + p_lI1*t90)))
+    t97 = t63*t73 - t72*t96
+    t98 = t63*t72 + t73*t96
+    t99 = t33*t97 + t37*t98
+    t100 = maximum(absolute(T31 + t99), maximum(absolute(T11 - t89), absolute(T21 - t95)))
+    t101 = maximum(absolute(t37*t93 - (T22 + t33*t94)), maximum(absolute(t37*t88 + (T12 + t33*t87)), t100))
+    t102 = absolute(p_lI2*t88 - (p_lI3*t89 - (T14 + p_lI1*t82)))
+    t103 = maximum(absolute(t84*t82 - (T13 - t50*t80)), maximum(absolute(t37*t97 + (T32 - t33*t98)), t101))
+    t104 = absolute(p_lI3*t95 + (p_lI2*t93 - (T24 + p_lI1*t90)))
     t105 = absolute(T33 - t58*t84)
     t106 = maximum(t105, maximum(absolute(t84*t90 - (T23 + t52*t80)), t103))
     t107 = absolute(t52*t52 - (1.0 - t50*t50))
@@ -801,7 +801,7 @@ def _inverse_kinematics(functions, k, T, near):
     t112 = absolute(1.0 - t68)
     t113 = maximum(t104, maximum(t102, t14*maximum(t112, t111)))
     t114 = T34 + p_lI1*t58
-    t115 = maximum(absolute(p_lI2*t98 - (t114 + p_lI3*t99)), t113)
+    t115 = maximum(absolute(p_lI3*t99 + (t114 + p_lI2*t97)), t113)
     t116 = t58*t81
     t117 = 1e-07*t14
     t118 = (1.0 - t31)*(1.0 - less(t19, -1e-11*t17))
@@ -811,40 +811,40 @@ def _inverse_kinematics(functions, k, T, near):
     t122 = select(t118 - t119, 2.0, 1.0)
     t123 = t61 + T31*t64
     t124 = t66 + T32*t64
-    t125 = (t36*t123 + t33*t124)/t68
-    t126 = (t36*t124 - t33*t123)/t68
+    t125 = (t37*t123 - t33*t124)/t68
+    t126 = (t37*t124 + t33*t123)/t68
     t127 = 1.5 - 0.5*(t125*t125 + t126*t126)
     t128 = t125*t127
     t129 = t126*t127
     t130 = t52*t64
     t131 = t85 - t81*t130
-    t132 = t128*t131 - t59*t129
-    t133 = t59*t128 + t129*t131
-    t134 = t33*t132 + t36*t133
+    t132 = t59*t128 + t129*t131
+    t133 = t128*t131 - t59*t129
+    t134 = t37*t132 - t33*t133
     t135 = t50*t64
     t136 = t91 + t81*t135
     t137 = t128*t136 + t60*t129
     t138 = t60*t128 - t129*t136
-    t139 = t33*t137 - t36*t138
-    t140 = t64*t129 - t128*t116
-    t141 = t64*t128 + t129*t116
-    t142 = t33*t140 - t36*t141
-    t143 = maximum(absolute(T31 + t142), maximum(absolute(T11 - t134), absolute(T21 + t139)))
-    t144 = maximum(absolute(t36*t137 - (T22 - t33*t138)), maximum(absolute(t36*t132 + (T12 - t33*t133)), t143))
-    t145 = absolute(p_lI3*t134 + (p_lI2*t132 - (T14 - p_lI1*t130)))
-    t146 = absolute(p_lI2*t137 + (p_lI3*t139 + (T24 - p_lI1*t135)))
-    t147 = maximum(absolute(t84*t130 + (T13 + t50*t81)), maximum(absolute(t36*t140 - (T32 - t33*t141)), t144))
+    t139 = t33*t137 + t37*t138
+    t140 = t64*t128 + t129*t116
+    t141 = t64*t129 - t128*t116
+    t142 = t37*t140 + t33*t141
+    t143 = maximum(absolute(T31 - t142), maximum(absolute(T11 - t134), absolute(T21 - t139)))
+    t144 = maximum(absolute(t37*t137 - (T22 + t33*t138)), maximum(absolute(t37*t133 + (T12 + t33*t132)), t143))
+    t145 = absolute(p_lI2*t133 - (p_lI3*t134 - (T14 - p_lI1*t130)))
+    t146 = absolute(p_lI2*t137 + (p_lI3*t139 - (T24 - p_lI1*t135)))
+    t147 = maximum(absolute(t84*t130 + (T13 + t50*t81)), maximum(absolute(t37*t141 - (T32 + t33*t140)), t144))
     t148 = atan2(t52, -t50)
     t149 = maximum(t105, maximum(absolute(t84*t135 + (T23 - t52*t81)), t147))
     t150 = maximum(absolute(t108 - t64*t64), maximum(t107, t149))
     t151 = maximum(absolute(t129*t129 - (1.0 - t128*t128)), maximum(absolute(t110 - t81*t81), t150))
     t152 = maximum(t146, maximum(t145, t14*maximum(t112, t151)))
-    t153 = maximum(absolute(p_lI3*t142 + (t114 + p_lI2*t140)), t152)
+    t153 = maximum(absolute(p_lI2*t141 - (t114 - p_lI3*t142)), t152)
     t154 = t120*less(t153, t117)
     t155 = t154 - t47*t154
     t156 = minimum(select(t121, t115, t117), select(t155, t153, t117))
-    t157 = t8 - p_lI2*(T11*t34 + T12*t37)
-    t158 = t10 - p_lI2*(T21*t34 + T22*t37)
+    t157 = t10 - p_lI2*(T11*t34 + T12*t36)
+    t158 = t9 - p_lI2*(T21*t34 + T22*t36)
     t159 = sqrt(t157*t157 + t158*t158)
     t160 = absolute(t157)
     t161 = 1.0 - less(t44, t160)
@@ -853,7 +853,7 @@ def _inverse_kinematics(functions, k, T, near):
     t164 = select(t163, t49, t158/t159)
     t165 = select(t163, t51, t157/t159)
     t166 = (t158*t164 + t157*t165)/p_lI1
-    t167 = (t9 - p_lI2*(T31*t34 + T32*t37))/p_lI1
+    t167 = (t8 - p_lI2*(T31*t34 + T32*t36))/p_lI1
     t168 = 1.5 - 0.5*(t166*t166 + t167*t167)
     t169 = select(k7, -t167*t168, t57)
     t170 = t166*t168
@@ -865,9 +865,9 @@ def _inverse_kinematics(functions, k, T, near):
     t176 = t173 - T31*t174
     t177 = T12*t171 + T22*t172
     t178 = t177 - T32*t174
-    t179 = t37*t37 + t34*t34
-    t180 = (t37*t176 - t34*t178)/t179
-    t181 = (t37*t178 + t34*t176)/t179
+    t179 = t36*t36 + t34*t34
+    t180 = (t36*t176 - t34*t178)/t179
+    t181 = (t36*t178 + t34*t176)/t179
     t182 = 1.5 - 0.5*(t180*t180 + t181*t181)
     t183 = t180*t182
     t184 = t181*t182
@@ -880,23 +880,23 @@ def _inverse_kinematics(functions, k, T, near):
     t191 = t165*t174
     t192 = t164*t188
     t193 = t192 - t189*t191
-    t194 = t171*t183 + t184*t193
-    t195 = t183*t193 - t171*t184
-    t196 = t37*t194 - t34*t195
+    t194 = t183*t193 - t171*t184
+    t195 = t171*t183 + t184*t193
+    t196 = t34*t194 - t36*t195
     t197 = t164*t174
     t198 = t165*t188
     t199 = t198 + t189*t197
     t200 = t172*t183 - t184*t199
     t201 = t183*t199 + t172*t184
-    t202 = t37*t200 + t34*t201
+    t202 = t36*t200 + t34*t201
     t203 = t169*t189
     t204 = t174*t183 + t184*t203
     t205 = t174*t184 - t183*t203
-    t206 = t37*t204 + t34*t205
-    t207 = maximum(absolute(T31 + t206), maximum(absolute(T11 - t196), absolute(T21 - t202)))
-    t208 = maximum(absolute(t37*t201 - (T22 + t34*t200)), maximum(absolute(t37*t195 + (T12 + t34*t194)), t207))
-    t209 = absolute(p_lI2*t195 - (p_lI3*t196 - (T14 + p_lI1*t191)))
-    t210 = maximum(absolute(t188*t191 - (T13 - t164*t189)), maximum(absolute(t37*t205 + (T32 - t34*t204)), t208))
+    t206 = t36*t204 + t34*t205
+    t207 = maximum(absolute(T31 + t206), maximum(absolute(T11 + t196), absolute(T21 - t202)))
+    t208 = maximum(absolute(t36*t201 - (T22 + t34*t200)), maximum(absolute(t36*t194 + (T12 + t34*t195)), t207))
+    t209 = absolute(p_lI3*t196 + (p_lI2*t194 + (T14 + p_lI1*t191)))
+    t210 = maximum(absolute(t188*t191 - (T13 - t164*t189)), maximum(absolute(t36*t205 + (T32 - t34*t204)), t208))
     t211 = absolute(p_lI2*t201 + (p_lI3*t202 - (T24 + p_lI1*t197)))
     t212 = maximum(absolute(t188*t197 - (T23 + t165*t189)), t210)
     t213 = absolute(T33 - t169*t188)
@@ -913,8 +913,8 @@ def _inverse_kinematics(functions, k, T, near):
     t224 = t119*less(t222, t117)
     t225 = t173 + T31*t175
     t226 = t177 + T32*t175
-    t227 = (t37*t225 - t34*t226)/t179
-    t228 = (t37*t226 + t34*t225)/t179
+    t227 = (t36*t225 - t34*t226)/t179
+    t228 = (t36*t226 + t34*t225)/t179
     t229 = 1.5 - 0.5*(t227*t227 + t228*t228)
     t230 = t227*t229
     t231 = t228*t229
@@ -922,63 +922,67 @@ def _inverse_kinematics(functions, k, T, near):
     t233 = t192 - t190*t232
     t234 = t230*t233 - t171*t231
     t235 = t171*t230 + t231*t233
-    t236 = t34*t234 - t37*t235
+    t236 = t34*t234 - t36*t235
     t237 = t164*t175
     t238 = t198 + t190*t237
     t239 = t172*t230 - t231*t238
     t240 = t230*t238 + t172*t231
-    t241 = t37*t239 + t34*t240
-    t242 = t175*t231 - t230*t223
-    t243 = t175*t230 + t231*t223
-    t244 = t34*t242 + t37*t243
+    t241 = t36*t239 + t34*t240
+    t242 = t175*t230 + t231*t223
+    t243 = t175*t231 - t230*t223
+    t244 = t36*t242 + t34*t243
     t245 = maximum(absolute(T31 - t244), maximum(absolute(T11 + t236), absolute(T21 - t241)))
-    t246 = maximum(absolute(t37*t240 - (T22 + t34*t239)), maximum(absolute(t37*t234 + (T12 + t34*t235)), t245))
+    t246 = maximum(absolute(t36*t240 - (T22 + t34*t239)), maximum(absolute(t36*t234 + (T12 + t34*t235)), t245))
     t247 = absolute(p_lI3*t236 + (p_lI2*t234 + (T14 - p_lI1*t232)))
-    t248 = absolute(p_lI3*t241 + (p_lI2*t240 - (T24 - p_lI1*t237)))
-    t249 = maximum(absolute(t188*t232 + (T13 + t164*t190)), maximum(absolute(t37*t242 - (T32 + t34*t243)), t246))
+    t248 = absolute(p_lI2*t240 + (p_lI3*t241 - (T24 - p_lI1*t237)))
+    t249 = maximum(absolute(t188*t232 + (T13 + t164*t190)), maximum(absolute(t36*t243 - (T32 + t34*t242)), t246))
     t250 = atan2(t165, -t164)
     t251 = maximum(absolute(t188*t237 + (T23 - t165*t190)), t249)
     t252 = maximum(absolute(t215 - t175*t175), maximum(t214, maximum(t213, t251)))
     t253 = maximum(absolute(t231*t231 - (1.0 - t230*t230)), maximum(absolute(t217 - t190*t190), t252))
     t254 = maximum(t248, maximum(t247, t14*maximum(t219, t253)))
-    t255 = maximum(absolute(p_lI3*t244 - (t221 - p_lI2*t242)), t254)
+    t255 = maximum(absolute(p_lI2*t243 - (t221 - p_lI3*t244)), t254)
     t256 = t119*less(t255, t117)
     t257 = t256 - t163*t256
     t258 = minimum(select(t257, t255, t117), minimum(select(t224, t222, t117), t156))
-    t259 = maximum(1000.0*t258, 3e-11*t14)
-    t260 = 0.001*t14
-    t261 = 1.0 - less(t260, t43)
-    t262 = 0.001*t15
-    t263 = 1.0 - less(t262, t26)
-    t264 = 1.0 - less(t260, t160)
-    t265 = 1.0 - less(1e-14*absolute(100000.0*t16), t19)
-    t266 = t265 - t265*less(t19, -1e-11*absolute(100.0*t16))
-    t267 = maximum(t266, t263 - t263*less(t262, t28))
-    t268 = maximum(t31, t266)
-    t269 = maximum(k8, maximum(t267, t261 - t261*less(t260, t46)))
-    t270 = maximum(k8, t269)
-    t271 = t121*maximum(t270, less(t115, t259))
-    t272 = t155*maximum(t270, less(t153, t259))
-    t273 = maximum(k8, maximum(t267, t264 - t264*less(t260, t162)))
-    t274 = maximum(k8, t273)
-    t275 = t224*maximum(t274, less(t222, t259))
-    t276 = t257*maximum(t274, less(t255, t259))
-    t277 = 1.0 - maximum(t276, maximum(t275, maximum(t271, t272)))
-    t278 = maximum(maximum(k8, maximum(k8, maximum(t163, t268))), t274*t277)
-    t279 = maximum(t31, maximum(k8, maximum(k8, t163)))
-    t280 = maximum(maximum(k8, maximum(k8, maximum(t47, t268))), t270*t277)
-    t281 = maximum(t31, maximum(k8, maximum(k8, t47)))
-    t282 = select(t279, 8.0, 4.0*t278)
-    t283 = select(t281, 8.0, 4.0*t280)
-    t284 = select(t279, 3.0, t122) + 4.0*t274
-    t285 = select(t281, 3.0, t122) + 4.0*t270
-    t286 = select(less(0.0, t250), 3.141592653589793, -3.141592653589793)
-    t287 = select(less(0.0, t148), 3.141592653589793, -3.141592653589793)
+    t259 = 3e-11*t14
+    t260 = maximum(t259, 1000.0*t258)
+    t261 = less(t259, t260)
+    t262 = 0.001*t14
+    t263 = 1.0 - less(t262, t43)
+    t264 = 0.001*t15
+    t265 = 1.0 - less(t264, t26)
+    t266 = 1.0 - less(t262, t160)
+    t267 = 1.0 - less(1e-14*absolute(100000.0*t16), t19)
+    t268 = t267 - t267*less(t19, -1e-11*absolute(100.0*t16))
+    t269 = maximum(t268, t265 - t265*less(t264, t28))
+    t270 = maximum(t31, t268)
+    t271 = maximum(k8, maximum(t269, t263 - t263*less(t262, t46)))
+    t272 = maximum(k8, t271)
+    t273 = t121*maximum(t272, less(t115, t260))
+    t274 = t155*maximum(t272, less(t153, t260))
+    t275 = maximum(k8, maximum(t269, t266 - t266*less(t262, t162)))
+    t276 = maximum(k8, t275)
+    t277 = t224*maximum(t276, less(t222, t260))
+    t278 = t257*maximum(t276, less(t255, t260))
+    t279 = maximum(t261, t276)
+    t280 = maximum(t272, t261)
+    t281 = 1.0 - maximum(t278, maximum(t277, maximum(t273, t274)))
+    t282 = maximum(maximum(k8, maximum(k8, maximum(t163, t270))), t281*t279)
+    t283 = maximum(t31, maximum(k8, maximum(k8, t163)))
+    t284 = maximum(maximum(k8, maximum(k8, maximum(t47, t270))), t280*t281)
+    t285 = maximum(t31, maximum(k8, maximum(k8, t47)))
+    t286 = select(t283, 8.0, 4.0*t282)
+    t287 = select(t285, 8.0, 4.0*t284)
+    t288 = select(t283, 3.0, t122) + 4.0*t279
+    t289 = select(t285, 3.0, t122) + 4.0*t280
+    t290 = select(less(0.0, t250), 3.141592653589793, -3.141592653589793)
+    t291 = select(less(0.0, t148), 3.141592653589793, -3.141592653589793)
     return (
-        t148, atan2(t58, t63), atan2(t84, t80), -atan2(t70, t69), t39, t148 - t287, atan2(t58, t64),
-        atan2(t84, t81), atan2(t126, -t125), t39, t250, atan2(t169, t174), atan2(t188, t189),
-        atan2(t181, -t180), -t38, t250 - t286, atan2(t169, t175), atan2(t188, t190), -atan2(t228, t227), -t38,
-        select(t271, t285, t283), select(t272, t285, t283), select(t275, t284, t282), select(t276, t284, t282),
+        t148, atan2(t58, t63), atan2(t84, t80), atan2(t70, -t69), -t39, t148 - t291, atan2(t58, t64),
+        atan2(t84, t81), -atan2(t126, t125), -t39, t250, atan2(t169, t174), atan2(t188, t189),
+        atan2(t181, -t180), -t38, t250 - t290, atan2(t169, t175), atan2(t188, t190), -atan2(t228, t227), -t38,
+        select(t273, t289, t287), select(t274, t289, t287), select(t277, t288, t286), select(t278, t288, t286),
     )
 
 
@@ -1991,13 +1995,13 @@ _ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
 others are turned, too, differently in each branch."""
 
 _CLOSED = 1e-07
-"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none, where the pose has no other."""
 
 _TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
 """Joints that may be turned: not those that are given."""
 
 _REPRODUCED = 3e-11
-"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+"""Likewise where it has another, of one with free joints, or that was found near a branch that does not exist."""
 
 _ROUNDING = 1e-13
 """An error that no further step makes smaller."""
@@ -2057,7 +2061,7 @@ class _Step(_Function):
         The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
         near double roots; who gains less than a tenth in eight steps is given up.
         """
-        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        damping, fall = np.full((len(q), 1), 1e-16), np.full((len(q), 1), 0.1)
         ahead = self._steps(q, poses, damping, parameters)
         error = ahead[:, DOF].copy()
         before, refused = error.copy(), np.zeros(len(q), dtype=int)
@@ -2093,14 +2097,14 @@ class _Step(_Function):
 
     def units(self, q, poses, parameters):
         """Units of the joint variables (N, DOF), 1 for angles."""
-        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-16), parameters)[:, DOF + 1]
         return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
-        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-16,))
         for _ in range(2):
-            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-16,))
             better = found[DOF] < ahead[DOF]
             q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
             ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
@@ -2269,7 +2273,10 @@ class _Inverse(_Function):
         start = np.nan_to_num(q[place, branch])
         found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
         kinds = np.where(exists, codes[place, branch], SINGULAR)
-        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        fine = error <= _REPRODUCED
+        other = ((codes > 0.0) & ~doubtful).any(axis=1)
+        other[place[fine]] = True
+        fine |= (error <= _CLOSED) & (kinds != SINGULAR) & ~other[place]
         q[place, branch] = found
         codes[place, branch] = np.where(fine, kinds, NONE)
         settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
