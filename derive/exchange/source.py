@@ -17,7 +17,8 @@ from pathlib import Path
 
 from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.certificate import Certificate
-from derive.exchange.urdf import MOST_BYTES, Urdf, read_urdf
+from derive.exchange.read_urdf import MOST_BYTES, read_urdf
+from derive.exchange.urdf import Urdf
 from derive.robot.load import file_bytes
 
 MARK = "derive import: "

@@ -12,8 +12,8 @@ from derive.exchange.arm import arm_of
 from derive.exchange.carried_table import carried_table, placement_of, table_text
 from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, import_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.exchange.space import exactly
-from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
 from derive.robot.expression import Pi, multiply, number
 from derive.robot.robot import Robot

@@ -11,8 +11,8 @@ import pytest
 from derive.exchange.arm import arm_of
 from derive.exchange.certificate import certify
 from derive.exchange.from_urdf import import_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.exchange.space import exactly
-from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
 from derive.robot.expression import number
 from tests.exchange.urdfs import J, pose, urdf

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.exchange.from_urdf import import_urdf, robot_name
-from derive.exchange.urdf import read_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.robot.description import Convention
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import HALF, PI, J, Reading, body, pose, urdf

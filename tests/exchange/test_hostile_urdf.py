@@ -11,7 +11,7 @@ from derive.api.importing import snap_of
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.arm import moving_tips
 from derive.exchange.from_urdf import import_urdf
-from derive.exchange.urdf import read_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.robot.description import Convention
 from tests.exchange.urdfs import J, body, urdf
 

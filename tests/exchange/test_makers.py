@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from derive.exchange.from_urdf import import_urdf
-from derive.exchange.urdf import read_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.load import catalogue_names

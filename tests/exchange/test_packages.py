@@ -15,8 +15,9 @@ from derive.errors import DeriveError
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.common_normals import FAR
 from derive.exchange.from_urdf import Imported, import_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.exchange.space import exactly
-from derive.exchange.urdf import Urdf, read_urdf
+from derive.exchange.urdf import Urdf
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.verification.oracle.functions import Oracle

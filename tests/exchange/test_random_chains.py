@@ -11,9 +11,10 @@ import pytest
 
 from derive.exchange.arm import arm_of
 from derive.exchange.common_normals import AS_WRITTEN, FAR, TURNED
-from derive.exchange.from_urdf import TOUCHING, import_urdf
+from derive.exchange.from_urdf import import_urdf
+from derive.exchange.read_urdf import read_urdf
+from derive.exchange.robot_of_arm import TOUCHING
 from derive.exchange.space import exactly
-from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.robot import Robot

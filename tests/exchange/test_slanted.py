@@ -10,8 +10,8 @@ import pytest
 
 from derive.exchange.common_normals import AS_WRITTEN, FAR, TURNED
 from derive.exchange.from_urdf import MOST_MOVED, Imported, import_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.exchange.slanted import as_meant, cut_off, meant, named
-from derive.exchange.urdf import read_urdf
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from tests.exchange.urdfs import J, Reading, pose, urdf

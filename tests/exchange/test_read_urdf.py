@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from derive.errors import RobotFileError
-from derive.exchange.urdf import read_urdf
+from derive.exchange.read_urdf import read_urdf
 from tests.exchange.urdfs import J, body, urdf
 
 

@@ -1,0 +1,349 @@
+"""URDF files, read exactly, each element with its line."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from derive.errors import Location, RobotFileError, TargetError, quoted
+from derive.exchange.urdf import MOVING, ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
+
+if TYPE_CHECKING:
+    from lxml import etree
+
+MOST_BYTES = 16 * 2**20
+"""Of a file; URDFs with thousands of links have less."""
+
+MOST_ELEMENTS = 20_000
+"""Links and joints of a robot."""
+
+MOST_TAGS = 200_000
+"""Of a file, opening and closing ones; they take the memory."""
+
+MOST_DIGITS = 400
+"""Of a number."""
+
+GREATEST = 60
+"""Power of ten beyond which a number is no length and no mass; what is as small is zero."""
+
+TYPES = (*MOVING, "fixed", "floating", "planar")
+
+READ = {
+    "robot": {"link", "joint", "dh_table"},
+    "link": {"inertial"},
+    "joint": {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"},
+}
+"""The elements within each that an arm is made of."""
+
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_DECLARATION = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
+_ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
+_INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
+_XACRO = re.compile(r"\{[^}]*xacro")
+_DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII)
+
+
+def read_urdf(data: bytes, source: str) -> Urdf:
+    """Read a URDF.
+
+    Args:
+        data: Contents of the file.
+        source: Name for messages.
+
+    Returns:
+        Its links and joints.
+
+    Raises:
+        RobotFileError: No XML, no robot, or an element that is not as it must be.
+        TargetError: lxml is not installed.
+    """
+    root, notes = _parsed(data, source)
+    if root.tag != "robot":
+        raise RobotFileError(
+            f"the outermost element is {quoted(str(root.tag))}",
+            allowed="allowed: robot",
+            remedy="give a URDF; a xacro file is read where its name ends with .xacro",
+            location=Location(source, root.sourceline or 1),
+        )
+    reader = _Reader(source)
+    elements = list(root.iterchildren("link", "joint"))
+    if len(elements) > MOST_ELEMENTS:
+        found = f"{len(elements)} links and joints"
+        raise reader.refused(root, found, "give one robot", f"allowed: at most {MOST_ELEMENTS}")
+    macro = next((child for child in root if _XACRO.match(str(child.tag))), None)
+    if macro is not None:
+        found = f"an element {quoted('xacro:' + str(macro.tag).rpartition('}')[2])}"
+        raise reader.refused(macro, found, "give it as a file: derive import expands xacro in files alone")
+    bodies: dict[str, UrdfBody | None] = {}
+    joints: dict[str, UrdfJoint] = {}
+    for element in (element for element in elements if element.tag == "link"):
+        name = reader.name(element)
+        if name in bodies:
+            raise reader.refused(element, f"a second link {quoted(name)}", "give each link a name of its own")
+        bodies[name] = reader.body(element)
+    for element in (element for element in elements if element.tag == "joint"):
+        joint = reader.joint(element, bodies)
+        if joint.name in joints:
+            raise reader.refused(element, f"a second joint {quoted(joint.name)}", "give each joint a name of its own")
+        joints[joint.name] = joint
+    if not bodies:
+        raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
+    table = root.findtext("dh_table", "").strip()
+    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, _unread(root, elements), source, table)
+
+
+def _unread(root: etree._Element, elements: Iterable[etree._Element]) -> tuple[str, ...]:
+    """Names of elements that nothing reads, the most frequent first."""
+    found: Counter[str] = Counter()
+    for parent in (root, *elements):
+        found.update(str(child.tag) for child in parent if child.tag not in READ[parent.tag])
+    return tuple(quoted(name)[1:-1] for name, _ in found.most_common())
+
+
+def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
+    """The tree without comments; entities and the network stay off."""
+    try:
+        from lxml import etree
+    except ImportError:
+        remedy = "pip install 'derive-robot[exchange]'"
+        raise TargetError("reading URDF needs lxml, which is not installed", remedy=remedy) from None
+    if len(data) > MOST_BYTES:
+        found = f"{source} has {len(data)} bytes"
+        raise RobotFileError(found, allowed=f"allowed: at most {MOST_BYTES}", remedy="give the URDF without meshes")
+    if (tags := data.count(b"<")) > MOST_TAGS:
+        found, allowed = f"{source} has {tags} tags", f"allowed: at most {MOST_TAGS}"
+        raise RobotFileError(found, allowed=allowed, remedy="give one robot")
+    data, slips = _mended(data)
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True, recover=True
+    )
+    root = etree.fromstring(data, parser) if data.strip() else None
+    unbound = etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE
+    passed = {
+        etree.ErrorTypes.ERR_HYPHEN_IN_COMMENT: "-- within XML comments",
+        etree.ErrorTypes.ERR_UNKNOWN_VERSION: "a version of XML that does not exist",
+    }
+    errors = [error for error in parser.error_log if error.level > 1 and error.type not in (unbound, *passed)]
+    slips += [said for kind, said in passed.items() if any(error.type == kind for error in parser.error_log)]
+    has_types = root is not None and root.getroottree().docinfo.internalDTD is not None
+    if has_types or (errors and b"<!DOCTYPE" in data):
+        place = Location(source, data[: max(data.find(b"<!DOCTYPE"), 0)].count(b"\n") + 1)
+        raise RobotFileError("a document type definition", remedy="write the file without DOCTYPE", location=place)
+    if root is None or errors:
+        found = " ".join(errors[0].message.split())[:120] if errors else "an empty file"
+        place = Location(source, max(errors[0].line, 1), max(errors[0].column, 1)) if errors else Location(source)
+        raise RobotFileError(f"no XML: {found}", remedy="give a well-formed URDF", location=place)
+    prefixes = sorted({error.message.split()[2] for error in parser.error_log if error.type == unbound})
+    slips += [f"the XML prefix {prefix} is not bound" for prefix in prefixes]
+    return root, (*slips, *(f"the XML namespace {quoted(name)} is passed over" for name in _without_default(root)))
+
+
+def _mended(data: bytes) -> tuple[bytes, list[str]]:
+    """A file with slips mended over which other readers of URDF pass, with the same lines, and what they were."""
+    slips = []
+    if late := _DECLARATION.match(data):
+        data = late[2] + late[1] + data[late.end() :]
+        slips.append("space before the XML declaration")
+    if data.startswith(_UTF_16):
+        return data, slips
+    whole = data.rstrip(b"\0\x1a\r\n\t ")
+    if data[len(whole) :].strip():
+        data = whole
+        slips.append("control characters at the end of the file")
+    if not _ENCODING.match(data):
+        try:
+            data.decode()
+        except UnicodeDecodeError:
+            data = data.decode("latin-1").encode()
+            slips.append("not in UTF-8, read as Latin-1")
+    return data, slips
+
+
+def _without_default(root: etree._Element) -> list[str]:
+    """Takes the namespaces from the names of elements without a prefix, as other readers of URDF do; their names."""
+    found: dict[str, None] = {}
+    for element in root.iter("{*}*"):
+        if element.prefix is None and element.tag.startswith("{"):
+            name, _, element.tag = element.tag[1:].rpartition("}")
+            found[name] = None
+    return list(found)
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Elements to data.
+
+    Attributes:
+        source: File name for messages.
+    """
+
+    source: str
+
+    def place(self, element: etree._Element) -> Location:
+        """Where an element is.
+
+        Args:
+            element: Of the file.
+        """
+        return Location(self.source, element.sourceline or 1)
+
+    def refused(self, element: etree._Element, found: str, remedy: str, allowed: str = "") -> RobotFileError:
+        """What to raise.
+
+        Args:
+            element: Where it was found.
+            found: What.
+            remedy: What to do.
+            allowed: What may be there.
+        """
+        return RobotFileError(found, allowed=allowed, remedy=remedy, location=self.place(element))
+
+    def name(self, element: etree._Element) -> str:
+        """Of a link or joint.
+
+        Args:
+            element: It.
+        """
+        name = element.get("name", "").strip()
+        if not name:
+            raise self.refused(element, f"a {element.tag} without a name", 'write name="..."')
+        return str(name)
+
+    def numbers(
+        self, element: etree._Element, attribute: str, count: int, *, infinite: bool = False
+    ) -> tuple[Fraction, ...] | None:
+        """The decimals of an attribute.
+
+        Args:
+            element: Which has it.
+            attribute: Its name.
+            count: How many there must be.
+            infinite: Whether they may be so; then they are the greatest numbers that there are.
+
+        Returns:
+            They; None where the attribute is not there.
+        """
+        text = element.get(attribute)
+        if text is None:
+            return None
+        words = text.split()
+        if len(words) != count:
+            found = f"{element.tag}, {attribute}: {len(words)} numbers, {quoted(text)}"
+            raise self.refused(element, found, f"write {count}", f"allowed: exactly {count}")
+        return tuple(self._number(element, attribute, word, infinite) for word in words)
+
+    def number(self, element: etree._Element, attribute: str, *, infinite: bool = False) -> Fraction | None:
+        """The decimal of an attribute.
+
+        Args:
+            element: Which has it.
+            attribute: Its name.
+            infinite: See `numbers`.
+
+        Returns:
+            It; None where the attribute is not there.
+        """
+        found = self.numbers(element, attribute, 1, infinite=infinite)
+        return found[0] if found else None
+
+    def _number(self, element: etree._Element, attribute: str, word: str, infinite: bool) -> Fraction:
+        if _DECIMAL.fullmatch(word) and len(word) <= MOST_DIGITS:
+            value = Decimal(word)
+            if value == 0 or value.adjusted() < -GREATEST:
+                return Fraction(0)
+            if value.adjusted() <= GREATEST:
+                return Fraction(value)
+            word = "-inf" if infinite and value < 0 else "inf" if infinite else word
+        if infinite and _INFINITE.fullmatch(word):
+            return Fraction((-1 if word[0] == "-" else 1) * 10**GREATEST)
+        found = f"{element.tag}, {attribute}: {quoted(word)} is no number"
+        allowed = f"allowed: finite decimals below 1e{GREATEST}"
+        remedy = "separate numbers by spaces alone" if "," in word else "write a decimal such as 0.42"
+        raise self.refused(element, found, remedy, allowed)
+
+    def origin(self, element: etree._Element) -> Origin:
+        """Where something is.
+
+        Args:
+            element: A joint or ``inertial``.
+        """
+        child = element.find("origin")
+        if child is None:
+            return Origin()
+        xyz, rpy = (self.numbers(child, key, 3) or ZEROS for key in ("xyz", "rpy"))
+        return Origin((xyz[0], xyz[1], xyz[2]), (rpy[0], rpy[1], rpy[2]))
+
+    def body(self, element: etree._Element) -> UrdfBody | None:
+        """What a link weighs.
+
+        Args:
+            element: The link.
+
+        Returns:
+            It; None where nothing is said.
+        """
+        inertial = element.find("inertial")
+        if inertial is None:
+            return None
+        mass, tensor = inertial.find("mass"), inertial.find("inertia")
+        value = self.number(mass, "value") if mass is not None else None
+        if value is None:
+            raise self.refused(inertial, "inertial without a mass", 'write <mass value="..."/>')
+        keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        moments = [self.number(tensor, key) if tensor is not None else None for key in keys]
+        entries = tuple(moment or Fraction(0) for moment in moments)
+        return UrdfBody(value, self.origin(inertial), entries, self.place(inertial))
+
+    def joint(self, element: etree._Element, links: Mapping[str, object]) -> UrdfJoint:
+        """A joint.
+
+        Args:
+            element: It.
+            links: By their names.
+        """
+        name, kind = self.name(element), element.get("type", "").strip()
+        if kind not in TYPES:
+            allowed = f"allowed: {', '.join(TYPES)}"
+            raise self.refused(element, f"joint {quoted(name)} of type {quoted(kind)}", "write its type", allowed)
+        ends = {}
+        for end in ("parent", "child"):
+            child = element.find(end)
+            link = "" if child is None else child.get("link", "").strip()
+            if link not in links:
+                found = f"joint {quoted(name)}: {end} {quoted(link)} is no link of the file"
+                raise self.refused(element, found, f'write <{end} link="..."/> with the name of a link')
+            ends[end] = link
+        axis = element.find("axis")
+        direction = (None if axis is None else self.numbers(axis, "xyz", 3)) or (Fraction(1), Fraction(0), Fraction(0))
+        if kind in MOVING and not any(direction):
+            found = f"joint {quoted(name)}: an axis of length 0"
+            raise self.refused(element if axis is None else axis, found, 'write <axis xyz="0 0 1"/>')
+        limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
+        lower, upper, effort, velocity = (
+            None if limit is None else self.number(limit, key, infinite=True)
+            for key in ("lower", "upper", "effort", "velocity")
+        )
+        damping, friction = (
+            None if dynamics is None else self.number(dynamics, key) for key in ("damping", "friction")
+        )
+        bounded = kind in ("revolute", "prismatic") and limit is not None and (lower is not None or upper is not None)
+        return UrdfJoint(
+            name=name,
+            type=kind,
+            parent=ends["parent"],
+            child=ends["child"],
+            origin=self.origin(element),
+            axis=(direction[0], direction[1], direction[2]),
+            limits=(lower or Fraction(0), upper or Fraction(0)) if bounded else None,
+            effort=effort,
+            velocity=velocity,
+            damping=damping or Fraction(0),
+            friction=friction or Fraction(0),
+            mimics="" if mimic is None else mimic.get("joint", ""),
+            location=self.place(element),
+        )

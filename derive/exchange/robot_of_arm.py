@@ -1,0 +1,191 @@
+"""An arm as a robot file has it: cells of its table, and links in the frames of the table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import arb
+
+from derive.errors import RobotFileError, quoted
+from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass
+from derive.exchange.common_normals import Placement, Row
+from derive.exchange.space import NOTHING, Frame, Point, Real, decimal, dot, plus, real
+from derive.exchange.urdf import UNLIMITED
+from derive.robot.description import Description, Inertia, Joint, JointType, Link, Matrix
+from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
+from derive.robot.size_limits import FILE_LIMITS
+
+DIVISORS = 180
+"""Angles that are exact multiples of pi by this are written so."""
+
+TOUCHING = Fraction(1, 10**9)
+"""Lengths that are so close to a whole number of micrometres are it, or closer than the snap where that is less [m]."""
+
+PLACES = 6
+"""Of decimals that a length has where it is one of few digits."""
+
+GRAVITY = Fraction(981, 100)
+"""Where a format says nothing [m/s^2]."""
+
+
+def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, title: str) -> Description:
+    """What a robot file says of an arm.
+
+    Args:
+        arm: Its axes at zero, with what they carry.
+        placement: Frames and rows of its table.
+        snap: Angles closer to simple fractions of pi are written as these [rad].
+        name: Of the robot.
+        title: Shortened where it is longer than a title may be.
+
+    Returns:
+        The robot, of numbers but for the acceleration of gravity.
+
+    Raises:
+        RobotFileError: The masses that a joint carries add up to nothing or less.
+    """
+    joints = tuple(
+        _joint(i, axis, row, snap) for i, (axis, row) in enumerate(zip(arm.axes, placement.rows, strict=True), 1)
+    )
+    links: tuple[Link, ...] = ()
+    if any(axis.bodies for axis in arm.axes):
+        frames = placement.frames[1:]
+        links = tuple(_link(axis, frame) for axis, frame in zip(arm.axes, frames, strict=True))
+    down = (multiply(number(-1), turned(component), Name("g")) for component in arm.up)
+    return Description(
+        name=name,
+        title=title[: FILE_LIMITS.title_length],
+        convention=placement.convention,
+        joints=joints,
+        base=_matrix(placement.frames[0], snap),
+        tool=_matrix(placement.tool, snap),
+        gravity=(next(down), next(down), next(down)) if links else None,
+        links=links,
+        parameters=(("g", number(GRAVITY)),) if links else (),
+    )
+
+
+def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
+    """A row of the table; its variable is the joint's own."""
+    of_file, limits = axis.joint, None
+    if axis.limits is not None:
+        limits = number(rounded(axis.limits[0])), number(rounded(axis.limits[1]))
+    speed, torque = (
+        number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in (of_file.velocity, of_file.effort)
+    )
+    return Joint(
+        JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC,
+        f"q{i}",
+        1,
+        angle(row.theta, snap),
+        distance(row.d, snap),
+        distance(row.a, snap),
+        angle(row.alpha, snap),
+        limits,
+        speed,
+        torque,
+    )
+
+
+def angle(value: Real, snap: Fraction) -> Expression:
+    """A cell of an angle: a fraction of pi, or a decimal.
+
+    Args:
+        value: [rad].
+        snap: How near simple fractions are taken [rad].
+    """
+    turns = value / arb.pi()
+    for divisor in (*FRACTIONS, DIVISORS):
+        near = round(float(turns) * divisor)
+        within = real(snap) if divisor != DIVISORS else arb(NOTHING)
+        if abs(turns * divisor - near) * arb.pi() / divisor <= max(within, arb(NOTHING)):
+            return multiply(number(Fraction(near, divisor)), Pi())
+    return number(decimal(value))
+
+
+def distance(value: Real, snap: Fraction) -> Expression:
+    """A cell of a length.
+
+    Args:
+        value: [m].
+        snap: See `angle`.
+    """
+    short = Fraction(round(float(value) * 10**PLACES), 10**PLACES)
+    return number(short if abs(value - real(short)) <= real(min(TOUCHING, snap)) else decimal(value))
+
+
+def rounded(value: Fraction) -> Fraction:
+    """A number of a URDF with at most `DIGITS` digits.
+
+    Args:
+        value: As in the file.
+    """
+    return decimal(real(value))
+
+
+def _matrix(frame: Frame, snap: Fraction) -> Matrix:
+    """A transform as cells."""
+    columns = (frame.x, frame.y, frame.z)
+    rows = [(*(turned(column[k]) for column in columns), distance(frame.origin[k], snap)) for k in range(3)]
+    return (*rows, (ZERO, ZERO, ZERO, ONE))
+
+
+def turned(value: Real) -> Expression:
+    """An entry of a rotation: a root where its square is simple, or a decimal.
+
+    Args:
+        value: From -1 to 1.
+    """
+    square = value * value
+    for divisor in (1, 2, 4):
+        near = round(float(square) * divisor)
+        if abs(square * divisor - near) < NOTHING:
+            root = round(2 * float(value))
+            if root * root * divisor == 4 * near:
+                return number(Fraction(root, 2))
+            sign = number(1 if value > 0 else -1)
+            return multiply(sign, Call("sqrt", (number(Fraction(near, divisor)),)))
+    return number(decimal(value))
+
+
+def _link(axis: Axis, frame: Frame) -> Link:
+    """What moves with a joint as one body in the frame of its row."""
+    mass = sum((body.mass for body in axis.bodies), Fraction(0))
+    viscous, coulomb = number(rounded(axis.joint.damping)), number(rounded(axis.joint.friction))
+    if mass == 0:
+        if heavy := next((body.link for body in axis.bodies if body.mass), ""):
+            found = f"link {quoted(heavy)}: its mass and those of what it carries add up to nothing"
+            raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
+        tensor = _tensor(axis.bodies, frame, (arb(0), arb(0), arb(0)))
+        return Link(inertia=Inertia(*(number(decimal(t)) for t in tensor)), viscous=viscous, coulomb=coulomb)
+    if mass < 0:
+        found = f"link {quoted(axis.bodies[0].link)} and what it carries weigh {float(mass):g} kg"
+        raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
+    weighed = [plus((arb(0),) * 3, frame.inside(body.com), real(body.mass)) for body in axis.bodies]
+    com = (_mean(weighed, 0, mass), _mean(weighed, 1, mass), _mean(weighed, 2, mass))
+    tensor = _tensor(axis.bodies, frame, com)
+    x, y, z = (number(decimal(c)) for c in com)
+    inertia = Inertia(*(number(decimal(t)) for t in tensor))
+    return Link(number(rounded(mass)), (x, y, z), inertia, viscous=viscous, coulomb=coulomb)
+
+
+def _mean(weighed: Sequence[Point], k: int, mass: Fraction) -> Real:
+    return sum((point[k] for point in weighed), arb(0)) / real(mass)
+
+
+def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:
+    """xx, yy, zz, xy, xz, yz of some bodies about a point of a frame, along its axes (Steiner)."""
+    total = [[arb(0)] * 3 for _ in range(3)]
+    for body in bodies:
+        xx, yy, zz, xy, xz, yz = map(real, body.inertia)
+        own = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+        axes = [frame.turned(axis) for axis in (body.axes.x, body.axes.y, body.axes.z)]
+        away = plus(frame.inside(body.com), com, -1)
+        far = dot(away, away)
+        for i in range(3):
+            for j in range(3):
+                turned = sum((axes[k][i] * own[k][m] * axes[m][j] for k in range(3) for m in range(3)), arb(0))
+                steiner = (far if i == j else 0) - away[i] * away[j]
+                total[i][j] += turned + real(body.mass) * steiner
+    return [total[0][0], total[1][1], total[2][2], total[0][1], total[0][2], total[1][2]]
