@@ -69,13 +69,18 @@ def conversion(context: Context) -> Iterator[Block]:
     if lines := end_lines(new, NEW_BASE, NEW_TOOL):
         yield Rows(tuple(lines))
     yield from transforms(new)
-    yield Paragraph(
-        _(
+    if context.robot.has_dynamics:
+        same = _(
             "The product of the same factors is the same $%(end)s$, and the Jacobian, the inertia matrix and the "
             "torques are the same functions.",
             end=bold("T").tex,
         )
-    )
+    else:
+        same = _(
+            "The product of the same factors is the same $%(end)s$, and the Jacobian is the same function.",
+            end=bold("T").tex,
+        )
+    yield Paragraph(same)
     yield from _links(new, found)
 
 

@@ -45,6 +45,13 @@ def test_links_are_shown_as_far_as_they_are_written_otherwise() -> None:
     assert not [line for line in lines(blocks("puma560-corke")) if "friction" in line]
 
 
+@pytest.mark.parametrize(("name", "moves"), [("planar-3r", False), ("planar-2r-perugia", True)])
+def test_torques_are_named_where_there_are_any(name: str, moves: bool) -> None:
+    text = " ".join(block.text for block in blocks(name) if isinstance(block, Paragraph))
+    assert ("torques" in text) is moves
+    assert "Jacobian" in text
+
+
 def test_a_modified_table_goes_the_other_way() -> None:
     plain = "\n".join(lines(blocks("skeleton-modified"))).replace(" ", "")
     assert "\\mathbf{T}'_{\\mathrm{tool}}=\\mathbf{X}_{2}^{-1}\\mathbf{T}_{\\mathrm{tool}}" in plain
