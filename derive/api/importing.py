@@ -15,7 +15,6 @@ from derive.errors import (
     RobotFileError,
     TargetError,
     VerificationError,
-    near_miss,
     quoted,
 )
 from derive.exchange.arm import arm_of, moving_tips
@@ -23,7 +22,7 @@ from derive.exchange.certificate import Certificate, certify
 from derive.exchange.convert import convention_named
 from derive.exchange.from_urdf import MOST_SNAP, Imported, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
-from derive.exchange.possible import INERTIAS, possible
+from derive.exchange.possible import possible, wants_possible
 from derive.exchange.slanted import cut_off, named, snap_for
 from derive.exchange.source import Source, open_urdf, opened, relative
 from derive.exchange.space import exactly
@@ -230,10 +229,7 @@ class _Importer:
         symbols: bool,
         folder: str | Path,
     ) -> None:
-        if inertia not in INERTIAS:
-            allowed = f"allowed: {', '.join(INERTIAS)}"
-            raise DeriveError(f"--inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS))
-        self._possible, self._symbols = inertia == "possible", symbols
+        self._possible, self._symbols = wants_possible(inertia), symbols
         self._convention, self._snap = convention_named(str(convention)), snap_of(snap)
         self._path, self._arguments = "", tuple((arguments or {}).items())
         self._folders: tuple[str, ...] = ()

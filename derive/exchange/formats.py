@@ -11,7 +11,7 @@ from derive.errors import DeriveError, near_miss, quoted
 from derive.exchange.body_chain import BodyChain, Segment, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
-from derive.exchange.possible import INERTIAS, possible
+from derive.exchange.possible import wants_possible, with_chosen_bodies
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
 from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, written_bodies
@@ -117,15 +117,13 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     Raises:
         DeriveError: An unknown format or choice of inertias, a symbol without a number, or no possible bodies.
     """
-    for name, choices, what in ((to, FORMS, "format"), (inertia, INERTIAS, "choice of inertia")):
-        if name not in choices:
-            allowed = f"allowed: {', '.join(choices)}"
-            raise DeriveError(f"no {what} {quoted(name)}", allowed=allowed, remedy=near_miss(name, choices))
-    form, numeric = FORMS[to], with_numbers(robot, values)
-    changes: tuple[str, ...] = ()
-    if inertia == "possible":
-        found = possible(numeric)
-        numeric, changes = found.robot, found.report
+    if to not in FORMS:
+        raise DeriveError(
+            f"no format {quoted(to)}", allowed=f"allowed: {', '.join(FORMS)}", remedy=near_miss(to, FORMS)
+        )
+    wants_possible(inertia)  # a wrong choice is told before missing numbers are
+    form = FORMS[to]
+    numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia)
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
         arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)

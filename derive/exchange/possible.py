@@ -163,6 +163,23 @@ def possible(robot: Robot) -> Possible:
         raise DeriveError(f"{robot.name}: bodies with these torques may exist, but the search did not reach any")
 
 
+def wants_possible(inertia: str) -> bool:
+    """Whether bodies that exist are asked for.
+
+    Args:
+        inertia: One of `INERTIAS`.
+
+    Raises:
+        DeriveError: No such choice.
+    """
+    if inertia not in INERTIAS:
+        allowed = f"allowed: {', '.join(INERTIAS)}"
+        raise DeriveError(
+            f"no choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
+        )
+    return inertia == "possible"
+
+
 def with_chosen_bodies(robot: Robot, inertia: str) -> tuple[Robot, tuple[str, ...]]:
     """A robot with its own bodies, or with the nearest that exist.
 
@@ -176,12 +193,7 @@ def with_chosen_bodies(robot: Robot, inertia: str) -> tuple[Robot, tuple[str, ..
     Raises:
         DeriveError: No such choice, or no such bodies.
     """
-    if inertia not in INERTIAS:
-        allowed = f"allowed: {', '.join(INERTIAS)}"
-        raise DeriveError(
-            f"no choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
-        )
-    if inertia == "given":
+    if not wants_possible(inertia):
         return robot, ()
     found = possible(robot)
     return replace(found.robot, comments=(*robot.comments, *found.report)), found.report
