@@ -12,13 +12,13 @@ import re
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from derive.errors import LatexError, Location
+from derive.interrupts import TemporaryFolder
 
 PROGRAMS = ("latexmk", "pdflatex")
 PACKAGES = "texlive-latex-recommended latexmk"
@@ -165,18 +165,19 @@ def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_
             remedy=f"on Debian and Ubuntu: apt install {PACKAGES}; or write the .tex and compile it elsewhere",
         )
     started = time.perf_counter()
-    folder = Path(tempfile.mkdtemp(prefix="derive-latex-"))
-    source, log_file = folder / f"{name}.tex", folder / f"{name}.log"
-    source.write_bytes(text.encode())
-    status = _run([PROGRAMS[0], "-norc", "-pdf", *_OPTIONS, source.name], folder, time_limit)
-    written = log_file.read_text(encoding="latin-1") if log_file.is_file() else ""
-    log = LatexLog(written, -1 if status is None else status)
-    if status is None:
-        raise LatexError(f"LaTeX was stopped after {time_limit:g} s", remedy=f"see what it was doing in {log_file}")
-    if status or log.errors:
-        raise _refusal(text, log, source)
-    pdf = (folder / f"{name}.pdf").read_bytes()
-    shutil.rmtree(folder, ignore_errors=True)
+    with TemporaryFolder() as folder:
+        source, log_file = folder.path / f"{name}.tex", folder.path / f"{name}.log"
+        source.write_bytes(text.encode())
+        status = _run([PROGRAMS[0], "-norc", "-pdf", *_OPTIONS, source.name], folder.path, time_limit)
+        written = log_file.read_text(encoding="latin-1") if log_file.is_file() else ""
+        log = LatexLog(written, -1 if status is None else status)
+        if status is None:
+            folder.keep()
+            raise LatexError(f"LaTeX was stopped after {time_limit:g} s", remedy=f"see what it was doing in {log_file}")
+        if status or log.errors:
+            folder.keep()
+            raise _refusal(text, log, source)
+        pdf = source.with_suffix(".pdf").read_bytes()
     return Compiled(pdf, log, time.perf_counter() - started)
 
 

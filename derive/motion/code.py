@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import ModuleType
 
 import numpy as np
 
 from derive.errors import QuantityError, VerificationError
+from derive.interrupts import TemporaryFolder
 from derive.motion.hermite import Array
 from derive.motion.kernels import C_NAMES, Kernel, kernel_name, kernel_of, row_of, with_names
 from derive.motion.motion import Motion
@@ -237,8 +237,8 @@ def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler:
     size = np.abs(expected)
     scale = np.maximum(size.max(axis=1, keepdims=True), max(FLOOR * float(size.max()), TINY))
     worst = 0.0
-    with TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True) as temporary:
-        folder = Path(temporary)
+    with TemporaryFolder() as temporary:
+        folder = temporary.path
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
         values = {MODULE: _casadi_values(folder, times)}

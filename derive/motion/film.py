@@ -10,8 +10,6 @@ from functools import cache, cached_property
 from importlib.util import find_spec
 from io import BytesIO
 from math import ceil
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -23,6 +21,7 @@ from derive.handouts.figure.planar import view_along
 from derive.handouts.figure.projection import View, seen
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
+from derive.interrupts import TemporaryFolder
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
 from derive.motion.plane import frames_of, motion_normal
@@ -177,8 +176,8 @@ class Film:
         program = ffmpeg()
         raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{WIDTH}x{HEIGHT}", "-r", str(RATE), "-i", "-"]
         plain = ["-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-threads", "1"]
-        with TemporaryDirectory(prefix="derive-") as folder:
-            path = Path(folder) / "film.mp4"
+        with TemporaryFolder() as folder:
+            path = folder.path / "film.mp4"
             command = [program, "-v", "error", *raw, *plain, "-flags:v", "+bitexact", str(path)]
             data = b"".join(frame.tobytes() for frame in self.frames())
             done = subprocess.run(command, input=data, capture_output=True, check=False)

@@ -7,11 +7,10 @@ from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from derive.errors import QuantityError, TargetError
+from derive.interrupts import TemporaryFolder
 from derive.motion.hermite import Array
 from derive.programs.build import build_program
 from derive.programs.program import Program
@@ -147,8 +146,8 @@ def program_of(robot: Robot, names: frozenset[str], *, inverse: bool = False) ->
 @lru_cache(KEPT)
 def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: bool) -> tuple[Any, Any]:
     """The module of a target, written and imported, and the folder that holds it as long as it is kept."""
-    temporary = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
-    folder, source = Path(temporary.name), Source(robot, program_of(robot, names, inverse=inverse), __version__)
+    temporary = TemporaryFolder()
+    folder, source = temporary.path, Source(robot, program_of(robot, names, inverse=inverse), __version__)
     compiler = find_compiler() if compiled else None
     targets = [numpy.TARGET]
     if compiler:

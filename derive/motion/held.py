@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from copy import copy
 from functools import lru_cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from derive.errors import TargetError
+from derive.interrupts import TemporaryFolder
 from derive.motion.functions import COMPILING, KEPT, bare_robot, program_of
 from derive.motion.hermite import Array
 from derive.motion.stepping import DIVERGED, STICTION_SPEED, TOLERANCE, Divergence, Plant, Steps
@@ -107,7 +107,7 @@ def held_arm(robot: Robot, values: Mapping[str, float], evaluations: float) -> H
 class _Library:
     """Compiled code, and the folder that holds it as long as it is used."""
 
-    def __init__(self, folder: TemporaryDirectory[str], path: Path, prefix: str) -> None:
+    def __init__(self, folder: TemporaryFolder, path: Path, prefix: str) -> None:
         self._folder = folder
         shared = ctypes.CDLL(str(path))
         self.constant_count = ctypes.c_int.in_dll(shared, f"{prefix}held_constant_count").value
@@ -128,8 +128,8 @@ def _compiled(robot: Robot) -> _Library | None:
     compiler = find_compiler()
     if compiler is None:
         return None
-    temporary = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
-    folder, source = Path(temporary.name), Source(robot, program_of(robot, NAMES), __version__)
+    temporary = TemporaryFolder()
+    folder, source = temporary.path, Source(robot, program_of(robot, NAMES), __version__)
     context = c.c_context(source)
     code = render(
         "motion/held.c.jinja",

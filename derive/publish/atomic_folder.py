@@ -16,9 +16,9 @@ from pathlib import Path, PurePosixPath
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
+from derive.interrupts import uninterrupted
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, read_manifest
-from derive.publish.processes import uninterrupted
 from derive.publish.staging import (
     backup_of,
     exchange,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -16,9 +17,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
+from derive.interrupts import TemporaryFolder, interruptible, uninterrupted
 from derive.programs.search_policy import Effort
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, check_robot
-from derive.publish.processes import interruptible, uninterrupted
 from derive.robot.robot import Robot
 from derive.targets.target import package_name
 
@@ -180,18 +181,26 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """Processes that end with us: after an interrupt they are asked to clean up, and killed where they do not."""
     others = multiprocessing.active_children()
     resource_tracker.ensure_running()  # it lets interrupts through when it starts
-    with uninterrupted():
-        pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
-    try:
-        yield pool
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        ours = [process for process in multiprocessing.active_children() if process not in others]
-        for process in ours:
-            process.terminate()
-        deadline = time.monotonic() + GRACE
-        for process in ours:
-            process.join(max(0.0, deadline - time.monotonic()))
-            process.kill()
-        raise
-    pool.shutdown()
+    with TemporaryFolder() as temporary:
+        with uninterrupted():
+            context = multiprocessing.get_context("spawn")
+            pool = ProcessPoolExecutor(jobs, context, _have_temporary_files_in, (temporary.path,))
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            ours = [process for process in multiprocessing.active_children() if process not in others]
+            for process in ours:
+                process.terminate()
+            deadline = time.monotonic() + GRACE
+            for process in ours:
+                process.join(max(0.0, deadline - time.monotonic()))
+                process.kill()
+                process.join()
+            raise
+        pool.shutdown()
+
+
+def _have_temporary_files_in(folder: Path) -> None:
+    """What a process that is killed leaves behind goes with this folder."""
+    tempfile.tempdir = str(folder)

@@ -1,25 +1,16 @@
-"""Work done in another process meanwhile, where that is possible, and interrupts, which end all of them or nothing.
-
-What does not wait for the search runs beside it. Python raises an interrupt wherever the main thread happens to be, and
-drops it where that is a finaliser, a callback of a foreign library or a hook of a fork; forking a large process takes
-long enough for that to happen now and then.
-"""
+"""Work done in another process meanwhile, where that is possible: what does not wait for the search runs beside it."""
 
 from __future__ import annotations
 
-import _thread
 import multiprocessing
 import os
-import signal
-import sys
-import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from multiprocessing.connection import Connection
-from types import FrameType
 from typing import ParamSpec, TypeVar
+
+from derive.interrupts import uninterrupted
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -27,82 +18,6 @@ T = TypeVar("T")
 
 _WORTH_A_PROCESS = 10_000
 """Size of work that takes longer than copying a process."""
-
-_PATIENCE = 0.2
-"""Seconds after which an interrupt that has not arrived is raised once more."""
-
-
-@contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Hold interrupts back until the body is done; processes that it starts never see one."""
-    if not hasattr(signal, "pthread_sigmask"):  # pragma: no cover -- Windows
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
-def interruptible(number: signal.Signals = signal.SIGINT) -> Iterator[None]:
-    """Make sure that an interrupt ends the body: it is raised again until it is under way, and then no more.
-
-    Who ignores interrupts goes on ignoring them; only the main thread can do otherwise.
-
-    Args:
-        number: The signal that interrupts.
-
-    Raises:
-        KeyboardInterrupt: There was one.
-    """
-    main = threading.main_thread()
-    if threading.current_thread() is not main or signal.getsignal(number) is signal.SIG_IGN:
-        yield
-        return
-    noted: list[int] = []
-    over = threading.Event()
-    sending = _thread.allocate_lock()
-
-    def _insist() -> None:
-        while True:
-            time.sleep(_PATIENCE)
-            with sending:
-                if over.is_set():
-                    return
-                signal.pthread_kill(main.ident or 0, number)
-
-    def _interrupt(number: int, _frame: FrameType | None) -> None:
-        if _is_interrupted(sys.exception()):
-            return
-        if not noted:
-            noted.append(number)
-            _thread.start_new_thread(_insist, ())  # what threading starts would wait for locks that may be held here
-        raise KeyboardInterrupt
-
-    def _unraisable(what: sys.UnraisableHookArgs) -> None:
-        if not isinstance(what.exc_value, KeyboardInterrupt):
-            hook(what)
-
-    hook, before = sys.unraisablehook, signal.signal(number, _interrupt)
-    sys.unraisablehook = _unraisable
-    try:
-        yield
-        if noted:
-            raise KeyboardInterrupt
-    finally:
-        with sending:
-            over.set()
-        signal.signal(number, before)
-        sys.unraisablehook = hook
-
-
-def _is_interrupted(error: BaseException | None) -> bool:
-    """Whether an error is an interrupt, or was raised while one was under way."""
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__context__
-    return error is not None
 
 
 @contextmanager

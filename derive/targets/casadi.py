@@ -5,11 +5,10 @@ The export, ``model_casadi.c`` and ``.h``, is CasADi's own.
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
 from typing import Any
 
 from derive.algebra.constants import to_float
+from derive.interrupts import TemporaryFolder
 from derive.programs.program import NEAR, Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.robot.solution_policy import POLICY
@@ -74,9 +73,9 @@ def render_casadi_c(source: Source) -> dict[str, str]:
         order=tuple(map(c_comment, inverse.order)) if inverse else (),
         casadi_version=casadi.CasadiMeta.version(),
     )
-    with tempfile.TemporaryDirectory(prefix="derive-") as folder:
-        generator.generate(f"{folder}/")
-        return {name: heading + Path(folder, name).read_text(encoding="utf-8") for name in (CODE, HEADER)}
+    with TemporaryFolder() as folder:
+        generator.generate(f"{folder.path}/")
+        return {name: heading + (folder.path / name).read_text(encoding="utf-8") for name in (CODE, HEADER)}
 
 
 C_TARGET = Target(

@@ -7,7 +7,6 @@ import shlex
 import shutil
 import signal
 import subprocess
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 from derive.errors import TargetError
+from derive.interrupts import TemporaryFolder
 
 NAMES = ("cc", "gcc", "clang")
 """Looked for in this order where ``$CC`` is not set."""
@@ -78,8 +78,8 @@ def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, op
     """
     command = [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"]
     try:
-        with tempfile.TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True) as temporary:
-            status, said = _run(command, temporary)
+        with TemporaryFolder() as temporary:
+            status, said = _run(command, temporary.path)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise TargetError(f"the C compiler {compiler[0]} did not run: {type(error).__name__}: {error}") from error
     if status != 0:
@@ -87,7 +87,7 @@ def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, op
         raise TargetError(f"the C compiler {compiler[0]} failed: {reason.strip()}")
 
 
-def _run(command: Sequence[str], temporary: str) -> tuple[int, str]:
+def _run(command: Sequence[str], temporary: Path) -> tuple[int, str]:
     """Exit status and messages of a compiler, which ends with all that it has started if this is left early.
 
     One that is stopped leaves files between its passes behind; they have a folder of their own.
@@ -99,7 +99,7 @@ def _run(command: Sequence[str], temporary: str) -> tuple[int, str]:
         stderr=subprocess.PIPE,
         text=True,
         errors="replace",
-        env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), temporary),
+        env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(temporary)),
         start_new_session=True,  # an interrupt from the terminal is ours to answer
     )
     _running.add(process)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import re
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from derive.errors import TargetError, VerificationError
+from derive.interrupts import TemporaryFolder
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compile_shared
 from derive.verification.oracle.frames import Array
@@ -151,8 +151,8 @@ def load_c_model(path: Path, compiler: Command) -> CModel:
     Raises:
         VerificationError: It does not compile.
     """
-    with tempfile.TemporaryDirectory(prefix="derive-") as temporary:
-        library = Path(temporary, "model.so")
+    with TemporaryFolder() as temporary:
+        library = temporary.path / "model.so"
         try:
             compile_shared(compiler, [path], library, C_OPTIONS)
             shared = ctypes.CDLL(str(library))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib.util
 import re
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
@@ -20,6 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from derive.errors import TargetError, VerificationError
+from derive.interrupts import TemporaryFolder
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compile_shared
 from derive.verification.c_model import load_c_model
@@ -306,8 +306,8 @@ def load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
     """
     import casadi
 
-    temporary = tempfile.TemporaryDirectory(prefix="derive-")
-    library = Path(temporary.name, "model_casadi.so")
+    temporary = TemporaryFolder()
+    library = temporary.path / "model_casadi.so"
     try:
         compile_shared(compiler, [path], library, CASADI_OPTIONS)
     except TargetError as error:

@@ -18,6 +18,7 @@ from typing import IO, Any
 import numpy as np
 
 from derive.errors import VerificationError
+from derive.interrupts import TemporaryFolder
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
@@ -273,8 +274,8 @@ def running_octave(folder: Path, octave: Command | None) -> Iterator[tuple[Octav
     if octave is None or not package:
         yield ()
         return
-    with tempfile.TemporaryDirectory(prefix="derive-") as temporary, tempfile.TemporaryFile() as said:
-        script = Path(temporary, "server.m")
+    with TemporaryFolder() as temporary, tempfile.TemporaryFile() as said:
+        script = temporary.path / "server.m"
         script.write_text(SERVER, encoding="utf-8")
         process = subprocess.Popen(
             [*octave, *OPTIONS, str(script), str(folder.resolve())],

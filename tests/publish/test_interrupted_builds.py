@@ -7,12 +7,16 @@ import random
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
+from derive.publish import many
 from derive.publish.manifest import read_manifest
+from derive.robot.robot import Robot
 from tests.places import ROOT
 from tests.random_robots import seeds
 
@@ -93,3 +97,19 @@ def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
         manifest = read_manifest(folder)
         assert manifest is not None
         assert set(manifest["files"]) <= {path.name for path in folder.iterdir()}
+
+
+def die_over_a_file(robot: Robot) -> NoReturn:
+    """As a process without memory does."""
+    Path(tempfile.mkdtemp(), robot.name).write_text("")
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def test_processes_that_die_leave_no_temporary_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    robots = [Robot.load("planar-2r-perugia"), Robot.load("scara-perugia")]
+    done = many._run(die_over_a_file, robots, 2, None)
+    assert [str(failure.error) for failure in done] == ["the process that built it died"] * 2
+    assert list(tmp_path.iterdir()) == []
