@@ -7,7 +7,7 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load
 from derive.exchange.convert import Converted, convention_named, converted
-from derive.exchange.possible import with_chosen_bodies
+from derive.exchange.possible import wants_possible, with_chosen_bodies
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.description import Convention
 
@@ -43,7 +43,7 @@ def convert(
     """
     if path is not None:
         refuse_taken(Path(path), force=force)
-    given = load(robot)
+    given = load(robot, bodies=not wants_possible(inertia))
     other = next(member for member in Convention if member is not given.convention)
     target = other if convention is None else convention_named(convention)
     bodies, changes = with_chosen_bodies(given, inertia)

@@ -9,6 +9,7 @@ from pathlib import Path
 from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError, RobotFileWarning, near_miss, quoted
 from derive.exchange.formats import Exported, exported
+from derive.exchange.possible import wants_possible
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value
 from derive.robot.expression import Expression
@@ -73,7 +74,7 @@ def export_file(
     """
     if path is not None:
         refuse_taken(Path(path), force=force)
-    chosen = load(robot)
+    chosen = load(robot, bodies=not wants_possible(inertia))
     found = exported(chosen, to, inertia, typed_values(chosen, values or {}))
     for remark in found.remarks:
         warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=3)

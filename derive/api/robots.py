@@ -6,10 +6,11 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Self, TypeVar
+from typing import Self
 
 from derive.errors import RobotFileWarning
 from derive.robot.cells import joint_values
+from derive.robot.description import Remark
 from derive.robot.expression import Expression
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot as PlainRobot
@@ -135,9 +136,6 @@ class Robot(PlainRobot):
         return exported(self, "mjcf", inertia).text
 
 
-Loaded = TypeVar("Loaded", bound=PlainRobot)
-
-
 def _data(robot: PlainRobot) -> tuple[object, ...]:
     return tuple(getattr(robot, part.name) for part in fields(robot) if part.compare)
 
@@ -151,11 +149,12 @@ def catalogue() -> tuple[str, ...]:
     return catalogue_names()
 
 
-def load(robot: RobotLike) -> Robot:
+def load(robot: RobotLike, *, bodies: bool = True) -> Robot:
     """Load a robot.
 
     Args:
         robot: Path of a robot file, a name of the catalogue, or a robot, which stays itself.
+        bodies: Whether it is told, too, which links no body can be; not where no dynamics are made.
 
     Returns:
         The validated robot; its ``remarks`` are issued as `RobotFileWarning`, too.
@@ -166,21 +165,21 @@ def load(robot: RobotLike) -> Robot:
     """
     if isinstance(robot, Robot):
         return robot
-    return Robot.of(robot) if isinstance(robot, PlainRobot) else with_remarks(Robot.load(robot))
+    if isinstance(robot, PlainRobot):
+        return Robot.of(robot)
+    found = Robot.load(robot)
+    tell(remark for remark in found.remarks if bodies or not remark.is_of_bodies)
+    return found
 
 
-def with_remarks(robot: Loaded) -> Loaded:
-    """Issue the remarks on a robot's file as warnings.
+def tell(remarks: Iterable[Remark]) -> None:
+    """Issue remarks on a robot file as warnings.
 
     Args:
-        robot: A robot that has just been read.
-
-    Returns:
-        The same robot.
+        remarks: Of a robot that has just been read.
     """
-    for remark in robot.remarks:
+    for remark in remarks:
         warnings.warn(str(remark), RobotFileWarning, stacklevel=3)
-    return robot
 
 
 def load_all(robots: Iterable[RobotLike] | None) -> list[Robot]:

@@ -54,6 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.api.export import export_file
     from derive.api.robots import load
     from derive.errors import DeriveError, quoted
+    from derive.exchange.possible import wants_possible
 
     out = None if arguments.out == STDOUT else arguments.out
     if out is None and (arguments.force or arguments.json):
@@ -66,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         if name in values:
             raise DeriveError(f"{quoted(name)[1:-1]} twice in --values", remedy="leave one of them out")
         values[name] = value
-    robot = load(arguments.robot)
+    robot = load(arguments.robot, bodies=not wants_possible(arguments.inertia))
     found = export_file(robot, arguments.to, out, inertia=arguments.inertia, values=values, force=arguments.force)
     if out is None:
         print(found.text, end="")

@@ -118,7 +118,7 @@ def _pair(text: str) -> tuple[str, str]:
 def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Namespace) -> int:
     """Write the files, or print the only one, and the reports."""
     from derive.api.importing import write
-    from derive.api.robots import with_remarks
+    from derive.api.robots import tell
 
     if not arguments.all and arguments.out is None:
         (arm,) = arms.values()
@@ -126,7 +126,7 @@ def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Names
         print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
         return DONE
     for robot in write(arms, force=arguments.force):
-        with_remarks(robot)
+        tell(robot.remarks)
     if arguments.json:
         print_json({"robots": [{"file": str(path), **arm.as_dict()} for path, arm in arms.items()], "refused": refused})
         return DONE

@@ -31,11 +31,11 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         The exit status.
     """
-    from derive.api.robots import load_all
+    from derive.api.robots import catalogue, load
 
     if arguments.plans:
         return _list_plans(as_json=arguments.json)
-    robots = load_all(None)
+    robots = [load(name, bodies=False) for name in catalogue()]
     joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
     if arguments.json:
         keys = ("name", "joints", "convention", "dynamics", "title")

@@ -100,7 +100,7 @@ def run(arguments: argparse.Namespace) -> int:
     form = arguments.format
     if arguments.digits and form in EXACT_FORMATS:
         raise QuantityError(f"--digits with --format {form}", allowed="text and latex; Python and JSON have all digits")
-    robot = _asked(load(arguments.robot), arguments)
+    robot = _asked(load(arguments.robot, bodies=False), arguments)
     with_numbers = any((arguments.at, arguments.rates, arguments.accelerations))
     if not (arguments.quantities or with_numbers):
         _list(robot, form)
@@ -108,22 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.model.model import Model
 
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
-    shown: list[tuple[str, Any]] = []
-    for name in dict.fromkeys(_wanted(model, arguments)):
-        if name in DESCRIBED:
-            if with_numbers or arguments.abbreviate is not None:
-                option = "--abbreviate" if arguments.abbreviate else "--at"
-                raise QuantityError(f"{option} with {name}", remedy=f"ask for {name} without {option}")
-            if name == "aspects" and form in ("latex", "python"):
-                raise QuantityError(f"--format {form} with {name}", allowed="text and json")
-            shown.append((name, getattr(model, name)))
-        elif close := near_miss(name, DESCRIBED):
-            raise QuantityError(f"quantity {quoted(name)}", remedy=close)
-        elif arguments.abbreviate is None:
-            shown.append((name, model.quantity(name)))
-        else:
-            value, definitions = model.abbreviated(name, by=arguments.abbreviate)
-            shown += [(name, value), *((str(symbol), meaning) for symbol, meaning in definitions.items())]
+    shown = _derived(model, arguments, with_numbers=with_numbers)
     digits = None if arguments.exact else arguments.digits or DIGITS
     if with_numbers:
         remark, shown = _put_in(robot, shown, arguments)
@@ -145,6 +130,33 @@ def run(arguments: argparse.Namespace) -> int:
             lines += _zeros(model, name, printer) if name not in DESCRIBED else []
     print("\n\n".join(map("\n".join, blocks)))
     return 0
+
+
+def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool) -> list[tuple[str, Any]]:
+    """The quantities with their names; of dynamics it is told, too, which links no body can be."""
+    from derive.api.robots import tell
+    from derive.model.quantity_names import parse
+
+    shown: list[tuple[str, Any]] = []
+    for name in dict.fromkeys(_wanted(model, arguments)):
+        if name in DESCRIBED:
+            if with_numbers or arguments.abbreviate is not None:
+                option = "--abbreviate" if arguments.abbreviate else "--at"
+                raise QuantityError(f"{option} with {name}", remedy=f"ask for {name} without {option}")
+            if name == "aspects" and arguments.format in ("latex", "python"):
+                raise QuantityError(f"--format {arguments.format} with {name}", allowed="text and json")
+            shown.append((name, getattr(model, name)))
+            continue
+        if close := near_miss(name, DESCRIBED):
+            raise QuantityError(f"quantity {quoted(name)}", remedy=close)
+        if parse(model, name)[0].dynamic:
+            tell(remark for remark in model.robot.remarks if remark.is_of_bodies)
+        if arguments.abbreviate is None:
+            shown.append((name, model.quantity(name)))
+        else:
+            value, definitions = model.abbreviated(name, by=arguments.abbreviate)
+            shown += [(name, value), *((str(symbol), meaning) for symbol, meaning in definitions.items())]
+    return shown
 
 
 def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:

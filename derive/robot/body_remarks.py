@@ -25,7 +25,7 @@ Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
 def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, ...]:
     """Which links of a robot file have a tensor of numbers that no body has.
 
-    A tensor of which one diagonal entry alone is given is that of a planar arm, and not meant to be whole.
+    A tensor with one diagonal entry alone, not negative, is that of a planar arm and not meant to be whole.
 
     Args:
         document: The file, accepted.
@@ -41,14 +41,14 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
     lacks: dict[int, float] = {}
     for index, link in enumerate(robot.links):
         cells = _cells(link.inertia)
-        if sum(cell != ZERO for cell in cells[:3]) < 2 or any(n not in values for c in cells for n in names(c)):
+        if any(name not in values for cell in cells for name in names(cell)):
             continue
         try:
             xx, yy, zz, xy, xz, yz = (Fraction(evaluate(cell, values)) for cell in cells)
         except ArithmeticError:
             continue
-        lack = missing_moment((xx, yy, zz, xy, xz, yz))
-        if lack > 0:
+        is_planar = sum(cell != ZERO for cell in cells[:3]) < 2 and min(xx, yy, zz) >= 0
+        if not is_planar and (lack := missing_moment((xx, yy, zz, xy, xz, yz))):
             lacks[index] = lack
     if not lacks:
         return ()
@@ -59,7 +59,7 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
         f"{where}, inertia: no body has it, a principal moment is {amounts} kg m^2 larger than the sum of the other two"
     )
     remedy = "for bodies that exist and give the same torques see derive export --inertia possible"
-    return (Remark(document.location(path), what, remedy),)
+    return (Remark(document.location(path), what, remedy, is_of_bodies=True),)
 
 
 def _cells(inertia: Inertia) -> tuple[Expression, ...]:

@@ -185,11 +185,13 @@ class Remark:
         location: File, line and column of the cell.
         found: The cell and what it says, as read.
         remedy: What to write if something else was meant.
+        is_of_bodies: Whether it matters to dynamics alone.
     """
 
     location: Location
     found: str
     remedy: str
+    is_of_bodies: bool = False
 
     def __str__(self) -> str:
         return f"{self.location}: {self.found}; {self.remedy}"

@@ -195,9 +195,8 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         comments=_comments(data),
     )
     validate(document, cells, robot)
-    # built-in robots are cited as they are published
-    bodies = () if source in catalogue_names() else remarks_on_bodies(document, robot)
-    remarks = sorted((*remarks_on(document, robot), *bodies), key=lambda r: (r.location.line, r.location.column))
+    found = (*remarks_on(document, robot), *remarks_on_bodies(document, robot))
+    remarks = sorted(found, key=lambda remark: (remark.location.line, remark.location.column))
     return replace(robot, remarks=tuple(remarks))
 
 

@@ -48,10 +48,16 @@ def test_bodies_that_exist_planar_arms_and_symbols_are_not_remarked_on() -> None
         assert remarks(inertia) == []
 
 
-def test_a_copy_of_a_built_in_robot_is_remarked_on_and_the_robot_itself_is_not() -> None:
-    assert Robot.load("puma560-corke").remarks == ()
-    (remark,) = Robot.from_text(catalogue_text("puma560-corke"), "my.yaml").remarks
-    assert "links entry 3, inertia: no body has it, a principal moment is 0.0075 kg m^2 larger" in remark.found
+def test_a_negative_moment_is_remarked_on_of_planar_arms_too() -> None:
+    (remark,) = remarks("zz: -0.2")
+    assert "a principal moment is 0.2 kg m^2 larger" in remark
+
+
+def test_built_in_robots_are_remarked_on_like_files() -> None:
+    copy = Robot.from_text(catalogue_text("puma560-corke"), "my.yaml")
+    for (remark,) in (Robot.load("puma560-corke").remarks, copy.remarks):
+        assert "links entry 3, inertia: no body has it, a principal moment is 0.0075 kg m^2 larger" in remark.found
+        assert remark.is_of_bodies
 
 
 @given(st.lists(st.integers(-9, 9), min_size=6, max_size=6))
