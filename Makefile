@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-sweep test-release test-robots test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
+.PHONY: all setup models test test-sweep test-release test-robots test-toolbox test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -24,7 +24,7 @@ models: $(READY)
 
 # Less than nine minutes on two cores.
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release and not robots'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release and not robots and not toolbox'
 
 # More robots of the same kinds; CI runs them.
 test-sweep: $(READY)
@@ -39,8 +39,13 @@ test-robots: $(READY)
 	$(BIN)/python -m pip install --quiet --no-deps --constraint constraints.txt example-robot-data rtb-data
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m robots tests/exchange
 
+# Scripts and profiles of motions in roboticstoolbox itself, half a minute: CI runs them.
+test-toolbox: $(READY)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt roboticstoolbox-python
+	DERIVE_REQUIRE_TOOLBOX=1 $(BIN)/python -m pytest -m toolbox tests/exchange/test_scripts.py tests/bench/test_trajectories.py
+
 test-fast: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep and not release and not robots'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep and not release and not robots and not toolbox'
 
 check: $(READY)
 	$(BIN)/ruff check .

@@ -78,7 +78,6 @@ def test_a_toolbox_that_is_not_installed_is_named(monkeypatch: Any, capsys: Any)
         assert main() == 1
 
 
-def test_profiles_are_those_of_the_package() -> None:
-    """Of the bench extra."""
-    package = pytest.importorskip("roboticstoolbox.tools.trajectory")
-    assert max(differences(package).values()) <= MOST
+@pytest.mark.toolbox
+def test_profiles_are_those_of_the_package(roboticstoolbox: Any) -> None:
+    assert max(differences(roboticstoolbox.tools.trajectory).values()) <= MOST

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -19,12 +18,12 @@ from derive.exchange.scripts import rtb_text
 from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_package
+from derive.verification.octave_model import OPTIONS, find_octave
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric
+from tests.targets.octave_model import needs_octave
 
 STAND_INS = Path(__file__).parent / "octave"
-
-needs_octave = pytest.mark.skipif(shutil.which("octave-cli") is None, reason="needs Octave")
 
 
 def toolbox(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -99,19 +98,18 @@ def test_what_the_toolboxes_compute_otherwise_is_named() -> None:
     assert any("where the first joint slides" in remark for remark in sliding)
 
 
-@pytest.mark.slow
-def test_the_toolbox_itself_makes_the_same_arm_where_it_is_installed() -> None:
-    pytest.importorskip("roboticstoolbox")
-    for name in EVERY:
-        robot = numeric(name)
-        made, q = run_script(exported(robot, "rtb").text), np.linspace(-1, 1.3, robot.n)
-        expected = Oracle.of(robot).evaluate("forward_kinematics", q)
-        assert np.abs(made.fkine(q).A - expected).max() < 1e-12
-    for name in EVERY:
-        robot = dressed(name, coulomb=True)
-        made = run_script(exported(robot, "rtb").text)
-        states = np.random.default_rng(4).uniform(-1, 1, (3, robot.n))
-        expected = Oracle.of(robot).evaluate("inverse_dynamics", *states)
+@pytest.mark.toolbox
+@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.usefixtures("roboticstoolbox")
+def test_the_toolbox_itself_makes_the_same_arm(name: str) -> None:
+    robot = numeric(name)
+    made, oracle = run_script(exported(robot, "rtb").text), Oracle.of(robot)
+    for q in np.random.default_rng(3).uniform(-3, 3, (5, robot.n)):
+        assert np.abs(made.fkine(q).A - oracle.evaluate("forward_kinematics", q)).max() < 1e-12
+    robot = dressed(name, coulomb=True)
+    made, oracle = run_script(exported(robot, "rtb").text), Oracle.of(robot)
+    for states in np.random.default_rng(4).uniform(-1, 1, (2, 3, robot.n)):
+        expected = oracle.evaluate("inverse_dynamics", *states)
         assert np.abs(made.rne_python(*states) - expected).max() < 1e-12 * np.abs(expected).max()
 
 
@@ -123,7 +121,7 @@ def octave_poses(robots: list[Robot], to: str, folder: Path) -> dict[str, np.nda
         (folder / f"{name}.m").write_text(exported(robot, to).text)
         lines += [f"T = pose_of({name}(), (1:{robot.n}) / 3 - 1); printf('%.17g ', T'); printf('\\n');"]
     (folder / "all_poses.m").write_text("\n".join(lines) + "\n")
-    command = ["octave-cli", "--norc", "--quiet", str(folder / "all_poses.m")]
+    command = [*(find_octave() or ()), *OPTIONS, str(folder / "all_poses.m")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     rows = [np.array(line.split(), dtype=float).reshape(4, 4) for line in done.stdout.splitlines()]
