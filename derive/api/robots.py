@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self, Unpack
 
 from derive.errors import RobotFileWarning
 from derive.robot.cells import joint_values
@@ -14,6 +14,9 @@ from derive.robot.description import Remark
 from derive.robot.expression import Expression
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot as PlainRobot
+
+if TYPE_CHECKING:
+    from derive.exchange.from_urdf import ImportKeywords
 
 RobotLike = PlainRobot | str | Path
 """A robot, the path of a robot file, or a name of the catalogue."""
@@ -58,13 +61,7 @@ class Robot(PlainRobot):
         *,
         tip: str | None = None,
         base: str | None = None,
-        convention: str = "standard",
-        snap: str | float = "1e-6",
-        name: str | None = None,
-        packages: Sequence[str | Path] = (),
-        arguments: Mapping[str, str] | None = None,
-        inertia: str = "given",
-        symbols: bool = False,
+        **options: Unpack[ImportKeywords],
     ) -> Self:
         """The robot of a chain of a URDF; `derive.import_urdf` also tells what is known about it.
 
@@ -72,13 +69,9 @@ class Robot(PlainRobot):
             file: Path of a URDF or a .xacro file, or the contents of a URDF.
             tip: Last link; None where only one carries no other.
             base: Link that stands; None for the one on which everything hangs.
-            convention: ``standard`` or ``modified``.
-            snap: Angles closer to simple fractions of pi are taken for them [rad].
-            name: Of the robot; None for that of the URDF.
-            packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
-            arguments: Of xacro.
-            inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
-            symbols: Whether lengths are named, d1, a2, ..., with their numbers as parameters.
+            options: ``convention="modified"``; ``snap=0.001``, how near angles are to fractions of pi that they are
+                taken for [rad]; ``name``; ``inertia="possible"``, bodies that exist; ``symbols=True``, lengths by
+                name; ``packages`` and ``arguments`` of xacro.
 
         Returns:
             The robot.
@@ -89,19 +82,7 @@ class Robot(PlainRobot):
         """
         from derive.api.importing import import_urdf
 
-        imported = import_urdf(
-            file,
-            tip=tip,
-            base=base,
-            convention=convention,
-            snap=snap,
-            name=name,
-            packages=packages,
-            arguments=arguments,
-            inertia=inertia,
-            symbols=symbols,
-        )
-        return cls.of(imported.robot)
+        return cls.of(import_urdf(file, tip=tip, base=base, **options).robot)
 
     def to_urdf(self, inertia: str = "given") -> str:
         """The robot as URDF; see `derive.export` for its remarks, files, and numbers of symbols.

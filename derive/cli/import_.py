@@ -126,7 +126,7 @@ def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Names
         print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
         return DONE
     for robot in write(arms, force=arguments.force):
-        tell(robot.remarks)
+        tell(remark for remark in robot.remarks if not remark.is_of_bodies)  # the report names these links
     if arguments.json:
         print_json({"robots": [{"file": str(path), **arm.as_dict()} for path, arm in arms.items()], "refused": refused})
         return DONE

@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, Context
+from dataclasses import dataclass, field, replace
+from decimal import Decimal, InvalidOperation
 from fractions import Fraction
+from pathlib import Path
+from typing import TypedDict
 
 from derive.errors import DeriveError, RobotFileError, quoted
 from derive.exchange.arm import Arm, arm_of
 from derive.exchange.carried_table import carried_table, placement_of, with_table
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, place
+from derive.exchange.convert import convention_named
+from derive.exchange.possible import wants_possible, with_chosen_bodies
 from derive.exchange.robot_of_arm import robot_of_arm
-from derive.exchange.slanted import as_meant, cut_off, meant, named, slant, slanted
+from derive.exchange.slanted import CutOff, as_meant, cut_off, meant, named, slant, slanted, snap_for
+from derive.exchange.source import Source
 from derive.exchange.space import exactly
-from derive.exchange.urdf import Urdf, UrdfJoint
+from derive.exchange.urdf import Urdf
 from derive.robot.body_remarks import missing_moment
 from derive.robot.description import Convention, Description
+from derive.robot.expression import ZERO, Name, is_constant
 from derive.robot.load import is_robot_name
+from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.writer import robot_text
@@ -35,6 +42,38 @@ MOST_SNAP = Fraction(1, 10)
 """Larger angles are no slips [rad]."""
 
 
+SNAP = "1e-6"
+"""How near an angle is to a simple fraction of pi that it is taken for [rad]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImportOptions:
+    """How an arm of a URDF is wanted.
+
+    Attributes:
+        convention: ``standard`` or ``modified``.
+        snap: Angles closer to simple fractions of pi are taken for them [rad].
+        name: Of the robot, or what the names of all arms begin with; None for that of the URDF.
+        inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
+        symbols: Whether lengths are named, d1, a2, ..., with their numbers as parameters.
+        packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
+        arguments: Of xacro.
+        folder: Where the robot file will be: it names the URDF from there.
+    """
+
+    convention: str = Convention.STANDARD
+    snap: str | float | Fraction = SNAP
+    name: str | None = None
+    inertia: str = "given"
+    symbols: bool = False
+    packages: Sequence[str | Path] = ()
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    folder: str | Path = "."
+
+
+AS_USUAL = ImportOptions()
+
+
 @dataclass(frozen=True, slots=True)
 class Imported:
     """A robot and what is known about its making.
@@ -46,7 +85,7 @@ class Imported:
         links: Names of the links at both ends.
         joints: Names of the joints in the URDF.
         notes: What a reader should know, as sentences.
-        snapped: What was changed to exact values, as a sentence.
+        changes: By how much angles were changed to exact values, where they were [rad].
     """
 
     text: str
@@ -55,7 +94,7 @@ class Imported:
     links: tuple[str, str]
     joints: tuple[str, ...]
     notes: tuple[str, ...]
-    snapped: str
+    changes: tuple[float, ...]
 
     @property
     def report(self) -> tuple[str, ...]:
@@ -64,7 +103,10 @@ class Imported:
         ends = " to ".join(self.links)
         count = f"{self.robot.n} joint{'s' * (self.robot.n > 1)}"
         head = f"{count} ({kinds}), {self.robot.convention.value}, {ends}; base and tool constant"
-        return (head, f"{self.snapped}; {self.certificate}", *self.notes)
+        snapped = "nothing snapped"
+        if n := len(self.changes):
+            snapped = f"snapped: {n} angle{'s' * (n > 1)}, largest change {max(self.changes):.2g} rad"
+        return (head, f"{snapped}; {self.certificate}", *self.notes)
 
     def as_dict(self) -> dict[str, object]:
         """The report as plain data."""
@@ -80,14 +122,25 @@ class Imported:
         }
 
 
+class ImportKeywords(TypedDict, total=False):
+    """The same as keywords of a function."""
+
+    convention: str
+    snap: str | float
+    name: str | None
+    inertia: str
+    symbols: bool
+    packages: Sequence[str | Path]
+    arguments: Mapping[str, str]
+    folder: str | Path
+
+
 def import_urdf(
     urdf: Urdf,
     base: str | None,
     tip: str | None,
-    convention: Convention,
-    snap: Fraction,
-    name: str | None = None,
-    head: Callable[[str, str], str] | None = None,
+    options: ImportOptions = AS_USUAL,
+    source: Source | None = None,
 ) -> Imported:
     """The robot of a chain of a URDF.
 
@@ -95,70 +148,99 @@ def import_urdf(
         urdf: The file.
         base: Link that stands; None for the root.
         tip: Last link; None where only one carries no other.
-        convention: Of the table.
-        snap: Angles closer to simple fractions of pi are taken for them [rad].
-        name: Of the robot; None for that of the URDF.
-        head: Gives the first line of the robot file, from the names of the links at both ends.
+        options: How it is wanted.
+        source: Where the URDF is, for the first line of the robot file; the links at both ends are filled in.
 
     Returns:
         The robot file with its certificate.
 
     Raises:
         RobotFileError: There is no such chain, a joint of it has no place in a table, or poses would move too far.
+        DeriveError: An option that does not exist, or no possible bodies.
     """
+    convention, snap = convention_named(options.convention), snap_of(options.snap)
     with exactly():
-        made = _made(urdf, base, tip, convention, snap, name)
-        if made.moves_far:
-            most, moved = MOST_MOVED * made.arm.reach, made.certificate.position
-            raise RobotFileError(
-                f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {moved:.2g} m",
-                allowed=f"allowed: at most {MOST_MOVED:.0%} of the reach, {most:.2g} m",
-                remedy=f"write --snap {float(snap) * most / moved / 2:.0e}" if snap else "",
-            )
-        slants = tuple(_slants(urdf, made))
-    arm = made.arm
-    first = [head(arm.base, arm.tip)] if head else []
+        written = arm_of(urdf, base, tip, Fraction(0))
+        if not wants_possible(options.inertia):
+            _check_masses(written)
+        table, remarks = _Chain(urdf, written, convention, options.name).understood(snap)
+        notes = [_plain(note) for note in (*remarks, *_notes(urdf, table.arm))]
+    robot = Robot.of(table.description)
+    if robot.links:
+        robot, changes = with_chosen_bodies(robot, options.inertia)
+        notes += changes
+    arm, description = table.arm, with_named_lengths(robot) if options.symbols else robot
     names = tuple(_plain(axis.joint.name) for axis in arm.axes)
-    carried = ("the table is the one that the URDF carries with it",) if made.carried else ()
-    notes = (*carried, *map(_plain, (*slants, *_notes(urdf, arm))))
+    first = [replace(source, base=arm.base, tip=arm.tip).line] if source else []
+    text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(table.certificate), *notes])
+    try:
+        made = Robot.from_text(text, f"{robot.name}.yaml")
+    except DeriveError as error:  # what the robot has against it is said of the URDF
+        raise RobotFileError(f"{urdf.source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
     ends = (_plain(arm.base), _plain(arm.tip))
-    text = robot_text(made.description, [*first, f"joints: {', '.join(names)}", str(made.certificate), *notes])
-    robot = _loaded(urdf, text, made.description.name)
-    return Imported(text, robot, made.certificate, ends, names, notes, _snapped(made.changes))
+    return Imported(text, made, table.certificate, ends, names, tuple(notes), table.changes)
+
+
+def snap_of(snap: str | float | Fraction) -> Fraction:
+    """A distance of angles, exactly.
+
+    Args:
+        snap: Such as ``1e-6``; from 0 to 0.1 [rad].
+
+    Raises:
+        DeriveError: Anything else.
+    """
+    if isinstance(snap, Fraction) and 0 <= snap <= MOST_SNAP:
+        return snap
+    try:
+        value = Decimal(str(snap))
+    except InvalidOperation:
+        value = Decimal("nan")
+    if value.is_finite() and 0 <= value <= 1 and abs(value.adjusted()) < 100 and Fraction(value) <= MOST_SNAP:
+        return Fraction(value)
+    raise DeriveError(f"--snap {quoted(str(snap))}", allowed="allowed: a number from 0 to 0.1", remedy=f"write {SNAP}")
 
 
 @dataclass(frozen=True, slots=True)
-class _Made:
-    """A table and what it was made of.
+class _Table:
+    """A table, and what it was made of.
 
     Attributes:
-        as_written: Not snapped.
-        arm: Snapped.
+        arm: With angles as they were understood.
         placement: The frames.
         description: The robot.
         certificate: How far its poses are from the arm as written.
         changes: By how much angles were changed, where they were [rad].
-        far: See `Placement`.
-        carried: Whether the file had the table with it.
-        cut: Angles that are almost fractions of pi, with their joints, where axes meet far away.
-        meant: Whether they were taken for these.
     """
 
-    as_written: Arm
     arm: Arm
     placement: Placement
     description: Description
     certificate: Certificate
-    changes: tuple[float, ...]
-    far: tuple[tuple[int, bool], ...]
-    carried: bool = False
-    cut: tuple[tuple[UrdfJoint, Fraction], ...] = ()
-    meant: bool = False
+    changes: tuple[float, ...] = ()
 
     @property
     def moves_far(self) -> bool:
         """Whether poses may be farther from the URDF's than anybody wants."""
         return self.certificate.position > max(MOST_MOVED * self.arm.reach, ROUNDED)
+
+    def check(self, urdf: Urdf, snap: Fraction) -> None:
+        """Refuse what moves far.
+
+        Args:
+            urdf: The file.
+            snap: See `ImportOptions`.
+
+        Raises:
+            RobotFileError: It does.
+        """
+        if self.moves_far:
+            most, moved = MOST_MOVED * self.arm.reach, self.certificate.position
+            raise RobotFileError(
+                f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {moved:.2g} m",
+                allowed=f"allowed: at most {MOST_MOVED:.0%} of the reach, {most:.2g} m",
+                remedy=f"write --snap {float(snap) * most / moved / 2:.0e}" if snap else "",
+            )
 
     @property
     def is_far(self) -> bool:
@@ -167,75 +249,131 @@ class _Made:
         return max(map(float, sizes)) > FAR * self.arm.reach + ALIKE
 
 
-def _made(
-    urdf: Urdf, base: str | None, tip: str | None, convention: Convention, snap: Fraction, name: str | None
-) -> _Made:
-    """See `import_urdf`; where axes meet far away, angles are read as they were meant."""
-    as_written = arm_of(urdf, base, tip, Fraction(0))
-    table = carried_table(urdf, as_written, convention)
-    if table is not None:
-        arm, placement = arm_of(urdf, base, tip, snap), placement_of(table)
-        description = with_table(_described(urdf, arm, placement, snap, name), table)
-        return _Made(as_written, arm, placement, description, certify(as_written, description), (), (), carried=True)
+@dataclass(frozen=True, slots=True)
+class _Chain:
+    """A chain that tables are made of.
 
-    def _by(robot: Urdf, changes: Sequence[float]) -> _Made:
-        arm = arm_of(robot, base, tip, snap)
-        placement = place(arm, convention, float(snap))
-        description = _described(robot, arm, placement, snap, name)
-        found = certify(as_written, description)
-        changed = (*arm.snaps, *placement.turned, *changes)
-        return _Made(as_written, arm, placement, description, found, changed, placement.far)
+    Attributes:
+        urdf: The file.
+        written: The chain with all angles as they are written.
+        convention: Of the tables.
+        name: Of the robot; None for that of the URDF.
+    """
 
-    plain = _by(urdf, ())
-    slanting = any(slant(as_written, i) > ALIKE for i, _ in plain.placement.far)
-    cut = cut_off(urdf, as_written.base, as_written.tip, snap) if slanting else []
-    other = _by(as_meant(urdf), [float(abs(meant(angle) - angle)) for _, angle in cut]) if cut and snap else plain
-    worth = MOST_MOVED * other.arm.reach if plain.is_far else TURNED
-    if other.is_far or other.certificate.position > worth:
-        return replace(plain, cut=tuple(cut))
-    return replace(other, far=plain.far, cut=tuple(cut), meant=other is not plain)
+    urdf: Urdf
+    written: Arm
+    convention: Convention
+    name: str | None
+
+    def understood(self, snap: Fraction) -> tuple[_Table, list[str]]:
+        """The table that the URDF carries with it, else one by common normals.
+
+        Where axes meet far away, angles are read as they were meant.
+
+        Args:
+            snap: Angles closer to simple fractions of pi are taken for them [rad].
+
+        Returns:
+            The table, and remarks on how it was found, as sentences.
+
+        Raises:
+            RobotFileError: It moves poses too far.
+        """
+        carried = carried_table(self.urdf, self.written, self.convention)
+        if carried is not None:
+            arm, placement = arm_of(self.urdf, self.written.base, self.written.tip, snap), placement_of(carried)
+            description = with_table(self._described(arm, placement, snap), carried)
+            return _Table(arm, placement, description, certify(self.written, description)), [
+                "the table is the one that the URDF carries with it"
+            ]
+        plain = self._table(snap)
+        far = plain.placement.far
+        cut = cut_off(self.urdf, self.written.base, self.written.tip, snap)
+        if not any(slant(self.written, i) > ALIKE for i, _ in far):
+            plain.check(self.urdf, snap)
+            return plain, list(self._remarks_on_cut(plain, cut if snap else []))
+        other = self._table(snap, cut) if cut and snap else plain
+        worth = MOST_MOVED * other.arm.reach if plain.is_far else TURNED
+        table = plain if other.is_far or other.certificate.position > worth else other
+        table.check(self.urdf, snap)
+        return table, list(self._remarks_on_slants(table, far, cut, table is not plain))
+
+    def _table(self, snap: Fraction, cut: CutOff = ()) -> _Table:
+        """By common normals; where angles are cut off, all such angles of the robot are read as they were meant."""
+        arm = arm_of(as_meant(self.urdf) if cut else self.urdf, self.written.base, self.written.tip, snap)
+        placement = place(arm, self.convention, float(snap))
+        description = self._described(arm, placement, snap)
+        meanings = (float(abs(meant(angle) - angle)) for _, angle in cut)
+        changes = (*arm.snaps, *placement.turned, *meanings)
+        return _Table(arm, placement, description, certify(self.written, description), changes)
+
+    def _described(self, arm: Arm, placement: Placement, snap: Fraction) -> Description:
+        """The robot with its name and title."""
+        title = _plain(" ".join(f"{self.urdf.name}: {arm.base} to {arm.tip}".split()))
+        return robot_of_arm(arm, placement, snap, robot_name(self.name or self.urdf.name or "arm"), title)
+
+    def _remarks_on_slants(
+        self, table: _Table, far: Sequence[tuple[int, bool]], cut: CutOff, taken: bool
+    ) -> Iterator[str]:
+        """What was done with axes that are almost parallel, and which snap makes them so at what cost."""
+        told = [(i, parallel or not table.is_far) for i, parallel in far]
+        yield from (
+            slanted(self.written, i, parallel) for i, parallel in told if not parallel or slant(self.written, i) > ALIKE
+        )
+        if cut:
+            yield named(cut, taken)
+        kept = [slant(self.written, i) for i, parallel in told if not parallel]
+        if kept and (wider := snap_for(max(kept))) <= MOST_SNAP:
+            with suppress(RobotFileError):
+                other = self._table(wider)
+                if not other.is_far:
+                    refused = f"; refused, being more than {MOST_MOVED:.0%} of the reach" if other.moves_far else ""
+                    moved = f"poses by up to {other.certificate.position:.2g} m"
+                    yield f"--snap {float(wider):g} would take them as parallel and move {moved}{refused}"
+
+    def _remarks_on_cut(self, table: _Table, cut: CutOff) -> Iterator[str]:
+        """Which angles such as 1.5708 stay so, and which snap takes them for pi/2 at what cost."""
+        if cut and (wider := snap_for(max(float(abs(meant(angle) - angle)) for _, angle in cut))) <= MOST_SNAP:
+            with suppress(RobotFileError):
+                other = self._table(wider)
+                ours, theirs = (made.description for made in (table, other))
+                same = (ours.joints, ours.base, ours.tool) == (theirs.joints, theirs.base, theirs.tool)
+                if not (same or other.moves_far):
+                    price = f"--snap {float(wider):g} would take them for these and move poses by up to"
+                    yield f"{named(cut, False)}; {price} {other.certificate.position:.2g} m"
 
 
-def _described(urdf: Urdf, arm: Arm, placement: Placement, snap: Fraction, name: str | None) -> Description:
-    """The robot with its name and title."""
-    title = _plain(" ".join(f"{urdf.name}: {arm.base} to {arm.tip}".split()))
-    return robot_of_arm(arm, placement, snap, robot_name(name or urdf.name or "arm"), title)
+def with_named_lengths(robot: Description) -> Description:
+    """A robot of numbers with d_i and a_i by name, as books have them, and their numbers as parameters.
+
+    Args:
+        robot: As imported.
+
+    Returns:
+        The same arm; numbers whose name is taken stay.
+    """
+    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    rows = list(enumerate(robot.joints, 1))
+    cells = {f"{key}{i}": getattr(joint, key) for i, joint in rows for key in ("d", "a")}
+    values = {name: cell for name, cell in cells.items() if cell != ZERO and is_constant(cell) and name not in taken}
+    named = {name: Name(name) if name in values else cell for name, cell in cells.items()}
+    joints = tuple(replace(joint, d=named[f"d{i}"], a=named[f"a{i}"]) for i, joint in rows)
+    return replace(robot, joints=joints, parameters=(*values.items(), *robot.parameters))
 
 
-def _slants(urdf: Urdf, made: _Made) -> Iterator[str]:
-    """What was done with axes that are almost parallel, and which snap makes them so at what cost, as sentences."""
-    arm, far = made.as_written, [(i, taken or not made.is_far) for i, taken in made.far]
-    yield from (slanted(arm, i, taken) for i, taken in far if not taken or slant(arm, i) > ALIKE)
-    if made.cut:
-        yield named(made.cut, made.meant)
-    widest = max((slant(arm, i) for i, taken in far if not taken), default=1.0) * (1 + ALIKE)
-    wider = Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest)))
-    with suppress(RobotFileError):
-        other = _made(urdf, arm.base, arm.tip, made.placement.convention, wider, None) if wider <= MOST_SNAP else made
-        if not other.is_far and other is not made:
-            refused = f"; refused, being more than {MOST_MOVED:.0%} of the reach" if other.moves_far else ""
-            moved = f"poses by up to {other.certificate.position:.2g} m"
-            yield f"--snap {float(wider):g} would take them as parallel and move {moved}{refused}"
-
-
-def _loaded(urdf: Urdf, text: str, name: str) -> Robot:
-    """The robot of a text; what it has against it is said of the URDF."""
-    try:
-        return Robot.from_text(text, f"{name}.yaml")
-    except DeriveError as error:
-        raise RobotFileError(f"{urdf.source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
+def _check_masses(arm: Arm) -> None:
+    """Refuse what weighs less than nothing: a robot file has no such link."""
+    for axis in arm.axes:
+        mass = sum(body.mass for body in axis.bodies)
+        if mass < 0:
+            found = f"link {quoted(axis.bodies[0].link)} and what it carries weigh {float(mass):g} kg"
+            remedy = "correct the masses, or write --inertia possible"
+            raise RobotFileError(found, remedy=remedy, location=axis.joint.location)
 
 
 def _plain(text: str) -> str:
     """A text of a URDF as it may stand in a comment, on one line."""
     return quoted(text, 1000)[1:-1]
-
-
-def _snapped(changes: Sequence[float]) -> str:
-    """What was changed to exact values."""
-    if not changes:
-        return "nothing snapped"
-    return f"snapped: {len(changes)} angle{'s' * (len(changes) > 1)}, largest change {max(changes):.2g} rad"
 
 
 def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:

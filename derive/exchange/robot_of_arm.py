@@ -43,7 +43,7 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
         The robot, of numbers but for the acceleration of gravity.
 
     Raises:
-        RobotFileError: The masses that a joint carries add up to nothing or less.
+        RobotFileError: The masses that a joint carries add up to nothing.
     """
     joints = tuple(
         _joint(i, axis, row, snap) for i, (axis, row) in enumerate(zip(arm.axes, placement.rows, strict=True), 1)
@@ -159,9 +159,6 @@ def _link(axis: Axis, frame: Frame) -> Link:
             raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
         tensor = _tensor(axis.bodies, frame, (arb(0), arb(0), arb(0)))
         return Link(inertia=Inertia(*(number(decimal(t)) for t in tensor)), viscous=viscous, coulomb=coulomb)
-    if mass < 0:
-        found = f"link {quoted(axis.bodies[0].link)} and what it carries weigh {float(mass):g} kg"
-        raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
     weighed = [plus((arb(0),) * 3, frame.inside(body.com), real(body.mass)) for body in axis.bodies]
     com = (_mean(weighed, 0, mass), _mean(weighed, 1, mass), _mean(weighed, 2, mass))
     tensor = _tensor(axis.bodies, frame, com)

@@ -24,6 +24,9 @@ PLACES = range(2, 13)
 MOST_NAMED = 8
 """So many of them are named."""
 
+CutOff = Sequence[tuple[UrdfJoint, Fraction]]
+"""Angles that are almost fractions of pi, with their joints."""
+
 
 def meant(angle: Fraction) -> Fraction:
     """The fraction of pi, to many digits, of which an angle has the first decimals, the last one rounded or not.
@@ -48,15 +51,14 @@ def as_meant(urdf: Urdf) -> Urdf:
     Args:
         urdf: As written.
     """
-
-    def _turned(joint: UrdfJoint) -> UrdfJoint:
+    joints = []
+    for joint in urdf.joints:
         roll, pitch, yaw = map(meant, joint.origin.rpy)
-        return replace(joint, origin=Origin(joint.origin.xyz, (roll, pitch, yaw)))
+        joints.append(replace(joint, origin=Origin(joint.origin.xyz, (roll, pitch, yaw))))
+    return replace(urdf, joints=tuple(joints))
 
-    return replace(urdf, joints=tuple(map(_turned, urdf.joints)))
 
-
-def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> list[tuple[UrdfJoint, Fraction]]:
+def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> CutOff:
     """The angles between two links that are the first decimals of fractions of pi, with their joints.
 
     Args:
@@ -70,14 +72,13 @@ def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> list[tuple[Urdf
     return [(joint, angle) for joint, angle in angles if abs(meant(angle) - angle) > snap]
 
 
-def snap_for(cut: Sequence[tuple[UrdfJoint, Fraction]]) -> Fraction:
-    """The snap, of two digits, that takes angles for the fractions of pi that they were meant for [rad].
+def snap_for(widest: float) -> Fraction:
+    """The least snap of two digits that takes angles of some difference for each other [rad].
 
     Args:
-        cut: They, with their joints; see `cut_off`.
+        widest: The difference [rad].
     """
-    widest = max(abs(meant(angle) - angle) for _, angle in cut)
-    return Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(float(widest) * (1 + ALIKE))))
+    return Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest * (1 + ALIKE))))
 
 
 def slant(arm: Arm, i: int) -> float:
@@ -107,7 +108,7 @@ def slanted(arm: Arm, i: int, taken: bool) -> str:
     )
 
 
-def named(cut: Sequence[tuple[UrdfJoint, Fraction]], taken: bool) -> str:
+def named(cut: CutOff, taken: bool) -> str:
     """What was done with angles that somebody cut off, as a sentence.
 
     Args:

@@ -37,6 +37,7 @@ def test_a_file_is_written_and_reported_on(folder: Path) -> None:
         "  link l1: no body has its inertia (A + B < C by 0.1 kg m^2)",
         "  not read: safety_controller",
     ]
+    assert "inertia" not in done.stderr, "told twice"
     text = (folder / "arm.yaml").read_text()
     assert all(f"# {note.strip()}" in text.splitlines() for note in notes)
     assert "proven" in derive("verify", "arm.yaml", folder=folder).stdout

@@ -11,7 +11,7 @@ import pytest
 from derive.exchange.arm import arm_of
 from derive.exchange.carried_table import carried_table, placement_of, table_text
 from derive.exchange.formats import exported
-from derive.exchange.from_urdf import Imported, import_urdf
+from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
 from derive.exchange.space import exactly
 from derive.robot.description import Convention
@@ -24,7 +24,7 @@ SWEEP = [pytest.param(name, marks=[] if name in FEW else pytest.mark.sweep) for 
 
 
 def back(text: str, convention: Convention) -> Imported:
-    return import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, convention, Fraction(1, 10**6))
+    return import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, ImportOptions(convention=convention))
 
 
 def cells(robot: Robot) -> list[object]:

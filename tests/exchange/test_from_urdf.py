@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 
-from derive.exchange.from_urdf import import_urdf, robot_name
+from derive.exchange.from_urdf import ImportOptions, import_urdf, robot_name
 from derive.exchange.read_urdf import read_urdf
 from derive.robot.description import Convention
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import HALF, PI, J, Reading, body, pose, urdf
-
-SNAP = Fraction(1, 10**6)
 
 ARM = urdf(
     [
@@ -29,7 +25,7 @@ ARM = urdf(
 
 @pytest.mark.parametrize("convention", Convention)
 def test_poses_and_dynamics_are_those_of_pinocchio(convention: Convention) -> None:
-    imported = import_urdf(read_urdf(ARM.encode(), "arm.urdf"), None, None, convention, SNAP)
+    imported = import_urdf(read_urdf(ARM.encode(), "arm.urdf"), None, None, ImportOptions(convention=convention))
     reading, oracle = Reading(ARM, ("j1", "j2", "j4", "j5")), Oracle.of(imported.robot)
     random = np.random.default_rng(4)
     for _ in range(5):
@@ -43,7 +39,7 @@ def test_poses_and_dynamics_are_those_of_pinocchio(convention: Convention) -> No
 def test_limits_that_bound_nothing_are_none_and_named() -> None:
     limits = ('lower="-inf" upper="inf"', 'lower="0" upper="0"', 'lower="-1e9" upper="2"', 'lower="-2" upper="1"')
     text = urdf([J("0 0 0.3", limit=limit) for limit in limits])
-    imported = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, Convention.STANDARD, SNAP)
+    imported = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None)
     assert [joint.limits is None for joint in imported.robot.joints] == [True, True, True, False]
     assert [note for note in imported.notes if "taken as none" in note] == [
         "joint j1: limits -1e+60 to 1e+60 are taken as none",
@@ -57,9 +53,7 @@ def test_lengths_a_nanometre_from_few_digits_have_these_and_others_all() -> None
     text = urdf(
         [J("0 0 0.10000000000194"), J("0.1 0 0.3", f"{HALF} 0 0"), J("0.2500001234 0 1e-11", type="fixed")]
     ).encode()
-    snapped, exact = (
-        import_urdf(read_urdf(text, "a"), None, None, Convention.STANDARD, s) for s in (SNAP, Fraction(0))
-    )
+    snapped, exact = (import_urdf(read_urdf(text, "a"), None, None, ImportOptions(snap=s)) for s in ("1e-6", "0"))
     assert "d: 0.4," in snapped.text
     assert "a: 0.2500001234," in snapped.text
     assert 1e-11 <= snapped.certificate.position < 1e-9

@@ -7,12 +7,10 @@ import time
 
 import pytest
 
-from derive.api.importing import snap_of
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.arm import moving_tips
-from derive.exchange.from_urdf import import_urdf
+from derive.exchange.from_urdf import ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
-from derive.robot.description import Convention
 from tests.exchange.urdfs import J, body, urdf
 
 GOOD = urdf([J("0 0 0.3", inertial=body("2")), J("0.3 0 0", "1.57 0 0", more='<dynamics damping="0.1"/>')])
@@ -66,7 +64,7 @@ def chain(count: int, kind: str) -> str:
 def test_it_is_refused_within_two_seconds(text: str, found: str) -> None:
     before = time.process_time()
     with pytest.raises(RobotFileError, match=found) as refused:
-        import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, Convention.STANDARD, snap_of("1e-6"))
+        import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, ImportOptions(snap="1e-6"))
     assert "\n" not in str(refused.value)
     assert time.process_time() - before < 2
 
@@ -74,7 +72,7 @@ def test_it_is_refused_within_two_seconds(text: str, found: str) -> None:
 def test_names_cannot_write_into_the_robot_file() -> None:
     """Line breaks in names, which XML allows as character references."""
     text = GOOD.replace("l2", "l2&#10;joints: []&#10;&quot;").replace('"arm"', '"&quot;&#10;x: 1 \\ # "')
-    imported = import_urdf(read_urdf(text.encode(), "a\n.urdf"), None, None, Convention.STANDARD, snap_of("1e-6"))
+    imported = import_urdf(read_urdf(text.encode(), "a\n.urdf"), None, None, ImportOptions(snap="1e-6"))
     assert imported.robot.n == 2
 
 
@@ -103,7 +101,7 @@ def outcome(data: bytes) -> str:
     try:
         read = read_urdf(data, "arm.urdf")
         for tip in moving_tips(read):
-            import_urdf(read, None, tip, Convention.STANDARD, snap_of("1e-6"))
+            import_urdf(read, None, tip, ImportOptions(snap="1e-6"))
     except DeriveError as error:
         return str(error)
     return ""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from math import pi
 
 import numpy as np
 import pytest
 
-from derive.exchange.from_urdf import import_urdf
+from derive.exchange.from_urdf import ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
@@ -17,7 +16,6 @@ from derive.robot.robot import Robot
 from tests.exchange.tables import cells, numbers, table_urdf
 from tests.exchange.urdfs import J, pose, urdf
 
-SNAP = Fraction(1, 10**6)
 Rows = list[tuple[float, float, float, float]]
 """theta, d, a, alpha."""
 
@@ -106,7 +104,7 @@ MAKERS = {
 @pytest.mark.parametrize("name", MAKERS)
 def test_the_standard_table_is_the_makers(name: str) -> None:
     text, base, tip, rows = MAKERS[name]
-    robot = import_urdf(read_urdf(text.encode(), name), base, tip, Convention.STANDARD, SNAP).robot
+    robot = import_urdf(read_urdf(text.encode(), name), base, tip).robot
     got = cells(robot, {})
     assert got[: robot.n] == [pytest.approx(row, abs=1e-12) for row in rows]
     assert got[robot.n :] == [pytest.approx(row) for row in (*np.eye(4).tolist(), *np.eye(4).tolist())]
@@ -114,7 +112,9 @@ def test_the_standard_table_is_the_makers(name: str) -> None:
 
 def test_the_modified_table_of_the_panda_is_the_makers() -> None:
     """Its flange stands 0.107 m along the last axis: in the last row."""
-    robot = import_urdf(read_urdf(PANDA.encode(), "panda"), None, None, Convention.MODIFIED, SNAP).robot
+    robot = import_urdf(
+        read_urdf(PANDA.encode(), "panda"), None, None, ImportOptions(convention=Convention.MODIFIED)
+    ).robot
     got = [tuple(evaluate(cell, {}) for cell in (row.alpha, row.a, row.theta, row.d)) for row in robot.joints]
     turns = (0, -1, 1, 1, -1, 1, 1)
     lengths = ((0, 0.333), (0, 0), (0, 0.316), (0.0825, 0), (-0.0825, 0.384), (0, 0), (0.088, 0.107))
@@ -127,7 +127,7 @@ def test_tables_of_books_come_back(name: str) -> None:
     robot = Robot.load(name)
     values = numbers(robot)
     text = table_urdf(robot, values)
-    imported = import_urdf(read_urdf(text.encode(), name), None, None, robot.convention, SNAP)
+    imported = import_urdf(read_urdf(text.encode(), name), None, None, ImportOptions(convention=robot.convention))
     assert cells(imported.robot, {}) == [pytest.approx(row, abs=1e-12) for row in cells(robot, values)]
 
 
@@ -139,7 +139,7 @@ def test_every_built_in_arm_comes_back(name: str) -> None:
     values = numbers(robot)
     for convention in Convention:
         text = table_urdf(robot, values)
-        imported = import_urdf(read_urdf(text.encode(), name), None, None, convention, SNAP)
+        imported = import_urdf(read_urdf(text.encode(), name), None, None, ImportOptions(convention=convention))
         q = np.random.default_rng(1).uniform(-1, 1, robot.n)
         apart = pose(imported.robot, q) - pose_of(robot, values, q)
         assert np.abs(apart).max() < 1e-12

@@ -14,7 +14,7 @@ import pytest
 from derive.errors import DeriveError
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.common_normals import FAR
-from derive.exchange.from_urdf import Imported, import_urdf
+from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
 from derive.exchange.space import exactly
 from derive.exchange.urdf import Urdf
@@ -73,7 +73,10 @@ def check(text: str, urdf: Urdf, tip: str, convention: Convention) -> str:
     said = f"{urdf.source} {tip} {convention.value}"
     before = time.process_time()
     try:
-        exact, snapped = (import_urdf(urdf, None, tip, convention, snap) for snap in (Fraction(0), Fraction(1, 10**6)))
+        exact, snapped = (
+            import_urdf(urdf, None, tip, ImportOptions(convention=convention, snap=snap))
+            for snap in (Fraction(0), Fraction(1, 10**6))
+        )
     except DeriveError as error:
         return str(error)
     assert time.process_time() - before < 2, said

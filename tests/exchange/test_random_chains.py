@@ -11,7 +11,7 @@ import pytest
 
 from derive.exchange.arm import arm_of
 from derive.exchange.common_normals import AS_WRITTEN, FAR, TURNED
-from derive.exchange.from_urdf import import_urdf
+from derive.exchange.from_urdf import ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
 from derive.exchange.robot_of_arm import TOUCHING
 from derive.exchange.space import exactly
@@ -45,7 +45,7 @@ def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convent
         arm = arm_of(urdf, None, None, snap)
     source = np.random.default_rng(seed)
     for convention in conventions:
-        imported = import_urdf(urdf, None, None, convention, snap)
+        imported = import_urdf(urdf, None, None, ImportOptions(convention=convention, snap=snap))
         oracle, bound = Oracle.of(imported.robot), imported.certificate
         q, qd, qdd = source.uniform(-0.5, 0.8, (3, len(names)))
         apart = pose(imported.robot, q) - reading.pose(q, tip)
