@@ -19,7 +19,7 @@ def states(mode: str, folder: Path, *options: str) -> list[str]:
     """Runs the driver; what the folder was after every kill."""
     command = [sys.executable, "tests/publish/kill_driver.py", mode, str(folder / "arm"), *options]
     environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=240, check=False)
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     found: list[str] = json.loads(done.stdout)
     return found
