@@ -375,14 +375,16 @@ def _changes(joint: UrdfJoint, snap: Fraction) -> list[float]:
 
 
 def _check_kind(joint: UrdfJoint) -> None:
+    """Refuse a joint that has no place in a table."""
+    found, allowed = joint.fault, ""
+    remedy = f"{'correct it, or ' if found else ''}choose another --tip or --chain"
     if joint.type not in MOVING:
-        found = f"joint {quoted(joint.name)} is {joint.type}"
-        remedy = "choose another --tip or --chain"
-        allowed = "allowed: revolute, continuous, prismatic, fixed"
-        raise RobotFileError(found, allowed=allowed, remedy=remedy, location=joint.location)
-    if joint.mimics:
+        found, allowed = found or f"joint {quoted(joint.name)} is {joint.type}", f"allowed: {', '.join(MOVING)}, fixed"
+    elif joint.mimics is not None:
         found = f"joint {quoted(joint.name)} follows {quoted(joint.mimics)}: it has no variable of its own"
-        raise RobotFileError(found, remedy="choose a chain without it", location=joint.location)
+        remedy = "choose a chain without it"
+    if found:
+        raise RobotFileError(found, allowed=allowed, remedy=remedy, location=joint.location)
 
 
 def _direction(joint: UrdfJoint, snap: Fraction) -> Point:

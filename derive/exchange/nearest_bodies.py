@@ -46,7 +46,7 @@ LARGEST = 1e-3
 """A link is at least this part of the arm's largest length."""
 
 LIGHT, SHORT = 1e-2, 0.1
-"""The same of links that are given without a mass: the units of what they get, if they get something."""
+"""The same of links that are given without a mass, or with less: the units of what they get, if they get something."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,8 +57,8 @@ class Bodies:
         given: (n, 10) pseudo-inertias as vectors, see `derive.exchange.semidefinite`.
         along: (n, 10, k) their change along each direction.
         units: (n, 4, 4) what takes a pseudo-inertia in the joint frame to these units, from both sides.
-        masses: (n,) the least that links given without a mass must get, lest they be much wider than the arm; zero for
-            all others.
+        masses: (n,) the least that links given without a mass, or with a negative one, must get, lest they be much
+            wider than the arm; zero for all others.
     """
 
     given: Array
@@ -121,10 +121,10 @@ def in_own_units(parameters: Sequence[Exact], basis: Sequence[Direction], size: 
 
 def _units(body: Array, heaviest: float, size: float) -> Array:
     """To coordinates about the centre of mass, in radii of gyration and masses of the link, within reason."""
-    given = body[3, 3]
+    given = max(body[3, 3], 0.0)
     least_mass, least_radius = (HEAVIEST, LARGEST) if given else (LIGHT, SHORT)
-    mass = max(abs(given), least_mass * heaviest)
-    center = body[:3, 3] / given if abs(given) == mass else np.zeros(3)
+    mass = max(given, least_mass * heaviest)
+    center = body[:3, 3] / given if given == mass else np.zeros(3)
     spread = float(np.abs(np.linalg.eigvalsh(body[:3, :3] - given * np.outer(center, center))).sum())
     mass = max(mass, spread / size**2)
     radius = max(sqrt(spread / mass), least_radius * size)
@@ -208,7 +208,7 @@ def targets(bodies: Bodies, room: Room) -> Array:
 
 
 def weighed(bodies: Bodies, target: Array) -> Bodies:
-    """The same with masses for the links that are given none, as far as torques allow them.
+    """The same with masses for the links that are given none, or less, as far as torques allow them.
 
     One that has moments of inertia would else get next to nothing, and a radius of gyration of kilometres. Those that
     are at the limit of what exists anyway stay what they are, to the last digit.
@@ -217,7 +217,7 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
         bodies: The arm's.
         target: Least eigenvalues to keep to.
     """
-    massless, (n, _, width) = (bodies.given[:, -1] == 0) & (target > 0), bodies.along.shape
+    massless, (n, _, width) = (bodies.given[:, -1] <= 0) & (target > 0), bodies.along.shape
     if not massless.any():
         return bodies
     own = np.eye(n + width)[width:]
@@ -226,8 +226,8 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
         for body, slope, margin in zip(bodies.given, _slopes(bodies), target, strict=True)
     ]
     limits += [
-        Limit(Cone.NOT_NEGATIVE, np.zeros(1), (np.append(slope, np.zeros(n)) - mass)[None])
-        for slope, mass in zip(_slopes(bodies)[massless, -1, :], own[massless], strict=True)
+        Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:], (np.append(_slopes(bodies)[i, -1], np.zeros(n)) - own[i])[None])
+        for i in np.flatnonzero(massless)
     ]
     limits += [Limit(Cone.NOT_NEGATIVE, np.zeros(n), own), Limit(Cone.NOT_NEGATIVE, np.ones(n), -own)]
     found = least(-own[massless].sum(axis=0), limits).x[width:]

@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from derive.errors import Location, RobotFileError, TargetError, quoted
-from derive.exchange.urdf import MOVING, ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.urdf import ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -30,8 +30,6 @@ MOST_DIGITS = 400
 
 GREATEST = 60
 """Power of ten beyond which a number is no length and no mass; what is as small is zero."""
-
-TYPES = (*MOVING, "fixed", "floating", "planar")
 
 READ = {
     "robot": {"link", "joint", "dh_table"},
@@ -93,6 +91,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
         joints[joint.name] = joint
     if not bodies:
         raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
+    notes += tuple(f"{fault} (line {joint.location.line})" for joint in joints.values() if (fault := joint.fault))
     table = root.findtext("dh_table", "").strip()
     return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, _unread(root, elements), source, table)
 
@@ -307,9 +306,6 @@ class _Reader:
             links: By their names.
         """
         name, kind = self.name(element), element.get("type", "").strip()
-        if kind not in TYPES:
-            allowed = f"allowed: {', '.join(TYPES)}"
-            raise self.refused(element, f"joint {quoted(name)} of type {quoted(kind)}", "write its type", allowed)
         ends = {}
         for end in ("parent", "child"):
             child = element.find(end)
@@ -320,9 +316,6 @@ class _Reader:
             ends[end] = link
         axis = element.find("axis")
         direction = (None if axis is None else self.numbers(axis, "xyz", 3)) or (Fraction(1), Fraction(0), Fraction(0))
-        if kind in MOVING and not any(direction):
-            found = f"joint {quoted(name)}: an axis of length 0"
-            raise self.refused(element if axis is None else axis, found, 'write <axis xyz="0 0 1"/>')
         limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
         lower, upper, effort, velocity = (
             None if limit is None else self.number(limit, key, infinite=True)
@@ -344,6 +337,6 @@ class _Reader:
             velocity=velocity,
             damping=damping or Fraction(0),
             friction=friction or Fraction(0),
-            mimics="" if mimic is None else mimic.get("joint", ""),
+            mimics=None if mimic is None else mimic.get("joint", ""),
             location=self.place(element),
         )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from derive.errors import Location
+from derive.errors import Location, quoted
 
 UNLIMITED = 10**6
 """Limits, efforts and speeds from here on are none: URDF wants numbers [rad or m, N m or N, rad/s or m/s]."""
@@ -18,6 +18,9 @@ Triple = tuple[Fraction, Fraction, Fraction]
 """Three decimals, exactly as written."""
 
 ZEROS: Triple = (Fraction(0), Fraction(0), Fraction(0))
+
+STILL = ("fixed", "floating", "planar")
+"""The other types that URDF has."""
 
 MOVING = {"revolute": True, "continuous": True, "prismatic": False}
 """Types of joints with one variable, and whether it is an angle."""
@@ -42,17 +45,17 @@ class UrdfJoint:
 
     Attributes:
         name: As in the file.
-        type: One of `TYPES`.
+        type: One of `MOVING` or `STILL`, or what URDF does not have.
         parent: Name of the link that carries it.
         child: Name of the link that it moves.
         origin: Of the child's frame in the parent's at zero.
-        axis: In the child's frame; of any length but zero.
+        axis: In the child's frame, of any length.
         limits: Lower and upper, where there are some [rad or m].
         effort: Largest torque or force [N m or N], where it says one.
         velocity: Largest speed [rad/s or m/s], where it says one.
         damping: Viscous friction.
         friction: Dry friction.
-        mimics: Name of the joint that it follows.
+        mimics: Name of the joint that it follows, where it follows one.
         location: Its place in the file.
     """
 
@@ -67,8 +70,15 @@ class UrdfJoint:
     velocity: Fraction | None
     damping: Fraction
     friction: Fraction
-    mimics: str
+    mimics: str | None
     location: Location
+
+    @property
+    def fault(self) -> str:
+        """Why no chain may lead through it whatever tables have, in words; empty where some may."""
+        if self.type not in (*MOVING, *STILL):
+            return f"joint {quoted(self.name)} of type {quoted(self.type)}"
+        return "" if self.type in STILL or any(self.axis) else f"joint {quoted(self.name)}: an axis of length 0"
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
@@ -13,6 +14,7 @@ import derive
 from derive.api.importing import import_all, import_urdf, verify_import
 from derive.errors import DeriveError, RobotFileError, VerificationError
 from derive.exchange.from_urdf import snap_of
+from derive.exchange.witness import NoSuchBodies
 from derive.robot.expression import ZERO, to_text
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import HALF, J, Reading, body, pose, urdf
@@ -80,6 +82,48 @@ def test_every_tip_gets_an_arm_or_a_reason(torso: Path) -> None:
     found = import_all(torso)
     assert [arm.robot.name for arm in found.arms] == ["torso-left-hand", "torso-right-hand"]
     assert "is floating" in found.refused["head"]
+
+
+def test_a_joint_that_urdf_does_not_have_refuses_the_chains_through_it_alone() -> None:
+    """It is held at zero beside others, with what it carries, and remarked with its line."""
+    ball = J("0 0.1 0", "0.2 0 0", type="ball", link="toe", parent="left_hand", inertial=body("1", "0 0 0.1"))
+    found = import_all(urdf([*TORSO, ball], name="torso").encode())
+    assert [arm.robot.name for arm in found.arms] == ["torso-right-hand"]
+    assert "<stdin>:41" in found.refused["toe"]
+    assert "of type 'ball'" in found.refused["toe"]
+    assert any("of type 'ball' (line 41)" in note for note in found.arms[0].notes)
+    left, fixed = (
+        import_urdf(urdf([*TORSO, replace(ball, type=kind)]).encode(), tip="left_hand") for kind in ("ball", "fixed")
+    )
+    assert left.robot == replace(fixed.robot, digest=left.robot.digest, comments=left.robot.comments)
+    assert any(re.fullmatch(r"held at zero: .*\bj7\b.*", note) for note in left.notes)
+
+
+@pytest.mark.parametrize("mass", ["-2", "-40", "0"])
+def test_a_negative_mass_is_taken_where_bodies_that_exist_have_its_torques(mass: str) -> None:
+    """The first link turns about an upright axis, which knows its moment of inertia alone."""
+    pytest.importorskip("clarabel")
+    first = J("0 0 0.3", inertial=body(mass, moments="0.5 0.5 0.4 0 0 0"))
+    second = J("0.2 0 0", f"{HALF} 0 0", inertial=body("2", "0.1 0 0", moments="0.1 0.1 0.1 0 0 0"))
+    text = urdf([first, second]).encode()
+    if mass.startswith("-"):
+        with pytest.raises(RobotFileError, match=f"'l1' .* weigh {mass} kg; .*--inertia possible"):
+            import_urdf(text)
+    found = import_urdf(text, inertia="possible")
+    heavy = urdf([replace(first, inertial=body("3", moments="0.5 0.5 0.4 0 0 0")), second])
+    state = np.random.default_rng(2).uniform(-2, 2, (3, 2))
+    torque = Oracle.of(found.robot).evaluate("inverse_dynamics", *state)
+    assert np.abs(torque - Reading(heavy, ("j1", "j2")).torque(*state)).max() < 1e-12
+    assert not any(remark.is_of_bodies for remark in found.robot.remarks)
+
+
+def test_a_negative_mass_that_torques_notice_is_refused_with_a_witness() -> None:
+    pytest.importorskip("clarabel")
+    text = urdf([J("0 0 1", type="prismatic", inertial=body("-2"))], name="lift").encode()
+    with pytest.raises(NoSuchBodies, match="lift: no bodies have these torques"):
+        import_urdf(text, inertia="possible")
+    with pytest.raises(RobotFileError, match="no bodies have these torques"):
+        import_all(text, inertia="possible")
 
 
 def test_a_chain_may_go_up_the_tree_first(torso: Path) -> None:

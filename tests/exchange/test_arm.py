@@ -47,6 +47,9 @@ def test_several_tips_are_listed() -> None:
     [
         (J(type="floating"), "is floating"),
         (J(type="planar"), "is planar"),
+        (J(type="screw"), "arm.urdf:5.*of type 'screw'; allowed: revolute, continuous, prismatic, fixed"),
+        (J(axis="0 0 0.0"), "arm.urdf:5.*an axis of length 0"),
+        (J(more="<mimic/>"), "follows ''"),
         (J(more='<mimic joint="j0"/>'), "follows 'j0'"),
         (J(type="fixed"), "no joint moves"),
     ],

@@ -38,8 +38,6 @@ DECLARED = '<?xml version="1.0"?>\n' + urdf([J()])
         ("<robot>\n<link/>\n</robot>", 2, "a link without a name"),
         (urdf([J("0 0 nan")]), 5, "'nan' is no number"),
         (urdf([J("0 0")]), 5, "2 numbers"),
-        (urdf([J(axis="0 0 0.0")]), 6, "an axis of length 0"),
-        (urdf([J(type="ball")]), 5, "of type 'ball'"),
         (urdf([J(parent="nobody")]), 5, "parent 'nobody' is no link of the file"),
         (urdf([J(name="a"), J(name="a")]), 10, "a second joint 'a'"),
         (urdf([J(inertial=body("inf"))]), 4, "'inf' is no number"),
@@ -98,6 +96,13 @@ def test_infinite_limits_are_the_greatest_numbers_and_nothing_else_is_infinite()
     ):
         with pytest.raises(RobotFileError):
             read_urdf(wrong.encode(), "arm.urdf")
+
+
+def test_joints_that_no_chain_may_have_are_remarked_with_their_lines() -> None:
+    text = urdf([J(axis="0 0 0.0"), J(type="screw"), J(type="floating", axis="0 0 0"), J(more="<mimic/>")])
+    read = read_urdf(text.encode(), "arm.urdf")
+    assert read.notes == ("joint 'j1': an axis of length 0 (line 5)", "joint 'j2' of type 'screw' (line 11)")
+    assert [joint.mimics for joint in read.joints] == [None, None, None, ""]
 
 
 def test_numbers_with_commas_are_refused_with_what_to_write() -> None:
