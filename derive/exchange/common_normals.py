@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 from flint import arb
@@ -226,9 +226,9 @@ def _candidates(
     arm: Arm, columns: Sequence[Sequence[Line]], spots: Sequence[tuple[int | None, Point]], standard: bool, snap: float
 ) -> list[list[_Candidate]]:
     """Frames on each axis: origins at common normals or near spots, x along normals or what is known."""
-    normals = [cross(a[0].direction, b[0].direction) for a, b in pairwise(columns)]
+    normals = [_across(a, b) for a, b in pairwise(columns)]
     ends = [WORLD.x, WORLD.y, arm.end.x, arm.end.y]
-    known = [ends + normals[max(i - NEIGHBOURS, 0) : i + NEIGHBOURS] for i in range(len(columns))]
+    known = [[*ends, *chain(*normals[max(i - NEIGHBOURS, 0) : i + NEIGHBOURS])] for i in range(len(columns))]
     found = []
     for i, column in enumerate(columns):
         partners = [] if i == (0 if standard else len(columns) - 1) else columns[i - 1 if standard else i + 1]
@@ -243,11 +243,19 @@ def _candidates(
     return found
 
 
+def _across(column: Sequence[Line], following: Sequence[Line]) -> list[Point]:
+    """Directions of the common normals of the lines of two joints."""
+    normal = cross(column[0].direction, following[0].direction)
+    if length(normal) > ALIKE:
+        return [normal]
+    return [plus(other.foot(line.point), line.point, -1) for line in column for other in following]
+
+
 def _normals(
     line: Line, partners: Sequence[Line], spots: Sequence[Point], known: Sequence[Point], snap: float
 ) -> Iterator[tuple[Point, Point]]:
     """Origins on a line with directions of x that are perpendicular to it and to a partner, which x meets."""
-    slanting = [v for v in known if not length(cross(line.direction, v)) <= ALIKE]
+    slanting = [v for v in known if length(cross(line.direction, v)) > ALIKE]
     across = [unit(cross(cross(line.direction, v), line.direction)) for v in slanting]
     feet = [line.foot(spot) for spot in spots]
     if not partners:

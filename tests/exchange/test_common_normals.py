@@ -36,6 +36,17 @@ def test_a_slide_takes_the_place_that_costs_least() -> None:
     assert [float(row.a) for row in placement.rows] == [0, 0, 0]
 
 
+@pytest.mark.parametrize("convention", Convention)
+def test_a_slide_has_no_angle_where_a_base_that_is_slanted_anyway_can_have_it(convention: Convention) -> None:
+    """Its x may point along the common normal of two parallel axes, as any other common normal."""
+    base = J("0.1 0.2 0.3", "0.3 0.5 0.8", type="fixed")
+    text = urdf([base, J("0 0 0.25", type="prismatic"), J("0.05 -0.02 0.1"), J("0.3 0 0", f"{HALF} 0 0")])
+    with exactly():
+        arm = arm_of(read_urdf(text.encode(), "arm.urdf"), None, None, Fraction(0))
+        placement = place(arm, convention, 1e-6)
+    assert placement.rows[0].theta == 0
+
+
 @pytest.mark.parametrize("seed", [35, 45, 93, 128])
 def test_a_wide_snap_leaves_every_pair_of_axes_a_common_normal(seed: int) -> None:
     """Closeness is not transitive: an axis that takes the direction of one axis may come near another by that."""

@@ -92,14 +92,15 @@ def _zeros(found: InverseKinematics, factor: SingularFactor) -> Iterator[Numbers
 
 def _zero(expression: Expr, known: Numbers, joint: Expr) -> Any:
     """A zero of an expression in one joint variable, by halving an interval; None where its sign does not change."""
+    grid = [mpmath.mpf(7 * k) / _GRID - mpmath.mpf("3.4") for k in range(_GRID + 1)]
+    values = [value_of(expression, {**known, joint: x}) for x in grid]
+    size = max(map(abs, values))
 
     def _at(x: Any) -> Any:
-        return value_of(expression, {**known, joint: x})
+        return value_of(expression, {**known, joint: x}) / size
 
-    grid = [mpmath.mpf(7 * k) / _GRID - mpmath.mpf("3.4") for k in range(_GRID + 1)]
-    signs = [_at(x) for x in grid]
     for k in range(_GRID):
-        if signs[k] * signs[k + 1] < 0:
+        if values[k] * values[k + 1] < 0:
             return mpmath.findroot(_at, (grid[k], grid[k + 1]), solver="anderson", tol=mpmath.mpf(10) ** -(2 * 28))
     return None
 

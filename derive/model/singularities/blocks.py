@@ -2,7 +2,8 @@
 
 Six joints: all of J, about the wrist centre if axes 4, 5 and 6 meet there, for then J_12 = 0 and det J = det J_11 det
 J_22 (Siciliano et al., Robotics, sec. 3.3.1). Fewer joints: the rows that are not zero everywhere, if these are as many
-as joints; else the first rows, linear ones first, whose determinant is not zero everywhere.
+as joints; else the first rows, linear ones first, whose determinant is not zero everywhere. Rows are those of the
+world, or of frame 0 where the base is slanted, since the rank is the same and the entries are not.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from itertools import combinations
 
 from derive.algebra.ring import Polynomial, determinant
 from derive.model.kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
+from derive.robot.expression import ONE, ZERO, number
+from derive.robot.robot import Robot
 
 ALL = (1, 2, 3, 4, 5, 6)
 
@@ -84,15 +87,20 @@ def _shortest(
 
 def _candidates(kinematics: Kinematics) -> Iterator[SquareBlock]:
     """Blocks of all columns of an arm with fewer than six joints, in the order in which they are preferred."""
-    n, end = kinematics.robot.n, Reference()
+    n, end = kinematics.robot.n, Reference(frame=0 if _is_slanted(kinematics.robot) else None)
     columns = tuple(range(1, n + 1))
-    yield from _nonzero_rows(kinematics, [end, Reference(frame=0)])
-    world = jacobian_columns(kinematics, end)
+    yield from _nonzero_rows(kinematics, [Reference(), Reference(frame=0)])
+    entries = jacobian_columns(kinematics, end)
     if n == 3:
-        yield _block("J", (1, 2, 3), columns, end, world)
+        yield _block("J", (1, 2, 3), columns, end, entries)
     yield from _nonzero_rows(kinematics, [Reference(frame, m) for m in range(n + 1) for frame in (None, 0)])
     for rows in combinations(ALL, n):
-        yield _block("J", rows, columns, end, world)
+        yield _block("J", rows, columns, end, entries)
+
+
+def _is_slanted(robot: Robot) -> bool:
+    """Whether the base turns frame 0 so that no axis of it is one of the world."""
+    return not all(cell in (ZERO, ONE, number(-1)) for row in robot.base[:3] for cell in row[:3])
 
 
 def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> Iterator[SquareBlock]:

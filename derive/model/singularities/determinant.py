@@ -143,6 +143,9 @@ MAX_TERMS = 20_000
 
 MAX_JOINTS = 6
 
+MOST_WHOLE = 10**9
+"""Whole numbers that are larger read no better than decimals."""
+
 
 class Outcome(StrEnum):
     """What was found.
@@ -295,7 +298,7 @@ def _scaled(domain: PolynomialDomain, factor: Factor, lengths: list[Fraction]) -
     """A rational power and a factor whose product is the one given.
 
     The coefficients of a sum become numeric lengths of the robot if one number makes all of them so, else whole numbers
-    without a common divisor; most of them positive.
+    without a common divisor, or decimals up to 1 where these would be beyond `MOST_WHOLE`; most of them positive.
     """
     ring, p = domain.ring, factor.value
     if factor.kind is not None:
@@ -306,6 +309,8 @@ def _scaled(domain: PolynomialDomain, factor: Factor, lengths: list[Fraction]) -
     positive = sum(1 if c > 0 else -1 for c in coefficients) or coefficients[0]
     sizes = [abs(c) for c in coefficients]
     common = Fraction(lcm(*(c.denominator for c in sizes)), gcd(*(c.numerator for c in sizes)))
+    if max(sizes) * common > MOST_WHOLE:
+        common = 1 / max(sizes)
     scales = [length / sizes[0] for length in lengths] if len(sizes) > 1 else []
     scale = next((scale for scale in scales if all(scale * c in lengths for c in sizes)), common)
     scale = scale if positive > 0 else -scale

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
+import sympy
 
 from derive.model.inverse.coincidences import coincidences
 from derive.model.model import Model
@@ -35,3 +38,13 @@ def test_with_an_offset_the_shoulder_is_where_two_values_are_one() -> None:
 @pytest.mark.parametrize("name", ["planar-3r", "scara-perugia"])
 def test_planar_elbows(name: str) -> None:
     assert seen(name)["q2"] == (["sin(q2)"], [])
+
+
+def test_zeros_of_a_factor_are_as_near_as_the_rounding_of_its_terms_allows() -> None:
+    """Terms of an arm of 17 digits may be as large, and what they leave as small."""
+    model = Model(Robot.load("planar-3r"))
+    (factor,) = [factor for factor in model.singularities.factors if factor.condition is not None]
+    q2 = sympy.Symbol("q2")
+    steep = (1 + q2) * (10**30 * sympy.cos(q2) - 10**30 * sympy.cos(1)) - sympy.sin(q2)
+    pairs = coincidences(model.inverse, [replace(factor, expression=steep)])
+    assert not any(merged or free for merged, free in pairs)
