@@ -97,7 +97,7 @@ def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
         assert not folder.name.startswith(".")
         manifest = read_manifest(folder)
         assert manifest is not None
-        assert set(manifest["files"]) <= {path.name for path in folder.iterdir()}
+        assert set(manifest["files"]) <= {path.relative_to(folder).as_posix() for path in folder.rglob("*")}
 
 
 def die_over_a_file(robot: Robot) -> NoReturn:
