@@ -14,7 +14,15 @@ from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.possible import wants_possible, with_chosen_bodies
 from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
 from derive.exchange.space import NOTHING, exactly
-from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, written_bodies
+from derive.exchange.to_mjcf import (
+    DENSITY,
+    LEAST,
+    WrittenBody,
+    coupled_by_tendon,
+    is_too_thin,
+    mjcf_text,
+    written_bodies,
+)
 from derive.exchange.to_urdf import urdf_text
 from derive.exchange.urdf import SLIDE
 from derive.robot.expression import Expression
@@ -149,14 +157,24 @@ def _remarks(arm: BodyChain, to: str, form: Form) -> Iterator[str]:
             "MuJoCo's dry friction is Coulomb's while a joint slips; it is less on a joint that it would stop within "
             "some hundredths of a second, and one that stands creeps under a load"
         )
-    written = written_bodies(arm) if to == "mjcf" else []
-    bodies = [(str(link), body) for link, body in enumerate(written, start=1) if body is not None]
-    if refused := [link for link, body in bodies if not body.is_possible]:
-        yield f"MuJoCo refuses link {', '.join(refused)}: no body has such an inertia; inertia possible finds others"
-    if thin := [link for link, body in bodies if is_too_thin(body)]:
-        yield f"MuJoCo wants a little of each: {LEAST:g} kg or kg m^2 where link {', '.join(thin)} has none"
+    if to == "mjcf":
+        yield from _remarks_on_bodies(written_bodies(arm))
     if to == "mjcf" and not arm.robot.links:
         yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
+
+
+def _remarks_on_bodies(written: Sequence[WrittenBody]) -> Iterator[str]:
+    """What MuJoCo refuses, and what it gets instead of links that it would refuse."""
+    bodies = [(str(each.joints.stop), each.body) for each in written if each.body is not None]
+    if refused := [link for link, body in bodies if not body.is_possible]:
+        yield f"MuJoCo refuses link {', '.join(refused)}: no body has such an inertia; inertia possible finds others"
+    if gone := [str(link) for each in written for link in each.joints[1:]]:
+        yield (
+            f"MuJoCo has no body for link {', '.join(gone)}, without mass or with mass along a joint's axis alone, "
+            "which the link beyond it carries; their joints move the body of the next link"
+        )
+    if thin := [link for link, body in bodies if is_too_thin(body)]:
+        yield f"MuJoCo wants a little of each: {LEAST:g} kg or kg m^2 where link {', '.join(thin)} has none"
 
 
 def _remarks_of_toolboxes(arm: BodyChain, to: str, reversed_joints: Sequence[str]) -> Iterator[str]:

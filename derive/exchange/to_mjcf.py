@@ -1,16 +1,24 @@
-"""A robot as MJCF, the format of MuJoCo."""
+"""A robot as MJCF, the format of MuJoCo.
+
+MuJoCo takes no moving body of which mass or a principal moment is nothing. A link that weighs nothing needs none: a
+body may have several joints, which move it one after the other, each about a line that stands in the body where
+all variables are zero. Nested bodies stand at O_1 Z_1 O_2 Z_2, with their places O and motions Z; since
+Z_1 O_2 = O_2 (O_2^-1 Z_1 O_2), that is one body at O_1 O_2 with the motions O_2^-1 Z_1 O_2, about the first axis as
+it is seen from the second link, and Z_2. With nothing between them, nothing else is left out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 from flint import arb
 
-from derive.exchange.body_chain import Body, BodyChain, Rotor, quaternion
+from derive.exchange.body_chain import Body, BodyChain, Rotor, is_world, quaternion
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
-from derive.exchange.space import NOTHING, Frame
+from derive.exchange.space import NOTHING, WORLD, Frame, times
 from derive.exchange.to_urdf import THICKNESS, rod
 from derive.robot.body_remarks import ROUNDING
 from derive.targets.templating import render
@@ -19,7 +27,13 @@ DENSITY = 1000
 """Of the cylinders that stand in for masses where a robot has none [kg/m^3]."""
 
 LEAST = 1e-15
-"""Of masses and principal moments in the file: MuJoCo takes no less [kg, kg m^2]."""
+"""Of masses and principal moments in the file: MuJoCo takes no less [kg, kg m^2]; and what is no distance [m]."""
+
+MOST_JOINTS = 6
+"""Of a body in MuJoCo."""
+
+NO_BODY = Body(arb(0), WORLD.origin, (WORLD.origin, WORLD.origin, WORLD.origin))
+"""What a link weighs whose mass is weighed with another."""
 
 EARTH = "0 0 -9.81"
 """Gravity where the robot file gives none [m/s^2]."""
@@ -35,15 +49,18 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     gravity, end = arm.robot.gravity, arm.segments[-1].dh.then(arm.tool)
     radius = THICKNESS * arm.size
     spinning = _spinning(arm)
-    bodies = [_body(arm, i, radius, spinning) for i in range(len(arm.segments))]
+    bodies = [_body(arm, written, radius) for written in written_bodies(arm)]
+    margins = ["  " * (depth + 2) for depth in range(len(bodies))]
     return render(
         "exchange/robot.mjcf.jinja",
         name=arm.robot.name,
         head=head,
         gravity=EARTH if gravity is None else texts(map(ball, gravity)),
         density=DENSITY,
-        bodies=bodies,
-        margins=[body["margin"] for body in reversed(bodies)],
+        bodies=list(zip(margins, bodies, strict=True)),
+        margins=margins[::-1],
+        joints=[joint for body in bodies for joint in body["joints"]],
+        threads=[body["first"] for body in bodies if body["first"] and body["first"]["thread"]],
         tool={"pos": texts(end.origin), "quat": _turn(end)},
         rotors=[_tendon(arm, i, rotor) for i, rotor in spinning.items()],
         radius=f"{radius:.3g}",
@@ -67,14 +84,64 @@ def _spinning(arm: BodyChain) -> dict[int, Rotor]:
     return {i: rotor for i, rotor in rotors if rotor is not None and coupled_by_tendon(rotor)}
 
 
-def written_bodies(arm: BodyChain) -> list[Body | None]:
-    """The bodies of the file: links with the rotors that they carry, in DH frames.
+@dataclass(frozen=True, slots=True)
+class WrittenBody:
+    """A body of the file.
+
+    Attributes:
+        joints: Those that move it against the body before, from 0; the last one's link is the body, the others weigh
+            nothing.
+        body: What it weighs, in the frame of that link; None without dynamics.
+    """
+
+    joints: range
+    body: Body | None
+
+
+def written_bodies(arm: BodyChain) -> list[WrittenBody]:
+    """The bodies of the file: links with the rotors that they carry; those that weigh nothing go into the next.
 
     Args:
         arm: The robot.
     """
+    weights, last = _weights(arm), len(arm.segments) - 1
+    found, first = [], 0
+    for i in range(last + 1):
+        body = weights[i] if weights else None
+        if body is None or not _is_nothing(body) or i == last or i + 1 - first == MOST_JOINTS:
+            found.append(WrittenBody(range(first, i + 1), body))
+            first = i + 1
+    return found
+
+
+def _weights(arm: BodyChain) -> list[Body]:
+    """What each link weighs, in its own frame; empty without dynamics.
+
+    A link that MuJoCo would refuse, but that looks the same however a joint beside it turns, such as a point on the
+    axis, is weighed with the link beyond: with the next one, or with that before.
+    """
     spinning = _spinning(arm)
-    return [arm.body(i, spinning=spinning) for i in range(len(arm.segments))]
+    given = (arm.body(i, spinning=spinning) for i in range(len(arm.segments)))
+    bodies = [body.moved(s.dh) for body, s in zip(given, arm.segments, strict=True) if body is not None]
+    joints = range(1, len(bodies))
+    for onwards, joint in (*((True, k) for k in joints), *((False, k) for k in reversed(joints))):
+        link, beyond = (joint - 1, joint) if onwards else (joint, joint - 1)
+        way = arm.segments[joint].origin
+        body = bodies[link].moved(WORLD.seen_from(way)) if onwards else bodies[link]
+        if arm.segments[joint].joint.is_revolute and is_too_thin(body) and _is_round(body) and not _is_nothing(body):
+            bodies[beyond] = bodies[beyond] + (body if onwards else body.moved(way))
+            bodies[link] = NO_BODY
+    return bodies
+
+
+def _is_nothing(body: Body) -> bool:
+    return body.is_possible and bool(body.mass < LEAST and body.principal[0][2] < LEAST)
+
+
+def _is_round(body: Body) -> bool:
+    """Whether it looks the same from all sides around its z axis."""
+    xx, yy, _, xy, xz, yz = body.entries
+    return all(bool(abs(part) < LEAST) for part in (*body.com[:2], xx - yy, xy, xz, yz))
 
 
 def _turn(frame: Frame) -> str:
@@ -89,35 +156,51 @@ def _tendon(arm: BodyChain, i: int, rotor: Rotor) -> dict[str, Any]:
     return {"name": f"rotor_{names[-1]}", "armature": text(rotor.inertia), "joints": coefficients}
 
 
-def _body(arm: BodyChain, i: int, radius: float, spinning: Collection[int]) -> dict[str, Any]:
+def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]:
+    """A body with its joints; `first` is what shows the first of several where it is: in the body before."""
+    start, *others = (arm.segments[k].origin for k in written.joints)
+    if written.joints.start == 0:
+        start = arm.base.then(start)
+    frames = list(accumulate(others, Frame.then, initial=start))
+    place = frames[-1]
+    *before, last = (arm.segments[k] for k in written.joints)
+    shown = {
+        "name": f"link{written.joints.start + 1}",
+        "pos": texts(start.origin),
+        "quat": _turn(start),
+        "thread": any(rod(segment.end, radius) for segment in before),
+    }
+    return {
+        "name": f"link{written.joints.stop}",
+        "pos": texts(place.origin),
+        "quat": _turn(place),
+        "joints": [_joint(arm, k, frame.seen_from(place)) for k, frame in zip(written.joints, frames, strict=True)],
+        "inertial": None if written.body is None else _inertial(written.body),
+        "rod": rod(last.end, radius),
+        "first": shown if before else None,
+    }
+
+
+def _joint(arm: BodyChain, i: int, axis: Frame) -> dict[str, Any]:
+    """A joint about the z axis of a frame, which is given in that of the body."""
     segment = arm.segments[i]
     joint, link, rotor = segment.joint, segment.link, segment.rotor
-    frame = arm.base.then(segment.origin) if i == 0 else segment.origin
     armature = ball(link.armature)
-    if rotor is not None and i not in spinning:
+    if rotor is not None and not coupled_by_tendon(rotor):
         armature = armature + rotor.reflected
-    body, inertial = arm.body(i, spinning=spinning), None
-    if body is not None:
-        inertial = _inertial(body.moved(segment.dh))
     options = {
+        "pos": "" if is_world(axis) else texts(axis.origin),
+        "axis": texts(times(axis.z, joint.sign)),
         "range": texts(map(ball, joint.limits)) if joint.limits else "",
         "armature": _unless_zero(armature),
         "damping": _unless_zero(ball(link.viscous)),
         "frictionloss": _unless_zero(ball(link.coulomb)),
     }
-    force = None if joint.torque is None else text(ball(joint.torque))
     return {
-        "margin": "  " * (i + 2),
-        "name": f"link{i + 1}",
-        "pos": texts(frame.origin),
-        "quat": _turn(frame),
-        "joint": joint.variable,
+        "name": joint.variable,
         "type": "hinge" if joint.is_revolute else "slide",
-        "axis": f"0 0 {joint.sign}",
         "options": {key: value for key, value in options.items() if value},
-        "inertial": inertial,
-        "rod": rod(segment.end, radius),
-        "force": force,
+        "force": None if joint.torque is None else text(ball(joint.torque)),
     }
 
 

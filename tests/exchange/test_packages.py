@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
@@ -14,14 +15,22 @@ import pytest
 from derive.errors import DeriveError
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.common_normals import FAR
+from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
+from derive.exchange.possible import INERTIAS
 from derive.exchange.read_urdf import read_urdf
 from derive.exchange.space import exactly
+from derive.exchange.to_mjcf import LEAST
 from derive.exchange.urdf import Urdf
+from derive.exchange.witness import NoSuchBodies, Witness
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
+from derive.robot.expression import ZERO
+from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import Reading, pose
+
+mujoco = pytest.importorskip("mujoco")
 
 PACKAGES = ("example-robot-data", "rtb-data")
 
@@ -58,6 +67,97 @@ def test_every_chain_has_both_tables(path: Path) -> None:
         for convention in Convention:
             refused = check(text, urdf, tip, convention) if urdf is not None else ""
             assert not refused or any(reason in refused for reason in NO_TABLE), refused
+
+
+@pytest.mark.robots
+@pytest.mark.parametrize("path", sorted(urdfs()), ids=lambda path: path.name)
+def test_every_chain_with_bodies_accelerates_in_mujoco_as_ours(path: Path) -> None:
+    urdf, _ = read(path.read_text(encoding="utf-8", errors="replace"), path.name)
+    for robot in with_bodies(urdf) if urdf is not None else ():
+        text = mjcf(robot)
+        if not isinstance(text, str):
+            assert text is not None, f"{path.name} {robot.name}: neither bodies nor a proof that there are none"
+            assert text.value < 0
+            continue
+        state = np.random.default_rng(1)
+        for _ in range(3):
+            apart, bound = accelerations(robot, text, state)
+            assert apart <= bound, f"{path.name} {robot.name}: {apart:.1e}, allowed: {bound:.1e}"
+
+
+def with_bodies(urdf: Urdf) -> Iterator[Robot]:
+    """Its chains whose links have bodies, each once, without dry friction, which MuJoCo has as a soft constraint."""
+    seen = set()
+    for tip in moving_tips(urdf):
+        robot = imported(urdf, tip)
+        if robot is None or not robot.links or (robot.joints, robot.links) in seen:
+            continue
+        seen.add((robot.joints, robot.links))
+        yield replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links))
+
+
+def imported(urdf: Urdf, tip: str) -> Robot | None:
+    """A chain, with possible bodies where masses are negative; None where it may be refused."""
+    for inertia in INERTIAS:
+        try:
+            return import_urdf(urdf, None, tip, ImportOptions(inertia=inertia)).robot
+        except DeriveError as error:
+            refused = error
+    assert any(reason in str(refused) for reason in NO_TABLE), refused
+    return None
+
+
+def mjcf(robot: Robot) -> str | Witness | None:
+    """With the bodies of the URDF where MuJoCo takes them, else with possible ones, or why there are none."""
+    made = exported(robot, "mjcf")
+    if any("MuJoCo refuses" in remark for remark in made.remarks):
+        try:
+            made = exported(robot, "mjcf", "possible")
+        except NoSuchBodies as error:
+            return error.witness
+    return made.text
+
+
+def accelerations(robot: Robot, text: str, random: np.random.Generator) -> tuple[float, float]:
+    """How far MuJoCo's accelerations are from ours, relative, and how far they may be, at a state within the limits.
+
+    1e-12, the rounding of floats times the condition of B, and what 1e-15 kg m^2 in each principal moment that MuJoCo
+    does not take otherwise may turn: at most that much times the squared sum of all rates, which are below 2. Where B
+    is singular no accelerations follow from torques, and torques without any are compared.
+    """
+    model, oracle = mujoco.MjModel.from_xml_string(text), Oracle.of(robot)
+    data = mujoco.MjData(model)
+    lower, upper = np.where(model.jnt_limited, model.jnt_range.T, [[-3], [3]])
+    q, tau = random.uniform(0.9 * lower + 0.1 * upper, 0.1 * lower + 0.9 * upper), random.uniform(-20, 20, robot.n)
+    qd = random.choice([-1, 1], robot.n) * random.uniform(1, 2, robot.n)
+    data.qpos[:], data.qvel[:], data.qfrc_applied[:] = q, qd, tau
+    mujoco.mj_forward(model, data)
+    inertia = oracle.evaluate("inertia_matrix", q)
+    sizes = np.linalg.eigvalsh(inertia)
+    if sizes[0] < 1e-12 * sizes[-1]:
+        found, wanted = (
+            data.qfrc_bias - data.qfrc_passive,
+            oracle.evaluate("inverse_dynamics", q, qd, np.zeros(robot.n)),
+        )
+        return relative(inertia_of(model, data), inertia) + relative(found, wanted), 2e-12
+    wanted = oracle.evaluate("forward_dynamics", q, qd, tau)
+    invented = int((model.body_inertia[1:] <= LEAST).sum()) * LEAST
+    speeds = robot.n * (1 + 4 * robot.n)
+    bound = 1e-12 + float(np.finfo(float).eps * sizes[-1] / sizes[0] + invented * speeds / sizes[0])
+    return relative(data.qacc, wanted), bound
+
+
+def inertia_of(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+    """B(q) of MuJoCo."""
+    rows = np.zeros((model.nv, model.nv))
+    for row, unit in zip(rows, np.eye(model.nv), strict=True):
+        mujoco.mj_mulM(model, data, row, unit)
+    return rows
+
+
+def relative(found: np.ndarray, wanted: np.ndarray) -> float:
+    """Largest difference, by the largest of what is wanted, or one."""
+    return float(np.abs(found - wanted).max() / max(1, np.abs(wanted).max()))
 
 
 def read(text: str, name: str) -> tuple[Urdf | None, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from derive.exchange.body_chain import Body
 from derive.exchange.formats import exported
 from derive.exchange.to_mjcf import LEAST, is_too_thin, mjcf_text
+from derive.robot.description import Inertia, Motor
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
@@ -34,7 +36,7 @@ def worst(robot: Robot, text: str) -> tuple[float, float]:
         expected = oracle.evaluate("forward_dynamics", q, qd, tau)
         accelerations = max(accelerations, np.abs(data.qacc - expected).max() / max(1, np.abs(expected).max()))
         pose = oracle.evaluate("forward_kinematics", q)
-        found = np.column_stack([data.site_xmat[0].reshape(3, 3), data.site_xpos[0]])
+        found = np.column_stack([data.site("tool").xmat.reshape(3, 3), data.site("tool").xpos])
         poses = max(poses, np.abs(found - pose[:3]).max())
     return accelerations, poses
 
@@ -42,7 +44,9 @@ def worst(robot: Robot, text: str) -> tuple[float, float]:
 @pytest.mark.parametrize("name", SWEEP)
 def test_accelerations_with_armature_and_viscous_friction_are_ours(name: str) -> None:
     robot = dressed(name)
-    assert max(worst(robot, exported(robot, "mjcf").text)) < 1e-12
+    text = exported(robot, "mjcf").text
+    assert max(worst(robot, text)) < 1e-12
+    assert joints_of_bodies(text) == [1] * robot.n
 
 
 @pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-matlab", "skeleton-modified"])
@@ -111,8 +115,111 @@ def test_points_rods_and_links_without_mass_accelerate_as_the_equations_say() ->
     )
     made = exported(robot, "mjcf")
     assert max(worst(robot, made.text)) < 1e-12
-    assert "MuJoCo wants a little of each: 1e-15 kg or kg m^2 where link 1, 2, 4, 5 has none" in made.remarks
+    assert any(remark.startswith("MuJoCo has no body for link 1, 2, without mass") for remark in made.remarks)
+    assert "MuJoCo wants a little of each: 1e-15 kg or kg m^2 where link 4, 5 has none" in made.remarks
     assert [LEAST, is_too_thin(Body.of(robot.links[5]))] == [1e-15, False]
+
+
+NOTHING, STONE = ("0", "0 0 0", "0 0 0 0 0 0"), ("1.2", "-0.1 0.07 0.02", "0.005 0.006 0.01 0.001 0 0")
+
+ROWS = (
+    "{type: revolute, theta: q1 + 0.2, d: 0.3, a: 0.2, alpha: 0.7}",
+    "{type: revolute, theta: -q2, d: 0.1, a: 0.15, alpha: pi/2}",
+    "{type: prismatic, theta: 0.4, d: q3, a: 0.1, alpha: -1.1}",
+    "{type: revolute, theta: q4, d: 0.2, a: 0.25, alpha: pi/2}",
+    "{type: revolute, theta: q5, a: 0.2, alpha: 0.3}",
+    "{type: revolute, theta: -q6 + 1, d: -0.1, alpha: 1.2}",
+    "{type: revolute, theta: q7, d: 0.3, a: -0.2}",
+    "{type: prismatic, theta: 1, d: -q8, alpha: 0.4}",
+)
+"""Skew axes with lengths between them, slides, reversed variables."""
+
+
+def limb(convention: str, *links: tuple[str, str, str], armature: str = "0.02") -> Robot:
+    """The first rows with a base, a tool and links."""
+    made = with_links(
+        Robot.from_text(
+            f"name: limb\nconvention: {convention}\ngravity: [1, 2, -9]\n"
+            "base: [[0, -1, 0, 0.3], [1, 0, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1]]\n"
+            "tool: [[1, 0, 0, 0], [0, 0, -1, 0.1], [0, 1, 0, 0], [0, 0, 0, 1]]\n"
+            f"joints: [{', '.join(ROWS[: len(links)])}]\n"
+            f"links: [{', '.join(['{}'] * len(links))}]\n"
+        ),
+        *links,
+    )
+    return replace(made, links=tuple(replace(link, armature=number(Fraction(armature))) for link in made.links))
+
+
+def joints_of_bodies(text: str) -> list[int]:
+    return mujoco.MjModel.from_xml_string(text).body_jntnum[1:].tolist()
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+@pytest.mark.parametrize(
+    ("weighs", "joints"),
+    [("..x.x", [3, 2]), ("x..x", [1, 3]), (".x.x.x.x", [2] * 4), (".......x", [6, 2]), ("..x.", [3, 1])],
+)
+def test_joints_of_links_without_mass_move_the_next_body(convention: str, weighs: str, joints: list[int]) -> None:
+    """A last link has none to go into, nor have more than MuJoCo has joints in a body."""
+    robot = limb(convention, *(STONE if link == "x" else NOTHING for link in weighs))
+    made = exported(robot, "mjcf")
+    assert joints_of_bodies(made.text) == joints
+    assert max(worst(robot, made.text)) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("links", "joints"),
+    [
+        pytest.param((("0.4", "0 0 0", "0 0 0 0 0 0"), STONE), [2], id="point on the next axis"),
+        pytest.param((STONE, ("0.4", "0 0 0", "0 0 0 0 0 0"), STONE), [1, 1, 1], id="which slides"),
+        pytest.param(
+            (STONE, STONE, STONE, ("0.4", "-0.25 0 0", "3 0 3 0 0 0"), STONE), [1, 1, 1, 2], id="rod on its own"
+        ),
+        pytest.param((STONE, STONE, STONE, ("0.4", "-0.24 0 0", "3 0 3 0 0 0"), STONE), [1] * 5, id="rod beside it"),
+        pytest.param((STONE, STONE, STONE, ("0.4", "-0.25 0 0", "3 1 3 0 0 0"), STONE), [1] * 5, id="a body"),
+    ],
+)
+def test_mass_along_an_axis_is_with_the_link_beyond_where_mujoco_would_refuse_it(
+    links: tuple[tuple[str, str, str], ...], joints: list[int]
+) -> None:
+    robot = limb("standard", *links)
+    made = exported(robot, "mjcf")
+    assert joints_of_bodies(made.text) == joints
+    assert max(worst(robot, made.text)) < 1e-12
+    assert mujoco.MjModel.from_xml_string(made.text).body_mass.sum() == pytest.approx(
+        sum(float(Fraction(mass)) for mass, _, _ in links), rel=1e-14
+    )
+
+
+def test_a_light_finger_behind_links_without_mass_gets_no_mass_that_it_has_not() -> None:
+    """1e-15 kg m^2 in each of them would be 3e-8 of what it weighs."""
+    finger = ("0.002", "0.01 0.007 0.02", "3e-7 2e-7 3e-7 0 0 0")
+    robot = limb("standard", STONE, NOTHING, NOTHING, finger, armature="0")
+    assert max(worst(robot, exported(robot, "mjcf").text)) < 1e-12
+
+
+def test_the_way_between_the_joints_of_one_body_is_shown() -> None:
+    """From where the first axis is to where the last one is, whatever the angles are."""
+    robot = limb("standard", NOTHING, STONE)
+    model = mujoco.MjModel.from_xml_string(exported(robot, "mjcf").text)
+    data, oracle = mujoco.MjData(model), Oracle.of(robot)
+    for q in ([-1.0, 0.7], [0.0, 0.0], [2.0, 0.1]):
+        data.qpos[:] = q
+        mujoco.mj_forward(model, data)
+        assert data.ten_length[0] == pytest.approx(np.hypot(0.3, 0.2), abs=1e-14)
+        assert data.site("link1-start").xpos == pytest.approx([0.3, 0, 0.2], abs=1e-14)
+        assert data.site("link1-end").xpos == pytest.approx(oracle.evaluate("link_transforms", q)[0][:3, 3], abs=1e-14)
+
+
+def test_rotors_turn_with_the_joints_before_them_in_one_body_too() -> None:
+    robot = dressed("planar-3r", rotors=True)
+    motor = replace(robot.links[0].motor or Motor(), mass=ZERO)
+    first = replace(robot.links[0], mass=ZERO, inertia=Inertia(), motor=motor)
+    links = (first, *(replace(link, motor=replace(link.motor or motor, mass=ZERO)) for link in robot.links[1:]))
+    robot = replace(robot, links=links)
+    made = exported(robot, "mjcf")
+    assert joints_of_bodies(made.text) == [2, 1]
+    assert max(worst(robot, made.text)) < 1e-12
 
 
 def test_nothing_is_said_of_bodies_that_mujoco_takes() -> None:
