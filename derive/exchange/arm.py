@@ -31,7 +31,7 @@ from derive.exchange.space import (
     unit,
     vector,
 )
-from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Urdf, UrdfJoint
 from derive.robot.size_limits import FILE_LIMITS
 
 FRACTIONS = (12, 8)
@@ -316,15 +316,10 @@ def _placed_chain(
         )
     axes = tuple(Axis(line, joint, tuple(group)) for (line, joint), group in zip(lines, groups[1:], strict=True))
     snaps = [change for joint, _ in steps for change in _changes(joint, snap)]
-    return Arm(*ends, axes, frame, _upwards(urdf, carrying, ends[0], snap), tuple(held), tuple(snaps))
-
-
-def _upwards(urdf: Urdf, carrying: Mapping[str, UrdfJoint], link: str, snap: Fraction) -> Point:
-    """The z axis of a tree's root in the frame of a link."""
-    frame = WORLD
-    for joint in reversed(_ancestry(urdf, carrying, link)):
-        frame = frame.then(frame_at(joint.origin, snap))
-    return frame.turned(WORLD.z)
+    base = WORLD  # seen from the root
+    for joint in reversed(_ancestry(urdf, carrying, ends[0])):
+        base = base.then(frame_at(joint.origin, snap))
+    return Arm(*ends, axes, frame, base.turned(WORLD.z), tuple(held), tuple(snaps))
 
 
 class _Tree:
@@ -355,7 +350,8 @@ class _Tree:
             name, at = waiting.pop()
             body = self._bodies[name]
             if body is not None:
-                found.append(_mass(body, at, name, self._snap))
+                axes = at.then(frame_at(body.origin, self._snap))
+                found.append(Mass(body.mass, axes.origin, axes, body.inertia, name))
             for joint, upwards in self._beside.get(name, ()):
                 other = joint.parent if upwards else joint.child
                 if other not in seen:
@@ -392,8 +388,3 @@ def _direction(joint: UrdfJoint, snap: Fraction) -> Point:
     direction = unit(vector(joint.axis))
     clean = [c if abs(c) > real(snap) else arb(0) for c in direction]
     return unit((clean[0], clean[1], clean[2]))
-
-
-def _mass(body: UrdfBody, frame: Frame, link: str, snap: Fraction) -> Mass:
-    axes = frame.then(frame_at(body.origin, snap))
-    return Mass(body.mass, axes.origin, axes, body.inertia, link)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from derive.errors import DeriveError, ExpressionError, Location, RobotFileError, near_miss, quoted
 from derive.mechanics.convention import Conversion, Factor, convert
 from derive.robot.description import Convention
-from derive.robot.expression import ZERO, Expression, names
+from derive.robot.expression import ZERO, names
 from derive.robot.load import is_robot_name
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
@@ -136,14 +136,8 @@ def _way_back(robot: Robot) -> Factor | None:
     if found is None:
         return None
     try:
-        cells = [_cell(robot, found[key]) for key in ("a", "alpha")]
+        a, alpha = (parse_expression(found[key], Location("<comment>")) for key in ("a", "alpha"))
     except ExpressionError:
         return None
-    return Factor(*cells)
-
-
-def _cell(robot: Robot, text: str) -> Expression:
-    cell = parse_expression(text, Location("<comment>"))
-    if not set(names(cell)) <= set(robot_symbols(robot)):
-        raise ExpressionError("a name that the robot has not")
-    return cell
+    known = set(robot_symbols(robot))
+    return Factor(a, alpha) if known.issuperset((*names(a), *names(alpha))) else None

@@ -12,7 +12,7 @@ from derive.handouts.parts.conversion import FEW_FACTORS
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.convention import Conversion, has_equal_poses
 from derive.model.model import Model
-from derive.robot.description import IDENTITY, Convention, Matrix
+from derive.robot.description import IDENTITY, Convention
 from derive.robot.robot import Robot
 from derive.robot.writer import cell_text
 
@@ -36,16 +36,20 @@ def derivation_text(conversion: Conversion) -> str:
     Args:
         conversion: From one convention into the other.
     """
+    import sympy
+
     source, result = conversion.source, Robot.of(conversion.result)
     write = TextPrinter(source, Notation.of(source)).doprint
     names = (source.convention.value, result.convention.value)
     ends = (source.base != IDENTITY or result.base != IDENTITY, source.tool != IDENTITY or result.tool != IDENTITY)
+    n, power = source.n, "" if source.convention is Convention.MODIFIED else "^-1"
+    moved = f"T'_base = T_base X_0{power}; T'_tool = X_{n}{'' if power else '^-1'} T_tool"
     lines = [
         "Z_i = Rot(z, theta_i) Trans(z, d_i) moves, X_i = Trans(x, a_i) Rot(x, alpha_i) = Rot(x, alpha_i) Trans(x, a_i)"
         " is constant.",
         f"{names[0]}: T = {_product(source, '', ends)}",
         f"{names[1]}: T = {_product(result, chr(39), ends)}",
-        f"The factors are the same, the brackets are not: {'; '.join(_ends(conversion))}.",
+        f"The factors are the same, the brackets are not: {moved}.",
         "",
         *_factors(conversion),
     ]
@@ -59,7 +63,8 @@ def derivation_text(conversion: Conversion) -> str:
             ]
     for name, frame, other in (("base", source.base, result.base), ("tool", source.tool, result.tool)):
         if frame != other:
-            lines += ["", *_grid(f"T'_{name}", _matrix(other), write)]
+            matrix = sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in other])
+            lines += ["", *_grid(f"T'_{name}", matrix, write)]
     lines += ["", *_links(conversion)]
     lines += _equal_product(conversion, ends, write)
     return "\n".join(lines) + "\n"
@@ -74,14 +79,6 @@ def _product(robot: Robot, prime: str, ends: tuple[bool, bool]) -> str:
     rows = [f"({_bracket(robot, i)})" for i in range(1, robot.n + 1)]
     rows = rows if robot.n <= FEW_FACTORS else [*rows[:2], "...", rows[-1]]
     return " ".join([*([f"T{prime}_base"] if ends[0] else []), *rows, *([f"T{prime}_tool"] if ends[1] else [])])
-
-
-def _ends(conversion: Conversion) -> tuple[str, str]:
-    """What base and tool of the new table are."""
-    n = conversion.source.n
-    if conversion.source.convention is Convention.STANDARD:
-        return "T'_base = T_base X_0^-1", f"T'_tool = X_{n} T_tool"
-    return "T'_base = T_base X_0", f"T'_tool = X_{n}^-1 T_tool"
 
 
 def _factors(conversion: Conversion) -> Iterator[str]:
@@ -124,12 +121,6 @@ def _equal_product(conversion: Conversion, ends: tuple[bool, bool], write: Any) 
     yield from _grid(f"T = {both[0]} = {both[1]}", Model(source).T, write)
     same = has_equal_poses(conversion)
     yield f"Both products multiplied out are {'equal' if same else 'DIFFERENT'}, entry by entry, in exact arithmetic."
-
-
-def _matrix(frame: Matrix) -> Any:
-    import sympy
-
-    return sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in frame])
 
 
 def _grid(name: str, matrix: Any, write: Any) -> list[str]:

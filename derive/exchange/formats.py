@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 
 from derive.errors import DeriveError, near_miss, quoted
@@ -12,17 +13,9 @@ from derive.exchange.body_chain import BodyChain, Segment, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.possible import wants_possible, with_chosen_bodies
-from derive.exchange.scripts import corke_text, csv_text, rigidbodytree_text, rtb_text
+from derive.exchange.scripts import csv_text, script_text
 from derive.exchange.space import NOTHING, exactly
-from derive.exchange.to_mjcf import (
-    DENSITY,
-    LEAST,
-    WrittenBody,
-    coupled_by_tendon,
-    is_too_thin,
-    mjcf_text,
-    written_bodies,
-)
+from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, written_bodies
 from derive.exchange.to_urdf import urdf_text
 from derive.exchange.urdf import SLIDE
 from derive.robot.expression import Expression
@@ -66,35 +59,19 @@ class Form:
 
     Attributes:
         program: Who reads it.
-        ending: Usual end of its files' names.
         lacks: Keys of `GIVEN` that it cannot say.
         write: Makes the text from an arm and the lines of its first comment.
+        remarks: What else its program takes otherwise of an arm, as sentences.
         reverses: Whether all that its program computes is right where a variable counts against its axis.
+        has_rotors: Whether rotors are bodies of their own.
     """
 
     program: str
-    ending: str
     lacks: tuple[str, ...]
     write: Callable[[BodyChain, list[str]], str]
+    remarks: Callable[[BodyChain], Iterable[str]] = lambda arm: ()
     reverses: bool = True
-
-
-FORMS: Mapping[str, Form] = MappingProxyType(
-    {
-        "urdf": Form("URDF", ".urdf", ("armature", "rotor", "coupling"), urdf_text),
-        "mjcf": Form("MJCF", ".xml", ("speed", "coupling that varies"), mjcf_text),
-        "rtb": Form("DHRobot", ".py", ("speed", "torque", "coupling"), rtb_text, reverses=False),
-        "corke": Form("SerialLink", ".m", ("speed", "torque", "coupling"), corke_text, reverses=False),
-        "rigidbodytree": Form(
-            "rigidBodyTree",
-            ".m",
-            ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),
-            rigidbodytree_text,
-        ),
-        "csv": Form("CSV", ".csv", (), csv_text),
-    }
-)
-"""By the name that users type."""
+    has_rotors: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,36 +112,36 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
         arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
-        remarks = (*changes, *_remarks(arm, to, form), *_remarks_of_toolboxes(arm, to, reversed_joints))
+        remarks = (*changes, *_remarks(arm, form, reversed_joints))
         head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
         text = form.write(arm, [re.sub("-(?=-)", "- ", line) for line in head])
     return Exported(text, remarks)
 
 
-def _remarks(arm: BodyChain, to: str, form: Form) -> Iterator[str]:
+def _remarks(arm: BodyChain, form: Form, reversed_joints: Sequence[str]) -> Iterator[str]:
     """What is not in the file, as sentences."""
     for key in form.lacks:
         words, has = GIVEN[key]
         if joints := [segment.joint.variable for segment in arm.segments if has(segment)]:
             yield f"{form.program} cannot say {words} of {', '.join(joints)}"
-    rotors = [segment.rotor for segment in arm.segments[1:] if segment.rotor is not None]
-    if to != "csv" and any(abs(part) > NOTHING for rotor in rotors for part in (rotor.body.mass, rotor.inertia)):
+    rotors = [] if form.has_rotors else [segment.rotor for segment in arm.segments[1:] if segment.rotor is not None]
+    if any(abs(part) > NOTHING for rotor in rotors for part in (rotor.body.mass, rotor.inertia)):
         yield "rotors are part of the links that carry them, as far as they do not spin"
-    if to == "urdf":
-        yield from _remarks_of_urdf(arm)
-    if to == "mjcf" and any(given(segment.link.coulomb) for segment in arm.segments):
+    if reversed_joints:
+        yield (
+            f"{form.program} takes reversed joints for poses alone: the axes of {', '.join(reversed_joints)} are "
+            "turned around, by pi in the alpha on either side"
+        )
+    yield from form.remarks(arm)
+
+
+def _remarks_of_mujoco(arm: BodyChain) -> Iterator[str]:
+    if any(given(segment.link.coulomb) for segment in arm.segments):
         yield (
             "MuJoCo's dry friction is Coulomb's while a joint slips; it is less on a joint that it would stop within "
             "some hundredths of a second, and one that stands creeps under a load"
         )
-    if to == "mjcf":
-        yield from _remarks_on_bodies(written_bodies(arm))
-    if to == "mjcf" and not arm.robot.links:
-        yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
-
-
-def _remarks_on_bodies(written: Sequence[WrittenBody]) -> Iterator[str]:
-    """What MuJoCo refuses, and what it gets instead of links that it would refuse."""
+    written = written_bodies(arm)
     bodies = [(str(each.joints.stop), each.body) for each in written if each.body is not None]
     if refused := [link for link, body in bodies if not body.is_possible]:
         yield f"MuJoCo refuses link {', '.join(refused)}: no body has such an inertia; inertia possible finds others"
@@ -175,18 +152,14 @@ def _remarks_on_bodies(written: Sequence[WrittenBody]) -> Iterator[str]:
         )
     if thin := [link for link, body in bodies if is_too_thin(body)]:
         yield f"MuJoCo wants a little of each: {LEAST:g} kg or kg m^2 where link {', '.join(thin)} has none"
+    if not arm.robot.links:
+        yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
 
 
-def _remarks_of_toolboxes(arm: BodyChain, to: str, reversed_joints: Sequence[str]) -> Iterator[str]:
-    """What Corke's toolboxes compute otherwise (roboticstoolbox 1.4.4 for Python, 10.4 for MATLAB)."""
-    if reversed_joints:
-        yield (
-            f"{FORMS[to].program} takes reversed joints for poses alone: the axes of {', '.join(reversed_joints)} are "
-            "turned around, by pi in the alpha on either side"
-        )
-    if to not in ("rtb", "corke") or not arm.robot.links:
+def _remarks_of_toolboxes(plain: str, compiled: str, arm: BodyChain) -> Iterator[str]:
+    """What two forms of a recursion in Corke's toolboxes take otherwise (1.4.4 for Python, 10.4 for MATLAB)."""
+    if not arm.robot.links:
         return
-    plain, compiled = ("rne_python", "rne") if to == "rtb" else ("rne", "its compiled form frne")
     slides = [segment.joint for segment in arm.segments if not segment.joint.is_revolute]
     if shifted := [joint.variable for joint in slides if given(joint.d)]:
         yield f"{plain} takes no offset of {', '.join(shifted)}; {compiled} does"
@@ -208,3 +181,32 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
     slides = [s.joint.variable for s in arm.segments if not s.joint.is_revolute and s.joint.limits is None]
     if slides:
         yield f"URDF wants limits of slides: {SLIDE} m to either side of {', '.join(slides)}"
+
+
+FORMS: Mapping[str, Form] = MappingProxyType(
+    {
+        "urdf": Form("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
+        "mjcf": Form("MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco),
+        "rtb": Form(
+            "DHRobot",
+            ("speed", "torque", "coupling"),
+            partial(script_text, "exchange/rtb.py.jinja"),
+            partial(_remarks_of_toolboxes, "rne_python", "rne"),
+            reverses=False,
+        ),
+        "corke": Form(
+            "SerialLink",
+            ("speed", "torque", "coupling"),
+            partial(script_text, "exchange/corke.m.jinja"),
+            partial(_remarks_of_toolboxes, "rne", "its compiled form frne"),
+            reverses=False,
+        ),
+        "rigidbodytree": Form(
+            "rigidBodyTree",
+            ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),
+            partial(script_text, "exchange/rigidbodytree.m.jinja"),
+        ),
+        "csv": Form("CSV", (), csv_text, has_rotors=True),
+    }
+)
+"""By the name that users type."""

@@ -37,7 +37,7 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
     for name, expression in number_of(robot).items():
         values[name] = substitute(expression, values)
     values |= chosen or {}
-    bounds = {name for joint in robot.joints for cell in (joint.speed, joint.torque) if cell for name in _names(cell)}
+    bounds = {name for joint in robot.joints for cell in (joint.speed, joint.torque) if cell for name in names(cell)}
     symbols = dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot), *sorted(bounds)))
     missing = [name for name in symbols if name not in values]
     if missing:
@@ -52,29 +52,21 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
     return replace(robot, **cells, parameters=(), runtime=())
 
 
-def _names(cell: Expression) -> list[str]:
-    return list(names(cell))
-
-
 def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
     """A part of a description with all its cells filled in."""
     if isinstance(part, tuple):
         return tuple(_filled(entry, values) for entry in part)
     if isinstance(part, Expression):
-        return _number(part, values)
+        try:
+            found = substitute(part, values)
+            if ball(found).is_finite():
+                return found
+        except ZeroDivisionError:
+            pass
+        raise DeriveError(f"{cell_text(part)} has no finite value", remedy="choose other numbers")
     if hasattr(part, "__dataclass_fields__"):
         return replace(part, **{entry.name: _filled(getattr(part, entry.name), values) for entry in fields(part)})
     return part
-
-
-def _number(cell: Expression, values: Mapping[str, Expression]) -> Expression:
-    try:
-        found = substitute(cell, values)
-        if ball(found).is_finite():
-            return found
-    except ZeroDivisionError:
-        pass
-    raise DeriveError(f"{cell_text(cell)} has no finite value", remedy="choose other numbers")
 
 
 def with_positive_axes(robot: Some) -> Some:
@@ -101,7 +93,10 @@ def with_positive_axes(robot: Some) -> Some:
         tool = tuple(tuple(map(negate, row)) if k in (1, 2) else row for k, row in enumerate(tool))
     joints = tuple(map(_forward, robot.joints, halves))
     links = tuple(_half_turned(link) if half else link for link, half in zip(robot.links, frames, strict=False))
-    links = tuple(_with_reversed_rotor(link) if own else link for link, own in zip(links, turned, strict=False))
+    links = tuple(
+        replace(link, motor=replace(link.motor, ratio=negate(link.motor.ratio))) if own and link.motor else link
+        for link, own in zip(links, turned, strict=False)
+    )
     return replace(robot, joints=joints, base=base, tool=tool, links=links)
 
 
@@ -118,11 +113,6 @@ def _half_turned(link: Link) -> Link:
     x, y, z = link.com
     inertia = replace(link.inertia, xy=negate(link.inertia.xy), xz=negate(link.inertia.xz))
     return replace(link, com=(x, negate(y), negate(z)), inertia=inertia)
-
-
-def _with_reversed_rotor(link: Link) -> Link:
-    motor = link.motor
-    return link if motor is None else replace(link, motor=replace(motor, ratio=negate(motor.ratio)))
 
 
 def text(value: Real) -> str:

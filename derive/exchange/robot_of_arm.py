@@ -159,16 +159,13 @@ def _link(axis: Axis, frame: Frame) -> Link:
             raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
         tensor = _tensor(axis.bodies, frame, (arb(0), arb(0), arb(0)))
         return Link(inertia=Inertia(*(number(decimal(t)) for t in tensor)), viscous=viscous, coulomb=coulomb)
-    weighed = [plus((arb(0),) * 3, frame.inside(body.com), real(body.mass)) for body in axis.bodies]
-    com = (_mean(weighed, 0, mass), _mean(weighed, 1, mass), _mean(weighed, 2, mass))
+    com = (arb(0), arb(0), arb(0))
+    for body in axis.bodies:
+        com = plus(com, frame.inside(body.com), real(body.mass) / real(mass))
     tensor = _tensor(axis.bodies, frame, com)
     x, y, z = (number(decimal(c)) for c in com)
     inertia = Inertia(*(number(decimal(t)) for t in tensor))
     return Link(number(rounded(mass)), (x, y, z), inertia, viscous=viscous, coulomb=coulomb)
-
-
-def _mean(weighed: Sequence[Point], k: int, mass: Fraction) -> Real:
-    return sum((point[k] for point in weighed), arb(0)) / real(mass)
 
 
 def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:

@@ -33,37 +33,14 @@ SHIFT = ("1, 0, 0, 0", "0, 1, 0, 0", "0, 0, 1, {0}", "0, 0, 0, 1")
 """Rows of Trans(z, length)."""
 
 
-def rtb_text(arm: BodyChain, head: list[str]) -> str:
-    """A Python script for the Robotics Toolbox (`roboticstoolbox.DHRobot`).
+def script_text(template: str, arm: BodyChain, head: list[str]) -> str:
+    """A Python script or a MATLAB function that makes the robot for a toolbox.
 
     Args:
+        template: Of it.
         arm: The robot.
         head: Lines that go into comments before it.
     """
-    return _script("exchange/rtb.py.jinja", arm, head)
-
-
-def corke_text(arm: BodyChain, head: list[str]) -> str:
-    """A MATLAB function for Corke's Robotics Toolbox (``SerialLink``).
-
-    Args:
-        arm: The robot.
-        head: Lines that go into comments before it.
-    """
-    return _script("exchange/corke.m.jinja", arm, head)
-
-
-def rigidbodytree_text(arm: BodyChain, head: list[str]) -> str:
-    """A MATLAB function for MathWorks' Robotics System Toolbox (``rigidBodyTree``).
-
-    Args:
-        arm: The robot.
-        head: Lines that go into comments before it.
-    """
-    return _script("exchange/rigidbodytree.m.jinja", arm, head, parts=list(_parts(arm)))
-
-
-def _script(template: str, arm: BodyChain, head: list[str], **more: object) -> str:
     gravity, function = arm.robot.gravity, matlab_package(arm.robot.name)
     return render(
         template,
@@ -78,7 +55,7 @@ def _script(template: str, arm: BodyChain, head: list[str], **more: object) -> s
         tool=None if is_world(arm.tool) else _matrix(arm.tool),
         gravity=EARTH if gravity is None else _listed(map(ball, gravity)),
         upwards=UPWARDS if gravity is None else _listed([-ball(cell) for cell in gravity], "; "),
-        **more,
+        parts=_parts(arm),
     )
 
 

@@ -6,7 +6,7 @@ from math import atan2, hypot
 from typing import Any
 from xml.sax.saxutils import escape
 
-from derive.exchange.body_chain import Body, BodyChain, Segment, is_world, roll_pitch_yaw
+from derive.exchange.body_chain import BodyChain, Segment, is_world, roll_pitch_yaw
 from derive.exchange.carried_table import table_text
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
@@ -41,9 +41,10 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
     joints.append(_fixed("flange-joint", named[-1], "flange", last))
     joints.append(_fixed("tool-joint", "flange", TIP, arm.tool))
     radius = THICKNESS * arm.size
-    links: list[dict[str, Any]] = [_frame(name) for name in dict.fromkeys((ROOT, root))]
-    links += [_link(arm, i, named[i], radius) for i in range(n)]
-    links += [_frame("flange"), _frame(TIP)]
+    frames: list[dict[str, Any]] = [
+        {"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root, "flange", TIP))
+    ]
+    links = [*frames[:-2], *(_link(arm, i, named[i], radius) for i in range(n)), *frames[-2:]]
     return render(
         "exchange/robot.urdf.jinja",
         name=arm.robot.name,
@@ -63,11 +64,6 @@ def _origin(frame: Frame) -> dict[str, str]:
 
 def _fixed(name: str, parent: str, child: str, frame: Frame) -> dict[str, Any]:
     return {"name": name, "type": "fixed", "parent": parent, "child": child, **_origin(frame), "axis": ""}
-
-
-def _frame(name: str) -> dict[str, Any]:
-    """A link that is a frame alone."""
-    return {"name": name, "is_frame": True}
 
 
 def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
@@ -95,15 +91,13 @@ def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
 
 
 def _link(arm: BodyChain, i: int, name: str, radius: float) -> dict[str, Any]:
-    segment, body = arm.segments[i], arm.body(i)
-    inertial = None if body is None else _inertial(body.moved(segment.dh))
+    """What moves with a joint, in the joint's frame."""
+    segment, body, inertial = arm.segments[i], arm.body(i), None
+    if body is not None:
+        body = body.moved(segment.dh)
+        entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)
+        inertial = {"mass": text(body.mass), "xyz": texts(body.com), "inertia": dict(entries)}
     return {"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)}
-
-
-def _inertial(body: Body) -> dict[str, Any]:
-    keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-    entries = dict(zip(keys, map(text, body.entries), strict=True))
-    return {"mass": text(body.mass), "xyz": texts(body.com), "inertia": entries}
 
 
 def rod(end: Point, radius: float) -> dict[str, str] | None:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from derive.exchange.formats import exported
-from derive.exchange.scripts import rtb_text
+from derive.exchange.scripts import script_text
 from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_package
@@ -86,7 +86,7 @@ def test_reversed_joints_are_turned_around_and_named() -> None:
     assert "flip" not in made.text
     assert any(remark.startswith("DHRobot takes reversed joints for poses alone") for remark in made.remarks)
     assert not any("reversed" in remark for remark in exported(dressed("skeleton-modified"), "rigidbodytree").remarks)
-    assert callable(rtb_text)
+    assert callable(script_text)
 
 
 def test_what_the_toolboxes_compute_otherwise_is_named() -> None:
