@@ -153,13 +153,8 @@ class OctaveModel:
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a function; configurations are columns there, and the last axis of the result counts them.
 
-        Args:
-            function: Its name.
-            arguments: (n,) or (samples, n) each.
-            parameters: Numbers of the free symbols.
-
         Returns:
-            (..., *shape).
+            As `derive.verification.generated.GeneratedModel.call`.
         """
         columns = [np.atleast_2d(argument).T for argument in arguments]
         count, axes = columns[0].shape[1] if columns else 1, FUNCTIONS[function].axes
@@ -174,24 +169,19 @@ class OctaveModel:
         return value if arguments and arguments[0].ndim > 1 else value[0]
 
     def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given.
+        """What ``model.m`` says of them.
 
-        Args:
-            robot: The robot.
+        Returns:
+            As `derive.verification.generated.GeneratedModel.given_names`.
         """
         names: tuple[str, ...] = self.constants["GIVEN"]
         return names
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, of one pose where there is one, else of a batch.
-
-        Args:
-            poses: (poses, 4, 4).
-            given: Variables of the given joints, (poses, k).
-            parameters: Numbers of the free symbols.
+        """Inverse kinematics; poses are pages there, and so are the branches of each.
 
         Returns:
-            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
+            As `derive.verification.generated.GeneratedModel.inverse`.
         """
         inputs = [poses.transpose(1, 2, 0), *([given.T] if given.shape[-1] else []), *self._numbers(parameters)]
         q, status = self.results("inverse_kinematics", inputs, 2)
