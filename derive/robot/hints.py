@@ -294,23 +294,31 @@ def choice_hint(key: str, text: str) -> str:
     return ""
 
 
+_TYPE = "type the table of its data sheet into a file that derive new NAME --joints N writes"
+
+_IMPORT = "derive import makes a robot file of it: write derive import FILE -o NAME.yaml"
+
 _FILES: tuple[tuple[str, str, str], ...] = (
-    (r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<robot\b", "a URDF", "its joints have no Denavit-Hartenberg table"),
+    (r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<robot\b", "a URDF", _IMPORT),
     (
         r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<mujoco\b",
         "a MuJoCo model (MJCF)",
-        "it has no Denavit-Hartenberg table",
+        f"it has no Denavit-Hartenberg table: {_TYPE}",
     ),
-    (r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<sdf\b", "an SDF model", "it has no Denavit-Hartenberg table"),
-    (r"(?is)\s*<(?:!doctype\s+)?html\b", "a web page", ""),
-    (r"\s*<", "an XML file", ""),
-    (r"%PDF-", "a PDF file", ""),
-    (r"\s*\\(?:documentclass|begin|usepackage|section|input)\b", "LaTeX", ""),
-    (r"(?m)\s*(?:from|import)\s+\w+.*$", "a Python program", ""),
-    (r"(?s).*\b(?:SerialLink|Link|DHRobot|RevoluteDH|rigidBodyTree)\s*\(", "a program", ""),
-    (r"\s*[\w.]+\s*[,;\t]\s*[\w.]+\s*[,;\t]\s*[\w.]+.*\n", "a table without keys", ""),
+    (
+        r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<sdf\b",
+        "an SDF model",
+        f"it has no Denavit-Hartenberg table: {_TYPE}",
+    ),
+    (r"(?is)\s*<(?:!doctype\s+)?html\b", "a web page", _TYPE),
+    (r"\s*<", "an XML file", _TYPE),
+    (r"%PDF-", "a PDF file", _TYPE),
+    (r"\s*\\(?:documentclass|begin|usepackage|section|input)\b", "LaTeX", _TYPE),
+    (r"(?m)\s*(?:from|import)\s+\w+.*$", "a Python program", _TYPE),
+    (r"(?s).*\b(?:SerialLink|Link|DHRobot|RevoluteDH|rigidBodyTree)\s*\(", "a program", _TYPE),
+    (r"\s*[\w.]+\s*[,;\t]\s*[\w.]+\s*[,;\t]\s*[\w.]+.*\n", "a table without keys", _TYPE),
 )
-"""How files begin that are no robot files, what they are, and why they cannot be taken as they are."""
+"""How files begin that are no robot files, what they are, and what to do."""
 
 
 def file_hint(text: str) -> tuple[str, str]:
@@ -322,8 +330,4 @@ def file_hint(text: str) -> tuple[str, str]:
     Returns:
         What it is and what to do; both empty where it is not known.
     """
-    for pattern, what, why in _FILES:
-        if re.match(pattern, text[:4000]):
-            because = f"{why}: " if why else ""
-            return what, f"{because}type the table of its data sheet into a file that derive new NAME --joints N writes"
-    return "", ""
+    return next(((what, remedy) for pattern, what, remedy in _FILES if re.match(pattern, text[:4000])), ("", ""))

@@ -118,8 +118,9 @@ def test_unknown_keys_are_told_by_their_block() -> None:
 )
 def test_files_of_other_programs_are_named(text: str, what: str) -> None:
     assert file_hint(text)[0] == what
-    with pytest.raises(DeriveError, match=re.escape(f"arm.urdf:1:1: this is {what}, not a robot file")):
+    with pytest.raises(DeriveError, match=re.escape(f"arm.urdf:1:1: this is {what}, not a robot file")) as refused:
         Robot.from_text(text, "arm.urdf")
+    assert ("derive import FILE" if what == "a URDF" else "derive new NAME") in str(refused.value)
 
 
 def test_robot_files_are_none_of_these() -> None:
