@@ -51,7 +51,8 @@ from derive.exchange.witness import refusal
 from derive.mechanics.chain import Chain
 from derive.mechanics.vectors import Symmetric, add, from_matrix, matmul, multiply, scale, steiner, transpose
 from derive.robot.description import Inertia, Link
-from derive.robot.expression import Expression, number, to_text
+from derive.robot.expression import Expression, names, number, to_text
+from derive.robot.names import limit_symbols, robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
@@ -247,7 +248,16 @@ def _result(
         cells = tuple(_differences(link, links[i]))
         if cells:
             changes.append(Change(i + 1, float(np.sqrt((shapes.along[i] ** 2).sum())), cells))
-    return Possible(replace(robot, links=tuple(links)), tuple(changes), border)
+    return Possible(_without_idle_parameters(robot, replace(robot, links=tuple(links))), tuple(changes), border)
+
+
+def _without_idle_parameters(before: Robot, after: Robot) -> Robot:
+    """A robot without the parameters of cells that became numbers; a robot file has none that no cell uses."""
+    bounds = [bound for joint in after.joints for bound in (joint.speed, joint.torque) if bound is not None]
+    used = {*robot_symbols(after), *limit_symbols(after), *(name for bound in bounds for name in names(bound))}
+    idle = set(robot_symbols(before)) - used
+    parameters = tuple((name, value) for name, value in after.parameters if name not in idle)
+    return replace(after, parameters=parameters, runtime=tuple(name for name in after.runtime if name not in idle))
 
 
 def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact], domain: ExactDomain) -> Link:
@@ -292,8 +302,8 @@ def _kept(cell: Expression, value: Exact, domain: ExactDomain) -> Expression:
 def _differences(old: Link, new: Link) -> Iterator[tuple[str, Expression, Expression]]:
     pairs = [("mass", old.mass, new.mass)]
     pairs += [(f"com {axis}", *pair) for axis, pair in zip("xyz", zip(old.com, new.com, strict=True), strict=True)]
-    names = ("xx", "yy", "zz", "xy", "xz", "yz")
-    pairs += [(name, getattr(old.inertia, name), getattr(new.inertia, name)) for name in names]
+    keys = ("xx", "yy", "zz", "xy", "xz", "yz")
+    pairs += [(key, getattr(old.inertia, key), getattr(new.inertia, key)) for key in keys]
     yield from ((name, before, after) for name, before, after in pairs if before != after)
 
 

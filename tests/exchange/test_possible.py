@@ -174,3 +174,28 @@ def test_a_last_link_that_weighs_nothing_stays_so_beside_one_that_changes() -> N
     assert found.border == (4,)
     assert 2 in [change.link for change in found.changes]
     assert found.robot.links[3] == given.links[3]
+
+
+def test_a_symbol_whose_cells_become_numbers_is_no_parameter_any_more() -> None:
+    """Otherwise the file that is written could not be read: no cell uses this parameter."""
+    text = TABLE_WITH_SYMBOLS
+    found = possible(Robot.from_text(text))
+    assert [change.link for change in found.changes] == [1, 2]
+    again = Robot.from_text(found.text)
+    assert dict(again.parameters).keys() == {"a1", "g"}
+    assert again.runtime == ("a1",)
+
+
+TABLE_WITH_SYMBOLS = """
+name: symbols
+convention: standard
+joints:
+  - {type: revolute, q: q1, theta: q1, a: a1}
+  - {type: revolute, q: q2, theta: q2, a: 0.3, alpha: pi/2}
+gravity: [0, -g, 0]
+links:
+  - {mass: 0, com: [0, 0, 0], inertia: {xx: I1, yy: 0.01, zz: 0.02}}
+  - {mass: m2, com: [-0.1, 0, 0], inertia: {xx: I2, yy: 0.01, zz: 0.02}}
+parameters: {a1: 0.5, g: 9.81, I1: 0.5, I2: -0.1, m2: 2}
+runtime: [a1, I2]
+"""
