@@ -56,21 +56,10 @@ def export_file(
     values: Mapping[str, float | str] | None = None,
     force: bool = False,
 ) -> Exported:
-    """What `export` does, with its remarks as a result, too.
-
-    Args:
-        robot: As there.
-        to: As there.
-        path: As there.
-        inertia: As there.
-        values: As there.
-        force: As there.
+    """What `export` does, of the same arguments, with its remarks as a result, too.
 
     Returns:
         The text and the remarks.
-
-    Raises:
-        DeriveError: As there.
     """
     if path is not None:
         refuse_taken(Path(path), force=force)

@@ -101,16 +101,13 @@ class Robot(PlainRobot):
         return exported(self, "urdf", inertia).text
 
     def to_mjcf(self, inertia: str = "given") -> str:
-        """The robot as MJCF, for MuJoCo; see `derive.export` for its remarks, files, and numbers of symbols.
+        """The robot as MJCF, for MuJoCo, as `to_urdf` makes URDF of it.
 
         Args:
-            inertia: ``given``, or ``possible``: the nearest bodies that exist, with the same dynamics.
+            inertia: As there.
 
         Returns:
             The text, with what MJCF cannot say in its first comment.
-
-        Raises:
-            DeriveError: A symbol has no number, or there are no possible bodies.
         """
         from derive.exchange.formats import exported
 

@@ -16,22 +16,9 @@ from math import pi
 from flint import arb
 
 from derive.errors import RobotFileError, near_miss, quoted
-from derive.exchange.space import (
-    NOTHING,
-    WORLD,
-    Frame,
-    Line,
-    Point,
-    Real,
-    cross,
-    length,
-    plus,
-    real,
-    times,
-    unit,
-    vector,
-)
+from derive.exchange.space import NOTHING, WORLD, Frame, Line, Point, Real, length, plus, real, times, unit, vector
 from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Urdf, UrdfJoint
+from derive.mechanics.vectors import cross
 from derive.robot.size_limits import FILE_LIMITS
 
 FRACTIONS = (12, 8)

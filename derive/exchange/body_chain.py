@@ -14,7 +14,8 @@ import numpy as np
 from flint import arb
 
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
-from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, cross, decimal, dot, length, plus, times
+from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times
+from derive.mechanics.vectors import cross, dot
 from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import Convention, Inertia, Joint, Link, Motor
 from derive.robot.expression import ZERO, number

@@ -49,7 +49,7 @@ from derive.exchange.regressor_null_space import (
 from derive.exchange.space import decimal, exactly
 from derive.exchange.witness import refusal
 from derive.mechanics.chain import Chain
-from derive.mechanics.vectors import Symmetric, add, from_matrix, matmul, multiply, scale, steiner, transpose
+from derive.mechanics.vectors import add, from_matrix, matmul, multiply, scale, steiner, transpose
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import Expression, names, number, to_text
 from derive.robot.names import limit_symbols, robot_symbols
@@ -60,6 +60,9 @@ Array = npt.NDArray[Any]
 
 INERTIAS = ("given", "possible")
 """Which bodies are taken: those of the robot, or the nearest ones that exist and move alike."""
+
+MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
+"""Entries of an inertia tensor."""
 
 UNITS = (1e-8, 1e-11, 1e-14)
 """To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse."""
@@ -277,21 +280,9 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
         x, y, z = (_kept(old, h / body.mass, domain) for old, h in zip(link.com, moments, strict=True))
         com = (x, y, z)
     r = add(end.position, multiply(end.rotation, tuple(map(domain.constant, com))))
-    own = body.inertia + Symmetric(*(-entry for entry in parameters_of_tensor(steiner(m, r))))
-    tensor = from_matrix(matmul(matmul(turned, own.matrix), end.rotation))
-    old = link.inertia
-    cells = [old.xx, old.yy, old.zz, old.xy, old.xz, old.yz]
-    inertia = Inertia(*(_kept(c, v, domain) for c, v in zip(cells, parameters_of_tensor(tensor), strict=True)))
+    tensor = from_matrix(matmul(matmul(turned, (body.inertia + steiner(-m, r)).matrix), end.rotation))
+    inertia = Inertia(*(_kept(getattr(link.inertia, name), getattr(tensor, name), domain) for name in MOMENTS))
     return replace(link, mass=mass, com=com, inertia=inertia)
-
-
-def parameters_of_tensor(tensor: Symmetric[Exact]) -> list[Exact]:
-    """xx, yy, zz, xy, xz, yz.
-
-    Args:
-        tensor: The tensor.
-    """
-    return [tensor.xx, tensor.yy, tensor.zz, tensor.xy, tensor.xz, tensor.yz]
 
 
 def _kept(cell: Expression, value: Exact, domain: ExactDomain) -> Expression:
@@ -302,8 +293,7 @@ def _kept(cell: Expression, value: Exact, domain: ExactDomain) -> Expression:
 def _differences(old: Link, new: Link) -> Iterator[tuple[str, Expression, Expression]]:
     pairs = [("mass", old.mass, new.mass)]
     pairs += [(f"com {axis}", *pair) for axis, pair in zip("xyz", zip(old.com, new.com, strict=True), strict=True)]
-    keys = ("xx", "yy", "zz", "xy", "xz", "yz")
-    pairs += [(key, getattr(old.inertia, key), getattr(new.inertia, key)) for key in keys]
+    pairs += [(key, getattr(old.inertia, key), getattr(new.inertia, key)) for key in MOMENTS]
     yield from ((name, before, after) for name, before, after in pairs if before != after)
 
 

@@ -14,6 +14,8 @@ from typing import Any
 
 from flint import arb, ctx, fmpq
 
+from derive.mechanics.vectors import cross, dot
+
 BITS = 256
 """Of a number."""
 
@@ -72,26 +74,6 @@ def vector(values: Sequence[Fraction | int]) -> Point:
     """
     x, y, z = map(real, values)
     return (x, y, z)
-
-
-def dot(a: Point, b: Point) -> Real:
-    """Scalar product a . b.
-
-    Args:
-        a: Vector.
-        b: Vector.
-    """
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Point, b: Point) -> Point:
-    """Vector product a x b.
-
-    Args:
-        a: Vector.
-        b: Vector.
-    """
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def plus(a: Point, b: Point, scale: Real = 1) -> Point:

@@ -178,7 +178,7 @@ class OctaveModel:
         return names
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics; poses are pages there, and so are the branches of each.
+        """Inverse kinematics; poses are pages there, and branches columns.
 
         Returns:
             As `derive.verification.generated.GeneratedModel.inverse`.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from derive.exchange.space import NOTHING, WORLD, Frame, Line, cross, dot, exactly, length, plus, real, unit, vector
+from derive.exchange.space import NOTHING, WORLD, Frame, Line, exactly, length, plus, real, unit, vector
+from derive.mechanics.vectors import cross, dot
 
 
 def test_the_nearest_points_of_two_lines_are_joined_by_their_common_normal() -> None:
