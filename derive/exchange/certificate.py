@@ -39,7 +39,12 @@ class Certificate:
     rotation: float
 
     def __str__(self) -> str:
-        return f"pose error over all limits <= {_above(self.position)} m and {_above(self.rotation)} rad, proven"
+        return f"pose error over all limits <= {self.amounts}, proven"
+
+    @property
+    def amounts(self) -> str:
+        """Distance and angle."""
+        return f"{_above(self.position)} m and {_above(self.rotation)} rad"
 
     @property
     def printed(self) -> Certificate:

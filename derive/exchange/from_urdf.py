@@ -328,7 +328,7 @@ class _Chain:
                 other = self._table(wider)
                 if not other.is_far:
                     refused = f"; refused, being more than {MOST_MOVED:.0%} of the reach" if other.moves_far else ""
-                    moved = f"poses by up to {other.certificate.position:.2g} m"
+                    moved = f"poses by up to {other.certificate.amounts}"
                     yield f"--snap {float(wider):g} would take them as parallel and move {moved}{refused}"
 
     def _remarks_on_cut(self, table: _Table, cut: CutOff) -> Iterator[str]:
@@ -340,7 +340,7 @@ class _Chain:
                 same = (ours.joints, ours.base, ours.tool) == (theirs.joints, theirs.base, theirs.tool)
                 if not (same or other.moves_far):
                     price = f"--snap {float(wider):g} would take them for these and move poses by up to"
-                    yield f"{named(cut, False)}; {price} {other.certificate.position:.2g} m"
+                    yield f"{named(cut, False)}; {price} {other.certificate.amounts}"
 
 
 def with_named_lengths(robot: Description) -> Description:

@@ -96,7 +96,7 @@ def test_measured_slants_are_kept_and_the_snap_that_removes_them_is_named() -> N
     assert far > FAR * 1.5
     assert apart < 1e-9
     (told,) = (note for note in found.notes if note.startswith("--snap "))
-    snap, cost = told.split()[1], float(told.split()[-2])
+    snap, cost = told.split()[1], float(told.partition(" m and ")[0].split()[-1])
     snapped, far, apart = imported(MEASURED, Fraction(snap))
     assert far < 1
     assert apart <= snapped.certificate.position == pytest.approx(cost, rel=0.06)
@@ -114,3 +114,11 @@ def test_cut_angles_are_found_between_links() -> None:
     assert sorted((joint.name, float(angle)) for joint, angle in cut) == [("j2", 3.14), ("j3", 3.1415)]
     assert named(cut[:1], False).endswith("almost fractions of pi")
     assert cut_off(as_meant(robot), "l0", "l5", SNAP) == []
+
+
+def test_what_a_snap_would_cost_is_said_as_distance_and_as_angle() -> None:
+    """A tip that is turned by 1.57 where it stands moves no place, but its frame."""
+    text = urdf([J(), J("0.5 0 0", "0 0 1.57", type="fixed")])
+    found = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, ImportOptions(snap=SNAP))
+    (told,) = (note for note in found.notes if "would take them" in note)
+    assert told.endswith("move poses by up to 1e-30 m and 0.0012 rad")
