@@ -289,14 +289,13 @@ class _Chain:
         plain = self._table(snap)
         far = plain.placement.far
         cut = cut_off(self.urdf, self.written.base, self.written.tip, snap)
-        if not any(slant(self.written, i) > ALIKE for i, _ in far):
-            plain.check(self.urdf, snap)
-            return plain, list(self._remarks_on_cut(plain, cut if snap else []))
-        other = self._table(snap, cut) if cut and snap else plain
+        is_slanting = any(slant(self.written, i) > ALIKE for i, _ in far)
+        other = self._table(snap, cut) if is_slanting and cut and snap else plain
         worth = MOST_MOVED * other.arm.reach if plain.is_far else TURNED
         table = plain if other.is_far or other.certificate.position > worth else other
         table.check(self.urdf, snap)
-        return table, list(self._remarks_on_slants(table, far, cut, table is not plain))
+        on_slants = self._remarks_on_slants(table, far, cut if is_slanting else (), table is not plain)
+        return table, [*on_slants, *self._remarks_on_cut(table, cut if snap and not is_slanting else ())]
 
     def _table(self, snap: Fraction, cut: CutOff = ()) -> _Table:
         """By common normals; where angles are cut off, all such angles of the robot are read as they were meant."""
