@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from math import floor, log10
 
 from flint import arb
 
@@ -22,6 +23,12 @@ DIVISORS = 180
 
 TOUCHING = Fraction(1, 10**9)
 """Lengths that are so close to a whole number of micrometres are it, or closer than the snap where that is less [m]."""
+
+NOISE = Fraction(1, 10**15)
+"""What a number of 17 digits may lose when it is turned there and back, of the largest beside it."""
+
+SHORT = 12
+"""Digits of numbers that are as good without noise."""
 
 PLACES = 6
 """Of decimals that a length has where it is one of few digits."""
@@ -52,7 +59,7 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
     links: tuple[Link, ...] = ()
     if any(axis.bodies for axis in arm.axes):
         frames = placement.frames[1:]
-        links = tuple(_link(axis, frame) for axis, frame in zip(arm.axes, frames, strict=True))
+        links = tuple(_link(axis, frame, snap) for axis, frame in zip(arm.axes, frames, strict=True))
     down = (multiply(number(-1), turned(component), Name("g")) for component in arm.up)
     return Description(
         name=name,
@@ -150,7 +157,20 @@ def turned(value: Real) -> Expression:
     return number(decimal(value))
 
 
-def _link(axis: Axis, frame: Frame) -> Link:
+def _written(values: Sequence[Real], snap: Fraction, size: Real | None = None) -> list[Expression]:
+    """Numbers beside each other; those that are short but for noise are, unless decimals are taken as they stand."""
+    size = max(map(abs, values), key=float) if size is None else size
+    if not (snap and size > NOTHING):
+        return [number(decimal(value)) for value in values]
+    unit = real(Fraction(10) ** (floor(log10(float(size))) - SHORT))
+    cells: list[Expression] = []
+    for value in values:
+        short = unit * round(float(value / unit))
+        cells.append(number(decimal(short if abs(value - short) <= real(NOISE) * size else value)))
+    return cells
+
+
+def _link(axis: Axis, frame: Frame, snap: Fraction) -> Link:
     """What moves with a joint as one body in the frame of its row."""
     mass = sum((body.mass for body in axis.bodies), Fraction(0))
     viscous, coulomb = number(rounded(axis.joint.damping)), number(rounded(axis.joint.friction))
@@ -159,13 +179,13 @@ def _link(axis: Axis, frame: Frame) -> Link:
             found = f"link {quoted(heavy)}: its mass and those of what it carries add up to nothing"
             raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
         tensor = _tensor(axis.bodies, frame, (arb(0), arb(0), arb(0)))
-        return Link(inertia=Inertia(*(number(decimal(t)) for t in tensor)), viscous=viscous, coulomb=coulomb)
+        return Link(inertia=Inertia(*_written(tensor, snap)), viscous=viscous, coulomb=coulomb)
     com = (arb(0), arb(0), arb(0))
     for body in axis.bodies:
         com = plus(com, frame.inside(body.com), real(body.mass) / real(mass))
     tensor = _tensor(axis.bodies, frame, com)
-    x, y, z = (number(decimal(c)) for c in com)
-    inertia = Inertia(*(number(decimal(t)) for t in tensor))
+    x, y, z = _written(com, snap, arb(1))
+    inertia = Inertia(*_written(tensor, snap))
     return Link(number(rounded(mass)), (x, y, z), inertia, viscous=viscous, coulomb=coulomb)
 
 

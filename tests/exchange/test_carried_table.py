@@ -45,6 +45,25 @@ def test_the_table_comes_back_to_the_letter_and_torques_to_rounding(name: str) -
         assert np.abs(ours - theirs).max() < 1e-12 * np.abs(ours).max()
 
 
+SLANTED = """
+name: slanted
+convention: standard
+joints:
+  - {type: revolute, q: q1, theta: q1 + 1.7398639118778688, d: 0.4, a: 0.097873524170258314}
+  - {type: revolute, q: q2, theta: q2 + 2.1154531206566901, d: 0.3, alpha: 0.7}
+gravity: [0, 0, -9.81]
+links:
+  - {mass: 2.5, com: [0, 0.1, 0.15], inertia: {xx: 0.02, yy: 0.03, zz: 0.04}}
+  - {mass: 1.5, com: [-0.07, 0, 0], inertia: {xx: 0.012, yy: 0.012, zz: 0.002, xy: -0.0001}}
+"""
+
+
+def test_links_come_back_without_the_noise_of_turning_them_there_and_back() -> None:
+    """An entry of 1e-19 would stand in every equation."""
+    robot = Robot.from_text(SLANTED)
+    assert back(exported(robot, "urdf").text, robot.convention).robot.links == robot.links
+
+
 def test_limits_come_back_and_slides_without_any_stay_so() -> None:
     robot = dressed("stanford-deluca")
     ends = (multiply(number("-1/2"), Pi()), number(2))
