@@ -169,17 +169,17 @@ def verify_import(file: str | Path) -> ImportCheck | None:
 
 def _found(file: str | Path | bytes, options: ImportOptions) -> tuple[Urdf, Source]:
     """The URDF that a user names, and how a robot file names it, but for the links at both ends."""
-    said = tuple((options.arguments or {}).items())
     if isinstance(file, bytes):
-        given = opened(file, "<stdin>")
-        return given.urdf, Source("", "", "", given.sha256, arguments=said)
+        given = opened(file, "<stdin>", options.arguments)
+        return given.urdf, Source("", "", "", given.sha256)
     path = Path(file)
     if not path.is_file():
         found = f"no file {quoted(str(file), 200)}"
         raise RobotFileError(found, allowed="allowed: a URDF or a .xacro file, or - for standard input")
     folders = list(map(str, options.packages))
     given = open_urdf(path, folders, options.arguments)
-    packages = tuple(_moved(folder, Path(), path.parent) for folder in folders)
+    packages = tuple(_moved(folder, Path(), path.parent) for folder in folders if given.is_xacro)
+    said = tuple((options.arguments or {}).items())
     return given.urdf, Source(relative(path, Path(options.folder)), "", "", given.sha256, packages, said)
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any
 
 from derive.handouts.fragment import fragment_text
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.text import TextPrinter
+from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.handouts.parts.conversion import FEW_FACTORS
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.convention import Conversion, has_equal_poses
@@ -39,7 +40,8 @@ def derivation_text(conversion: Conversion) -> str:
     import sympy
 
     source, result = conversion.source, Robot.of(conversion.result)
-    write = TextPrinter(source, Notation.of(source)).doprint
+    notation = Notation.of(source)
+    write = TextPrinter(source, notation).doprint
     names = (source.convention.value, result.convention.value)
     ends = (source.base != IDENTITY or result.base != IDENTITY, source.tool != IDENTITY or result.tool != IDENTITY)
     n, power = source.n, "" if source.convention is Convention.MODIFIED else "^-1"
@@ -53,18 +55,19 @@ def derivation_text(conversion: Conversion) -> str:
         "",
         *_factors(conversion),
     ]
-    for robot, prime in ((source, ""), (result, "'")):
-        model = Model(robot)
-        for i in range(1, robot.n + 1):
-            row = _bracket(robot, i)
-            lines += [
-                "",
-                *_grid(f"A{prime}_{i} = {row}, row {i} of the {robot.convention.value} table", model.A(i), write),
-            ]
+    models, matrices = [(Model(source), ""), (Model(result), "'")], {}
+    for model, prime in models:
+        convention = model.robot.convention.value
+        for i in range(1, n + 1):
+            matrices[f"A{prime}_{i} = {_bracket(model.robot, i)}, row {i} of the {convention} table"] = model.A(i)
     for name, frame, other in (("base", source.base, result.base), ("tool", source.tool, result.tool)):
         if frame != other:
-            matrix = sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in other])
-            lines += ["", *_grid(f"T'_{name}", matrix, write)]
+            matrices[f"T'_{name}"] = sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in other])
+    for name, matrix in matrices.items():
+        lines += ["", *_grid(name, matrix, write)]
+    entries = chain.from_iterable([*matrices.values(), models[0][0].T if n <= FEW_FACTORS else ()])
+    if notation.digits and loses_digits(entries, decimals=notation.decimals, digits=notation.digits):
+        lines += ["", f"Matrices are printed with {notation.digits} significant digits of each number."]
     lines += ["", *_links(conversion)]
     lines += _equal_product(conversion, ends, write)
     return "\n".join(lines) + "\n"

@@ -92,6 +92,8 @@ def read_urdf(data: bytes, source: str) -> Urdf:
     if not bodies:
         raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
     notes += tuple(f"{fault} (line {joint.location.line})" for joint in joints.values() if (fault := joint.fault))
+    points = [f"{quoted(name)} (line {body.location.line})" for name, body in bodies.items() if body and body.is_point]
+    notes += (f"inertial without inertia, a mass at a point: link {', '.join(points)}",) if points else ()
     table = root.findtext("dh_table", "").strip()
     return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, _unread(root, elements), source, table)
 
@@ -233,7 +235,7 @@ class _Reader:
         words = text.split()
         if len(words) != count:
             found = f"{element.tag}, {attribute}: {len(words)} numbers, {quoted(text)}"
-            raise self.refused(element, found, f"write {count}", f"allowed: exactly {count}")
+            raise self.refused(element, found, f"write {count}, apart by spaces", f"allowed: exactly {count}")
         return tuple(self._number(element, attribute, word, infinite) for word in words)
 
     def number(self, element: etree._Element, attribute: str, *, infinite: bool = False) -> Fraction | None:
@@ -263,6 +265,8 @@ class _Reader:
         found = f"{element.tag}, {attribute}: {quoted(word)} is no number"
         allowed = f"allowed: finite decimals below 1e{GREATEST}"
         remedy = "separate numbers by spaces alone" if "," in word else "write a decimal such as 0.42"
+        if _DECIMAL.fullmatch(decimal := word.replace(",", ".")) and not word.endswith(","):
+            remedy = f"write {decimal}"
         raise self.refused(element, found, remedy, allowed)
 
     def origin(self, element: etree._Element) -> Origin:
@@ -296,7 +300,7 @@ class _Reader:
         keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
         moments = [self.number(tensor, key) if tensor is not None else None for key in keys]
         entries = tuple(moment or Fraction(0) for moment in moments)
-        return UrdfBody(value, self.origin(inertial), entries, self.place(inertial))
+        return UrdfBody(value, self.origin(inertial), entries, self.place(inertial), tensor is None)
 
     def joint(self, element: etree._Element, links: Mapping[str, object]) -> UrdfJoint:
         """A joint.

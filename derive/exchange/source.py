@@ -95,10 +95,12 @@ class Opened:
     Attributes:
         urdf: The robot.
         sha256: Of the bytes of the file.
+        is_xacro: Whether xacro made it of the file.
     """
 
     urdf: Urdf
     sha256: str
+    is_xacro: bool = False
 
 
 def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None) -> Opened:
@@ -117,9 +119,13 @@ def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, 
         TargetError: lxml or xacrodoc is not installed.
     """
     data, name = file_bytes(path, MOST_BYTES), str(path)
-    if path.suffix.lower() == XACRO or _is_xacro(data):
-        return Opened(read_urdf(_expanded(path, packages, arguments or {}), name), sha256(data).hexdigest())
-    return opened(data, name)
+    if not (path.suffix.lower() == XACRO or _is_xacro(data)):
+        return opened(data, name, arguments)
+    missing = next((f for text in packages if not Path(f := text.rpartition("=")[2]).is_dir()), None)
+    if missing is not None:
+        raise RobotFileError(f"--packages: no folder {quoted(missing, 200)}", remedy="name one that is there")
+    urdf = read_urdf(_expanded(path, packages, arguments or {}), name)
+    return Opened(urdf, sha256(data).hexdigest(), is_xacro=True)
 
 
 def _is_xacro(data: bytes) -> bool:
@@ -130,17 +136,21 @@ def _is_xacro(data: bytes) -> bool:
     return any(_XACRO.search(part) for part in (first, *(other.partition(b"-->")[2] for other in others)))
 
 
-def opened(data: bytes, name: str) -> Opened:
+def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -> Opened:
     """A URDF that has been read already.
 
     Args:
         data: Its bytes.
         name: For messages.
+        arguments: There may be none, since nothing of xacro is in it.
 
     Raises:
-        RobotFileError: It is no URDF.
+        RobotFileError: It is no URDF, or has arguments.
         TargetError: lxml is not installed.
     """
+    if arguments:
+        found = f"arguments of xacro, {', '.join(map(quoted, arguments))}, for a file without xacro"
+        raise RobotFileError(found, remedy="leave out --arg")
     return Opened(read_urdf(data, name if name.isprintable() else quoted(name, 200)), sha256(data).hexdigest())
 
 

@@ -90,12 +90,14 @@ class UrdfBody:
         origin: Of the frame at its centre of mass in the link's frame.
         inertia: xx, yy, zz, xy, xz, yz in that frame [kg m^2].
         location: Its place in the file.
+        is_point: Whether the file gives no inertia.
     """
 
     mass: Fraction
     origin: Origin
     inertia: tuple[Fraction, ...]
     location: Location
+    is_point: bool = False
 
 
 @dataclass(frozen=True, slots=True)

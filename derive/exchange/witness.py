@@ -97,8 +97,9 @@ class Witness:
         main = [pair for pair in self.functions if sizes[pair[0]] > max(sizes.values()) / SHOWN]
         terms = "; ".join(f"link {link}: f = {_polynomial(matrix)}" for link, matrix in main)
         more = "; smaller elsewhere" if len(main) < len(self.functions) else ""
+        unit = "kg m^2" if any(any(map(any, matrix[:3])) for _, matrix in main) else "kg"
         return (
-            f"torques fix the integral of f dm over all links at {float(self.value):.3g} kg m^2, though f is nowhere "
+            f"torques fix the integral of f dm over all links at {float(self.value):.3g} {unit}, though f is nowhere "
             f"negative ({terms}{more}; in joint frames, rounded)"
         )
 

@@ -43,6 +43,14 @@ def test_products_of_every_built_in_robot_are_equal_up_to_seven_rows(name: str) 
     assert ("rows are not multiplied out" in text) == (robot.n > 7)
 
 
+def test_it_is_said_where_numbers_are_printed_shorter_than_they_are() -> None:
+    text = "{{name: arm, convention: standard, joints: [{{type: revolute, a: {}}}, {{type: revolute, a: 0.25}}]}}"
+    long, short = (Robot.from_text(text.format(length)) for length in ("0.123456789", "0.125"))
+    said = "Matrices are printed with 6 significant digits of each number."
+    assert said in derivation_text(convert(long))
+    assert said not in derivation_text(convert(short))
+
+
 def test_a_wrong_table_is_not_called_equal() -> None:
     conversion = convert(Robot.load("planar-2r-perugia"))
     wrong = replace(conversion.result.joints[1], a=ONE)

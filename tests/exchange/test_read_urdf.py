@@ -52,6 +52,31 @@ def test_one_message_names_file_line_and_what_was_found(text: str, line: int, fo
     assert abs(refused.value.location.line - line) <= 2
 
 
+@pytest.mark.parametrize(
+    ("xyz", "remedy"),
+    [
+        ("0,05 0 0", "write 0.05"),
+        ("-,5 0 0", "write -.5"),
+        ("0, 0, 1", "separate numbers by spaces alone"),
+        ("0,0,1", "write 3, apart by spaces"),
+    ],
+)
+def test_commas_are_told_what_to_write_instead(xyz: str, remedy: str) -> None:
+    with pytest.raises(RobotFileError) as refused:
+        read_urdf(urdf([J(xyz)]).encode(), "arm.urdf")
+    assert refused.value.remedy == remedy
+
+
+def test_a_mass_without_inertia_is_taken_as_a_point_and_remarked() -> None:
+    point = '<inertial><mass value="2"/></inertial>'
+    text = urdf([J(inertial=body("2.50", "0 0 1")), J()]).replace(
+        '<link name="l2"></link>', f'<link name="l2">{point}</link>'
+    )
+    read = read_urdf(text.encode(), "arm.urdf")
+    (note,) = read.notes
+    assert note.startswith("inertial without inertia, a mass at a point: link 'l2' (line ")
+
+
 def test_a_prefix_that_is_not_bound_is_read_and_remarked() -> None:
     text = urdf([J()], top="<xacro:x/>")
     assert any("xacro" in note for note in read_urdf(text.encode(), "arm.urdf").notes)

@@ -62,6 +62,17 @@ def test_xacro_is_known_by_what_it_uses_whatever_the_file_is_called(tmp_path: Pa
     assert open_urdf(path) == opened(text.encode(), str(path))
 
 
+def test_arguments_need_xacro_and_packages_a_folder(tmp_path: Path) -> None:
+    plain, path = tmp_path / "plain.urdf", tmp_path / "arm.xacro"
+    plain.write_text(urdf([J()]))
+    path.write_text(XACRO)
+    with pytest.raises(RobotFileError, match="arguments of xacro, 'length', for a file without xacro"):
+        open_urdf(plain, arguments={"length": "1"})
+    with pytest.raises(RobotFileError, match=r"no folder '.*nowhere'"):
+        open_urdf(path, [f"bars={tmp_path / 'nowhere'}"])
+    assert (open_urdf(plain).is_xacro, open_urdf(path).is_xacro) == (False, True)
+
+
 def test_what_xacro_does_not_find_is_one_message(tmp_path: Path) -> None:
     path = tmp_path / "arm.xacro"
     path.write_text(XACRO.replace("$(arg length)", "$(find nowhere)"))
