@@ -19,6 +19,7 @@ from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.certificate import Certificate
 from derive.exchange.read_urdf import MOST_BYTES, read_urdf
 from derive.exchange.urdf import Urdf
+from derive.exchange.xacro_expressions import looked_at
 from derive.robot.load import file_bytes
 
 MARK = "derive import: "
@@ -168,7 +169,12 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
     xacrodoc.packages.update_package_cache(_by_name(packages))
     whole = path.resolve()
     try:
-        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said), contextlib.chdir(whole.parent):
+        with (
+            contextlib.redirect_stderr(said),
+            contextlib.redirect_stdout(said),
+            contextlib.chdir(whole.parent),
+            looked_at(),
+        ):
             document = xacrodoc.XacroDoc.from_file(str(whole), subargs=dict(arguments), resolve_packages=False)
             return str(document.to_urdf_string()).encode()
     except (Exception, SystemExit) as error:
