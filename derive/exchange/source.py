@@ -167,7 +167,7 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
     folders = [str(Path(text).resolve()) for text in packages if "=" not in text]
     xacrodoc.packages.look_in(folders)
     xacrodoc.packages.update_package_cache(_by_name(packages))
-    whole = path.resolve()
+    whole, asked = path.resolve(), _Asked(arguments)
     try:
         with (
             contextlib.redirect_stderr(said),
@@ -175,14 +175,35 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
             contextlib.chdir(whole.parent),
             looked_at(),
         ):
-            document = xacrodoc.XacroDoc.from_file(str(whole), subargs=dict(arguments), resolve_packages=False)
-            return str(document.to_urdf_string()).encode()
+            document = xacrodoc.XacroDoc.from_file(str(whole), subargs=asked, resolve_packages=False)
+            text = str(document.to_urdf_string())
     except (Exception, SystemExit) as error:
         reason = " ".join(str(error).split()) or " ".join(said.getvalue().split()) or type(error).__name__
         remedy = "give the folder of its packages with --packages DIR, and its arguments with --arg NAME=VALUE"
         raise RobotFileError(
             f"xacro: {quoted(_KIND.sub('', reason), 200)[1:-1]}", remedy=remedy, location=Location(str(path))
         ) from None
+    if unknown := sorted(arguments.keys() - asked.names):
+        known = ", ".join(map(quoted, sorted(asked.names))) or "none"
+        found = f"it asks for no argument {quoted(unknown[0])}; its arguments: {known}"
+        raise RobotFileError(found, remedy="correct or leave out --arg", location=Location(str(path)))
+    return text.encode()
+
+
+class _Asked(dict[str, str]):
+    """Arguments of xacro, and the names of those for which a file asks: one that is misspelt is asked for by none."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self.names: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.names.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.names.add(name)
+        return super().__getitem__(name)
 
 
 def _by_name(packages: Sequence[str]) -> dict[str, Path]:

@@ -50,6 +50,13 @@ def test_xacro_is_expanded_with_its_arguments(tmp_path: Path) -> None:
     assert float(open_urdf(path, arguments={"length": "0.25"}).urdf.joints[1].origin.xyz[0]) == 0.25
 
 
+def test_an_argument_for_which_no_file_asks_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(XACRO)
+    with pytest.raises(RobotFileError, match="no argument 'lenght'; its arguments: 'length'"):
+        open_urdf(path, arguments={"lenght": "0.25"})
+
+
 def test_xacro_is_known_by_what_it_uses_whatever_the_file_is_called(tmp_path: Path) -> None:
     """From standard input, which has no folder, it is refused; what stands in comments is no use of it."""
     path = tmp_path / "arm.urdf"
