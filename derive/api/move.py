@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from derive.api.robots import tell
 from derive.errors import DeriveError
 from derive.motion.motion import Motion
 from derive.motion.simulation import Run
@@ -131,6 +132,7 @@ def move(
 
     Returns:
         The motion, its simulation, and the files, which are overwritten; either all are complete or none is touched.
+        Remarks on the robot of a plan that is read here are issued as `RobotFileWarning`.
 
     Raises:
         DeriveError: A file with another ending.
@@ -150,6 +152,8 @@ def move(
     if twice := {str(path) for _, path in wanted if [other for _, other in wanted].count(path) > 1}:
         raise DeriveError(f"two contents for {min(twice)!r}", remedy="name two files")
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
+    if motion is not plan:
+        tell(motion.plan.robot.remarks)
     if language is not None:
         from derive.api.handout import with_options
 

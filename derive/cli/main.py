@@ -30,7 +30,7 @@ COMMANDS = {
 }
 """What each command does; its module `derive.cli.NAME`, or `NAME_`, is imported when it is asked for."""
 
-OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "convert", "export", "new")
+OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "convert", "export", "move", "new")
 """Commands that read robot files."""
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

@@ -190,9 +190,18 @@ def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
     """Where the determinant that decides the rank of J is zero, and what the arm looks like there."""
     from derive.model.quantities import REGISTRY
     from derive.model.quantity_names import parse
+    from derive.model.singularities.determinant import Outcome
 
+    if parse(model, name)[0] is not REGISTRY["singularities"]:
+        return []
+    found = model.singularities
+    if found.outcome is Outcome.EVERYWHERE:
+        return ["  0 in every configuration: the arm is singular everywhere"]
+    if found.outcome is Outcome.NEVER:
+        unless = "" if found.determinant is None or found.determinant.is_number else " unless this is 0"
+        return [f"  no singularity{unless}: it is the same in every configuration"]
     lines = []
-    for zero in model.singularities.conditions if parse(model, name)[0] is REGISTRY["singularities"] else ():
+    for zero in found.conditions:
         is_plain = zero.expression == zero.variable
         solved = (
             f": {printer(zero.variable)} = {' or '.join(map(printer, zero.values))}"

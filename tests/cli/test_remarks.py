@@ -47,6 +47,16 @@ def test_strict_makes_it_an_error_and_writes_nothing(command: tuple[str, ...], f
     assert [path.name for path in folder.iterdir()] == ["slip.yaml"]
 
 
+def test_a_plan_tells_the_remarks_of_its_robot_and_strict_writes_nothing(folder: Path) -> None:
+    (folder / "plan.yaml").write_text("robot: slip.yaml\npoints: {a: [0], b: [1]}\npath: [a, {to: b, time: 1}]\n")
+    refused = derive("move", "plan.yaml", "--csv", "run.csv", "--strict", folder=folder)
+    assert (refused.status, refused.stdout, (folder / "run.csv").exists()) == (2, "", False)
+    done = derive("move", "plan.yaml", "--csv", "run.csv", folder=folder)
+    assert (done.status, (folder / "run.csv").exists()) == (0, True)
+    assert done.stderr.count(f"derive: remark: {WORDS}") == done.stderr.count("\n") == 1
+    assert "remark" not in done.stdout
+
+
 def test_json_carries_it(folder: Path) -> None:
     (folder / "notes.yaml").write_text(
         "robot:\n" + "".join(f"  {line}\n" for line in SLIP.splitlines()) + "expected: []\n"

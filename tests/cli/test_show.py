@@ -142,6 +142,27 @@ def test_singularities_say_where_they_are(tmp_path: Path) -> None:
     assert outcome.stdout.splitlines() == ["singularities = a1*a2*s2", "  s2 = 0: q2 = 0 or pi"]
 
 
+@pytest.mark.parametrize(
+    ("cells", "determinant", "words"),
+    [
+        (("q1, alpha: pi/2, theta: pi/2", "q2"), "-1", "no singularity: it is the same in every configuration"),
+        (
+            ("q1, alpha: x, theta: pi/2", "q2"),
+            "-sin(x)",
+            "no singularity unless this is 0: it is the same in every configuration",
+        ),
+        (("q1", "q2"), "0", "0 in every configuration: the arm is singular everywhere"),
+    ],
+)
+def test_a_constant_determinant_says_what_it_means(
+    tmp_path: Path, cells: tuple[str, ...], determinant: str, words: str
+) -> None:
+    rows = "".join(f"  - {{type: prismatic, d: {cell}}}\n" for cell in cells)
+    (tmp_path / "slides.yaml").write_text(f"name: slides\nconvention: standard\njoints:\n{rows}")
+    outcome = derive("show", "slides.yaml", "singularities", folder=tmp_path)
+    assert outcome.stdout.splitlines() == [f"singularities = {determinant}", f"  {words}"]
+
+
 def test_options_stand_anywhere(folder: Path) -> None:
     expected = printed(folder, "B", "p", "--at", "-1", "--digits", "3")
     assert printed(folder, "--at", "-1", "B", "--digits=3", "p") == expected
