@@ -39,7 +39,11 @@ def forbidden(expression: str) -> str | None:
 
 @contextmanager
 def looked_at() -> Iterator[None]:
-    """Have xacro evaluate no expression that says more than it may, as long as the context lasts."""
+    """Have xacro evaluate no expression that says more than it may, as long as the context lasts.
+
+    Yields:
+        Nothing.
+    """
     import xacro
     from xacro import substitution_args
 
