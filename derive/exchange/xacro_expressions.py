@@ -39,11 +39,7 @@ def forbidden(expression: str) -> str | None:
 
 @contextmanager
 def looked_at() -> Iterator[None]:
-    """Have xacro evaluate no expression that says more than it may, as long as the context lasts.
-
-    Yields:
-        Nothing.
-    """
+    """Have xacro evaluate no expression that says more than it may, as long as the context lasts."""
     import xacro
     from xacro import substitution_args
 
@@ -62,10 +58,10 @@ def looked_at() -> Iterator[None]:
 def _only_allowed(evaluator: Callable[..., Any]) -> Callable[..., Any]:
     """An evaluator of xacro that refuses names which lead out of the file."""
 
-    def evaluate(expression: str, *context: Any) -> Any:
+    def _checked(expression: str, *context: Any) -> Any:
         name = forbidden(expression)
         if name is not None:
             raise ValueError(f"an expression uses {name}, which leads out of the file, and is not evaluated")
         return evaluator(expression, *context)
 
-    return evaluate
+    return _checked
