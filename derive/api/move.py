@@ -132,7 +132,8 @@ def move(
 
     Returns:
         The motion, its simulation, and the files, which are overwritten; either all are complete or none is touched.
-        Remarks on the robot of a plan that is read here are issued as `RobotFileWarning`.
+        Remarks on the robot of a plan that is read here are issued as `RobotFileWarning`, but
+        for links that no body can be, of which `derive build` and others tell.
 
     Raises:
         DeriveError: A file with another ending.
@@ -153,7 +154,7 @@ def move(
         raise DeriveError(f"two contents for {min(twice)!r}", remedy="name two files")
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
     if motion is not plan:
-        tell(motion.plan.robot.remarks)
+        tell(remark for remark in motion.plan.robot.remarks if not remark.is_of_bodies)
     if language is not None:
         from derive.api.handout import with_options
 

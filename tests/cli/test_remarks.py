@@ -57,6 +57,11 @@ def test_a_plan_tells_the_remarks_of_its_robot_and_strict_writes_nothing(folder:
     assert "remark" not in done.stdout
 
 
+def test_a_built_in_plan_is_told_nothing_of_bodies(tmp_path: Path) -> None:
+    done = derive("move", "scara-pick-and-place", "--strict", folder=tmp_path)
+    assert (done.status, done.stderr) == (0, "")
+
+
 def test_json_carries_it(folder: Path) -> None:
     (folder / "notes.yaml").write_text(
         "robot:\n" + "".join(f"  {line}\n" for line in SLIP.splitlines()) + "expected: []\n"
