@@ -126,7 +126,7 @@ def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool 
         UnknownNameError: A name in it that the robot does not know.
         QuantityError: There is no such quantity, or it is no scalar.
     """
-    chosen = load(robot, bodies=False)
+    chosen = load(robot, remarks_on_bodies=False)
     reported = formula_printout(chosen, quantity, formula, latex=latex)
     finding, *others = reported.report.findings
     if others:
@@ -149,7 +149,7 @@ def check_latex(robot: RobotLike, latex: str | Path, quantity: str = "") -> Chec
         CheckError: The LaTeX cannot be read, or its left side names another quantity.
         QuantityError: There is no such quantity.
     """
-    reported = formula_printout(load(robot, bodies=False), quantity, str(latex), latex=True)
+    reported = formula_printout(load(robot, remarks_on_bodies=False), quantity, str(latex), latex=True)
     verdicts = tuple(_verdict(finding, reported) for finding in reported.report.findings)
     report = reported.report
     return CheckedFile(report.source, report.robot, verdicts, report.passed, "\n".join(formula_lines(reported)))
@@ -189,7 +189,7 @@ def check_inverse(robot: RobotLike, solution: str | Path, *, latex: bool = False
         CheckError: The lines cannot be read, or need each other.
         QuantityError: An unknown row.
     """
-    reported = formula_printout(load(robot, bodies=False), "inverse", str(solution), latex=latex, task=task)
+    reported = formula_printout(load(robot, remarks_on_bodies=False), "inverse", str(solution), latex=latex, task=task)
     verdicts = tuple(_verdict(finding, reported) for finding in reported.report.findings)
     report = reported.report
     return CheckedFile(report.source, report.robot, verdicts, report.passed, "\n".join(formula_lines(reported)))

@@ -43,7 +43,7 @@ def convert(
     """
     if path is not None:
         refuse_taken(Path(path), force=force)
-    given = load(robot, bodies=not wants_possible(inertia))
+    given = load(robot, remarks_on_bodies=not wants_possible(inertia))
     other = next(member for member in Convention if member is not given.convention)
     target = other if convention is None else convention_named(convention)
     bodies, changes = with_chosen_bodies(given, inertia)

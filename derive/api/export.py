@@ -13,7 +13,7 @@ from derive.exchange.possible import wants_possible
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value
 from derive.robot.expression import Expression
-from derive.robot.names import limit_symbols, robot_symbols
+from derive.robot.names import file_symbols
 from derive.robot.robot import Robot as PlainRobot
 
 
@@ -63,7 +63,7 @@ def export_file(
     """
     if path is not None:
         refuse_taken(Path(path), force=force)
-    chosen = load(robot, bodies=not wants_possible(inertia))
+    chosen = load(robot, remarks_on_bodies=not wants_possible(inertia))
     found = exported(chosen, to, inertia, typed_values(chosen, values or {}))
     for remark in found.remarks:
         warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=3)
@@ -85,7 +85,7 @@ def typed_values(robot: PlainRobot, values: Mapping[str, float | str]) -> dict[s
     Raises:
         DeriveError: No symbol of the robot, or no number.
     """
-    symbols = tuple(dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot))))
+    symbols = file_symbols(robot)
     cells = {}
     for name, value in values.items():
         if name not in symbols:

@@ -77,7 +77,7 @@ def plot(
     if workspace and q is not None:
         raise DeriveError("-q beside --workspace", remedy="leave one of them out")
     require_matplotlib()
-    chosen = load(robot, bodies=False)
+    chosen = load(robot, remarks_on_bodies=False)
     found = None
     if workspace:
         poses = RobotPoses(chosen)

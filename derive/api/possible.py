@@ -20,4 +20,4 @@ def possible(robot: RobotLike) -> Possible:
         NoSuchBodies: There are none; the message says why.
         DeriveError: The robot has no links or symbols without numbers, or the packages of the extra are missing.
     """
-    return nearest(Robot.of(load(robot, bodies=False)))
+    return nearest(Robot.of(load(robot, remarks_on_bodies=False)))

@@ -127,12 +127,13 @@ def catalogue() -> tuple[str, ...]:
     return catalogue_names()
 
 
-def load(robot: RobotLike, *, bodies: bool = True) -> Robot:
+def load(robot: RobotLike, *, remarks_on_bodies: bool = True) -> Robot:
     """Load a robot.
 
     Args:
         robot: Path of a robot file, a name of the catalogue, or a robot, which stays itself.
-        bodies: Whether it is told, too, which links no body can be; not where no dynamics are made.
+        remarks_on_bodies: Whether it is told, too, which links no body can be; nobody need know where no dynamics are
+            made.
 
     Returns:
         The validated robot; its ``remarks`` are issued as `RobotFileWarning`, too.
@@ -146,7 +147,7 @@ def load(robot: RobotLike, *, bodies: bool = True) -> Robot:
     if isinstance(robot, PlainRobot):
         return Robot.of(robot)
     found = Robot.load(robot)
-    tell(remark for remark in found.remarks if bodies or not remark.is_of_bodies)
+    tell(remark for remark in found.remarks if remarks_on_bodies or not remark.is_of_bodies)
     return found
 
 

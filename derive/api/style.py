@@ -169,7 +169,7 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
         if isinstance(example, Path) and example.suffix != ".tex":
             found += _printed_in(example)
         elif len(sources) == 1:
-            found += _given(load(sources[0], bodies=False), example)
+            found += _given(load(sources[0], remarks_on_bodies=False), example)
         else:
             shown = example.name if isinstance(example, Path) else example
             raise CheckError(f"example {quoted(shown)} of {len(sources)} robots", allowed="allowed: one robot")
@@ -187,7 +187,7 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
 
 def _printed_in(source: RobotLike) -> list[Example]:
     """The printed formulas of a corpus file; none where a robot is given, or a file or name of one."""
-    load(source, bodies=False)  # refuses what is neither
+    load(source, remarks_on_bodies=False)  # refuses what is neither
     if isinstance(source, Robot) or not Path(source).is_file():
         return []
     name, data = str(source), file_bytes(Path(source))

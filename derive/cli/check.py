@@ -118,7 +118,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     from derive.checking.findings import Outcome
     from derive.checking.report import as_dict, finding_dict
 
-    robot, quantity = load(arguments.files[0], bodies=False), arguments.quantity or ""
+    robot, quantity = load(arguments.files[0], remarks_on_bodies=False), arguments.quantity or ""
     if text == "-" and (arguments.latex is not None or quantity == "inverse"):
         text = sys.stdin.read()
     try:

@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         if name in values:
             raise DeriveError(f"{quoted(name)[1:-1]} twice in --values", remedy="leave one of them out")
         values[name] = value
-    robot = load(arguments.robot, bodies=not wants_possible(arguments.inertia))
+    robot = load(arguments.robot, remarks_on_bodies=not wants_possible(arguments.inertia))
     found = export_file(robot, arguments.to, out, inertia=arguments.inertia, values=values, force=arguments.force)
     if out is None:
         print(found.text, end="")

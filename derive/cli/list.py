@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.plans:
         return _list_plans(as_json=arguments.json)
-    robots = [load(name, bodies=False) for name in catalogue()]
+    robots = [load(name, remarks_on_bodies=False) for name in catalogue()]
     joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
     if arguments.json:
         keys = ("name", "joints", "convention", "dynamics", "title")

@@ -130,7 +130,7 @@ def _plan_text(name: str, robot: str) -> str:
     from derive.motion.catalogue import new_plan_text
 
     _check_name(name)
-    return new_plan_text(name, load(robot, bodies=False), robot)
+    return new_plan_text(name, load(robot, remarks_on_bodies=False), robot)
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:
@@ -175,7 +175,7 @@ def copied_robot_text(name: str, model: str) -> str:
     from derive.robot.load import robot_file_bytes
 
     _check_name(name)
-    robot = load(model, bodies=False)
+    robot = load(model, remarks_on_bodies=False)
     text = _robot_block(robot_file_bytes(model).decode("utf-8-sig").replace("\r\n", "\n"))
     named = re.compile(rf"(?m)^(\{{?\s*(?:\"name\"|'name'|name)\s*:\s*)(['\"]?){re.escape(robot.name)}\2(?=[\s,}}]|$)")
     text = named.sub(rf"\g<1>{name}", text, count=1)

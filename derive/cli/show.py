@@ -100,7 +100,7 @@ def run(arguments: argparse.Namespace) -> int:
     form = arguments.format
     if arguments.digits and form in EXACT_FORMATS:
         raise QuantityError(f"--digits with --format {form}", allowed="text and latex; Python and JSON have all digits")
-    robot = _asked(load(arguments.robot, bodies=False), arguments)
+    robot = _asked(load(arguments.robot, remarks_on_bodies=False), arguments)
     with_numbers = any((arguments.at, arguments.rates, arguments.accelerations))
     if not (arguments.quantities or with_numbers):
         _list(robot, form)

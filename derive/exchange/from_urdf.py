@@ -41,7 +41,6 @@ ROUNDED = 1e-7
 MOST_SNAP = Fraction(1, 10)
 """Larger angles are no slips [rad]."""
 
-
 SNAP = "1e-6"
 """How near an angle is to a simple fraction of pi that it is taken for [rad]."""
 
@@ -72,6 +71,19 @@ class ImportOptions:
 
 
 AS_USUAL = ImportOptions()
+
+
+class ImportKeywords(TypedDict, total=False):
+    """`ImportOptions` as keywords of a function."""
+
+    convention: str
+    snap: str | float
+    name: str | None
+    inertia: str
+    symbols: bool
+    packages: Sequence[str | Path]
+    arguments: Mapping[str, str]
+    folder: str | Path
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,19 +132,6 @@ class Imported:
             "rotation_error": self.certificate.rotation,
             "notes": list(self.notes),
         }
-
-
-class ImportKeywords(TypedDict, total=False):
-    """The same as keywords of a function."""
-
-    convention: str
-    snap: str | float
-    name: str | None
-    inertia: str
-    symbols: bool
-    packages: Sequence[str | Path]
-    arguments: Mapping[str, str]
-    folder: str | Path
 
 
 def import_urdf(

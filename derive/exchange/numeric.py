@@ -10,8 +10,8 @@ from derive.errors import DeriveError
 from derive.exchange.certificate import ball
 from derive.exchange.space import Real, decimal
 from derive.robot.description import Convention, Description, Joint, Link
-from derive.robot.expression import Expression, Pi, Product, add, names, negate, number, substitute
-from derive.robot.names import limit_symbols, number_of, robot_symbols
+from derive.robot.expression import Expression, Pi, Product, add, negate, number, substitute
+from derive.robot.names import file_symbols, number_of
 from derive.robot.writer import cell_text
 
 Some = TypeVar("Some", bound=Description)
@@ -37,9 +37,7 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
     for name, expression in number_of(robot).items():
         values[name] = substitute(expression, values)
     values |= chosen or {}
-    bounds = {name for joint in robot.joints for cell in (joint.speed, joint.torque) if cell for name in names(cell)}
-    symbols = dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot), *sorted(bounds)))
-    missing = [name for name in symbols if name not in values]
+    missing = [name for name in file_symbols(robot) if name not in values]
     if missing:
         shown = ", ".join(missing[:MOST_SYMBOLS]) + (", ..." if len(missing) > MOST_SYMBOLS else "")
         example = ",".join(f"{name}=0.5" for name in missing[:2])

@@ -51,8 +51,8 @@ from derive.exchange.witness import refusal
 from derive.mechanics.chain import Chain
 from derive.mechanics.vectors import add, from_matrix, matmul, multiply, scale, steiner, transpose
 from derive.robot.description import Inertia, Link
-from derive.robot.expression import Expression, names, number, to_text
-from derive.robot.names import limit_symbols, robot_symbols
+from derive.robot.expression import Expression, number, to_text
+from derive.robot.names import without_lost_symbols
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
@@ -251,16 +251,7 @@ def _result(
         cells = tuple(_differences(link, links[i]))
         if cells:
             changes.append(Change(i + 1, float(np.sqrt((shapes.along[i] ** 2).sum())), cells))
-    return Possible(_without_idle_parameters(robot, replace(robot, links=tuple(links))), tuple(changes), border)
-
-
-def _without_idle_parameters(before: Robot, after: Robot) -> Robot:
-    """A robot without the parameters of cells that became numbers; a robot file has none that no cell uses."""
-    bounds = [bound for joint in after.joints for bound in (joint.speed, joint.torque) if bound is not None]
-    used = {*robot_symbols(after), *limit_symbols(after), *(name for bound in bounds for name in names(bound))}
-    idle = set(robot_symbols(before)) - used
-    parameters = tuple((name, value) for name, value in after.parameters if name not in idle)
-    return replace(after, parameters=parameters, runtime=tuple(name for name in after.runtime if name not in idle))
+    return Possible(without_lost_symbols(robot, replace(robot, links=tuple(links))), tuple(changes), border)
 
 
 def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact], domain: ExactDomain) -> Link:

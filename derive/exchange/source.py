@@ -19,7 +19,7 @@ from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.certificate import Certificate
 from derive.exchange.read_urdf import MOST_BYTES, read_urdf
 from derive.exchange.urdf import Urdf
-from derive.exchange.xacro_expressions import looked_at
+from derive.exchange.xacro_expressions import guarded
 from derive.robot.load import file_bytes
 
 MARK = "derive import: "
@@ -167,26 +167,29 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
     folders = [str(Path(text).resolve()) for text in packages if "=" not in text]
     xacrodoc.packages.look_in(folders)
     xacrodoc.packages.update_package_cache(_by_name(packages))
-    whole, asked = path.resolve(), _Asked(arguments)
+    whole, asked, place = path.resolve(), _Asked(arguments), Location(str(path))
+    refused: list[str] = []
     try:
         with (
             contextlib.redirect_stderr(said),
             contextlib.redirect_stdout(said),
             contextlib.chdir(whole.parent),
-            looked_at(),
+            guarded() as refused,
         ):
             document = xacrodoc.XacroDoc.from_file(str(whole), subargs=asked, resolve_packages=False)
             text = str(document.to_urdf_string())
     except (Exception, SystemExit) as error:
+        if refused:
+            found = f"xacro: an expression uses {refused[0]}, which leads out of the file, and is not evaluated"
+            raise RobotFileError(found, remedy="write it with numbers and texts alone", location=place) from None
         reason = " ".join(str(error).split()) or " ".join(said.getvalue().split()) or type(error).__name__
         remedy = "give the folder of its packages with --packages DIR, and its arguments with --arg NAME=VALUE"
-        raise RobotFileError(
-            f"xacro: {quoted(_KIND.sub('', reason), 200)[1:-1]}", remedy=remedy, location=Location(str(path))
-        ) from None
+        found = f"xacro: {quoted(_KIND.sub('', reason), 200)[1:-1]}"
+        raise RobotFileError(found, remedy=remedy, location=place) from None
     if unknown := sorted(arguments.keys() - asked.names):
         known = ", ".join(map(quoted, sorted(asked.names))) or "none"
         found = f"it asks for no argument {quoted(unknown[0])}; its arguments: {known}"
-        raise RobotFileError(found, remedy="correct or leave out --arg", location=Location(str(path)))
+        raise RobotFileError(found, remedy="correct or leave out --arg", location=place)
     return text.encode()
 
 

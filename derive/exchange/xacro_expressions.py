@@ -38,8 +38,12 @@ def forbidden(expression: str) -> str | None:
 
 
 @contextmanager
-def looked_at() -> Iterator[None]:
-    """Have xacro evaluate no expression that says more than it may, as long as the context lasts."""
+def guarded() -> Iterator[list[str]]:
+    """Have xacro evaluate no expression that says more than it may, as long as the context lasts.
+
+    Yields:
+        The names for which expressions were refused.
+    """
     import xacro
     from xacro import substitution_args
 
@@ -47,21 +51,23 @@ def looked_at() -> Iterator[None]:
     kept, braces, parentheses = dict(offered), xacro.safe_eval, substitution_args._eval
     for name in OPENERS:
         offered.pop(name, None)
-    xacro.safe_eval, substitution_args._eval = _only_allowed(braces), _only_allowed(parentheses)
+    refused: list[str] = []
+    xacro.safe_eval, substitution_args._eval = (_only_allowed(each, refused) for each in (braces, parentheses))
     try:
-        yield
+        yield refused
     finally:
         xacro.safe_eval, substitution_args._eval = braces, parentheses
         offered.update(kept)
 
 
-def _only_allowed(evaluator: Callable[..., Any]) -> Callable[..., Any]:
-    """An evaluator of xacro that refuses names which lead out of the file."""
+def _only_allowed(evaluator: Callable[..., Any], refused: list[str]) -> Callable[..., Any]:
+    """An evaluator of xacro that refuses names which lead out of the file, and notes them."""
 
     def _checked(expression: str, *context: Any) -> Any:
         name = forbidden(expression)
         if name is not None:
-            raise ValueError(f"an expression uses {name}, which leads out of the file, and is not evaluated")
+            refused.append(name)
+            raise ValueError(f"an expression uses {name}")
         return evaluator(expression, *context)
 
     return _checked

@@ -45,7 +45,7 @@ from derive.robot import expression as tree
 from derive.robot.description import Convention, Description, Inertia, Joint, Link, Motor
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, children, is_constant, number
-from derive.robot.names import limit_symbols, number_of, robot_symbols
+from derive.robot.names import number_of, without_lost_symbols
 from derive.robot.robot import Robot
 from derive.robot.writer import cell_text
 
@@ -140,21 +140,7 @@ def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
         links=links,
         remarks=(),
     )
-    return Conversion(robot, _with_used_symbols(robot, result), leaving, entering, tuple(notes))
-
-
-def _with_used_symbols(robot: Robot, result: Description) -> Description:
-    """The new arm without numbers of symbols that have gone, such as the place of a link without mass."""
-    gone = {*robot_symbols(robot)} - {*robot_symbols(result), *limit_symbols(robot)}
-    if not gone:
-        return result
-    values = tuple(pair for pair in result.figure.values if pair[0] not in gone)
-    return replace(
-        result,
-        parameters=tuple(pair for pair in result.parameters if pair[0] not in gone),
-        runtime=tuple(name for name in result.runtime if name not in gone),
-        figure=replace(result.figure, values=values),
-    )
+    return Conversion(robot, without_lost_symbols(robot, result), leaving, entering, tuple(notes))
 
 
 def _row(joint: Joint, factor: Factor) -> Joint:

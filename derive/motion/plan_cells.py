@@ -11,7 +11,7 @@ from derive.robot.cells import Cells, check_symbol
 from derive.robot.document import Document, KeyPath, YamlMapping
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, contains_pi, names
-from derive.robot.names import limit_symbols, robot_symbols
+from derive.robot.names import file_symbols
 from derive.robot.robot import Robot
 
 TIME = "t"
@@ -61,7 +61,7 @@ class PlanCells:
             RobotFileError: At the first such symbol.
         """
         robot = self._robot
-        known = {*robot_symbols(robot), *limit_symbols(robot), *(name for name, _ in robot.parameters)}
+        known = {*file_symbols(robot), *(name for name, _ in robot.parameters)}
         known |= set(self.cells.first_use)
         for name in self.values:
             if name not in known:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import TypeVar
 
 from derive.robot.description import Description
 from derive.robot.expression import Expression, names
+
+Some = TypeVar("Some", bound=Description)
 
 
 def velocity_name(variable: str) -> str:
@@ -94,6 +98,35 @@ def limit_symbols(robot: Description) -> tuple[str, ...]:
     """
     limits = [limit for joint in robot.joints for limit in joint.limits or ()]
     return tuple(dict.fromkeys(name for limit in limits for name in names(limit)))
+
+
+def file_symbols(robot: Description) -> tuple[str, ...]:
+    """Symbols in any cell of a robot file: of quantities and of limits; largest speeds and torques are numbers.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Their names, those of `robot_symbols` first.
+    """
+    return tuple(dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot))))
+
+
+def without_lost_symbols(before: Description, after: Some) -> Some:
+    """A changed robot without numbers of symbols that went with the change: a file may hold none that no cell has.
+
+    Args:
+        before: The robot as it was.
+        after: The same with other cells, in which symbols such as the place of a link without mass are lost.
+    """
+    lost = {*file_symbols(before)} - {*file_symbols(after)}
+    values = tuple(pair for pair in after.figure.values if pair[0] not in lost)
+    return replace(
+        after,
+        parameters=tuple(pair for pair in after.parameters if pair[0] not in lost),
+        runtime=tuple(name for name in after.runtime if name not in lost),
+        figure=replace(after.figure, values=values),
+    )
 
 
 def number_of(robot: Description) -> dict[str, Expression]:

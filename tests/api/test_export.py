@@ -39,6 +39,16 @@ def test_numbers_of_symbols_are_typed() -> None:
         typed_values(arm, {"a4": 1})
 
 
+def test_symbols_of_limits_can_be_chosen_too() -> None:
+    arm = derive.Robot.from_text(
+        "{name: arm, convention: standard, joints: [{type: revolute, a: a1, limits: [-w, w]}]}"
+    )
+    text = export(arm, "urdf", values={"a1": 1, "w": 2})
+    assert 'lower="-2" upper="2"' in text
+    with pytest.raises(DeriveError, match="no number for w"):
+        export(arm, "urdf", values={"a1": 1})
+
+
 def test_mujoco_takes_corkes_puma_with_possible_bodies_and_moves_it_alike() -> None:
     mujoco = pytest.importorskip("mujoco")
     robot = derive.load("puma560-corke")

@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from derive.exchange.body_chain import body_chain
 from derive.exchange.formats import exported
 from derive.exchange.scripts import script_text
+from derive.exchange.space import exactly
 from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_package
@@ -86,7 +88,13 @@ def test_reversed_joints_are_turned_around_and_named() -> None:
     assert "flip" not in made.text
     assert any(remark.startswith("DHRobot takes reversed joints for poses alone") for remark in made.remarks)
     assert not any("reversed" in remark for remark in exported(dressed("skeleton-modified"), "rigidbodytree").remarks)
-    assert callable(script_text)
+
+
+@pytest.mark.parametrize(("template", "mark"), [("rtb.py", "#"), ("corke.m", "%"), ("rigidbodytree.m", "%")])
+def test_what_a_file_says_first_is_in_comments(template: str, mark: str) -> None:
+    with exactly():
+        text = script_text(f"exchange/{template}.jinja", body_chain(numeric("planar-2r-perugia")), ["one", "two words"])
+    assert f"{mark} one\n{mark} two words\n" in text
 
 
 def test_what_the_toolboxes_compute_otherwise_is_named() -> None:

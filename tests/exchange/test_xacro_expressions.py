@@ -9,7 +9,7 @@ import xacro
 
 from derive.errors import RobotFileError
 from derive.exchange.source import open_urdf
-from derive.exchange.xacro_expressions import forbidden, looked_at
+from derive.exchange.xacro_expressions import forbidden, guarded
 
 RUN = "('touch owned')"
 
@@ -43,6 +43,7 @@ def test_no_file_runs_a_command(value: str, tmp_path: Path) -> None:
     with pytest.raises(RobotFileError, match=r"is not (evaluated|defined)") as refused:
         open_urdf(path)
     assert "\n" not in str(refused.value)
+    assert "--packages" not in refused.value.remedy or "is not defined" in refused.value.found
     assert [entry.name for entry in tmp_path.iterdir()] == ["arm.urdf"]
 
 
@@ -73,7 +74,7 @@ def test_sums_of_lengths_are_evaluated(value: str, tmp_path: Path) -> None:
 
 def test_other_users_of_xacro_find_it_as_it_was() -> None:
     before, offered = xacro.safe_eval, dict(xacro._global_symbols["python"])
-    with looked_at():
+    with guarded():
         assert xacro.safe_eval is not before
     assert xacro.safe_eval is before
     assert dict(xacro._global_symbols["python"]) == offered
