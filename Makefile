@@ -102,8 +102,8 @@ wheel-smoke: wheel
 	cd $(SMOKE)/out && ../venv/bin/python -c 'import scara_perugia.model_numpy as m; print(m.forward_kinematics.__name__, m.DOF)'
 	cd $(SMOKE) && venv/bin/derive move scara-pick-and-place --csv move.csv --html move.html --out code && test -s move.html
 	$(SMOKE)/venv/bin/python -m pip install --quiet --constraint constraints.txt "$$(echo dist/*.whl)[handout,motion,exchange]"
-	cd $(SMOKE) && venv/bin/derive export scara-matlab --to urdf -o arm.urdf && venv/bin/derive import arm.urdf -o arm.yaml
-	cd $(SMOKE) && venv/bin/derive verify arm.yaml && venv/bin/derive export puma560-corke --to mjcf --inertia possible -o puma.xml
+	cd $(SMOKE) && venv/bin/derive export scara-matlab --format urdf -o arm.urdf && venv/bin/derive import arm.urdf -o arm.yaml
+	cd $(SMOKE) && venv/bin/derive verify arm.yaml && venv/bin/derive export puma560-corke --format mjcf --inertia possible -o puma.xml
 	cd $(SMOKE) && venv/bin/derive move scara-pick-and-place --simulate --plot move.svg && test -s move.svg
 	cd $(SMOKE) && venv/bin/derive handout scara-perugia --html --lang it --out handout && test -s handout/scara-perugia.html
 	rm -rf $(SMOKE)

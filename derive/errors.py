@@ -6,8 +6,12 @@ A message says what was found, what is allowed, and what to do, on one line; use
 from __future__ import annotations
 
 import difflib
+import re
+import shlex
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +118,16 @@ class VerificationError(DeriveError):
 
 
 class RobotFileWarning(UserWarning):
-    """A remark on a robot file that is accepted, such as degrees in a file whose angles are in radians."""
+    """A remark on a robot file that is accepted, such as degrees in a file whose angles are in radians.
+
+    Args:
+        text: What is said.
+        location: Where in the file, if it has a place there.
+    """
+
+    def __init__(self, text: str, location: Location | None = None) -> None:
+        self.location = location
+        super().__init__(text)
 
 
 _LISTS_OF_ROWS = ("joints", "links", "base", "tool")
@@ -132,6 +145,28 @@ def quoted(text: str, length: int = 40) -> str:
     """
     shown = text if len(text) <= length else text[: length - 3] + "..."
     return "'" + "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in shown) + "'"
+
+
+def install_extra(extra: str) -> str:
+    """The command that installs an optional part of derive where it runs.
+
+    It names packages, which every index has: derive itself may come from a checkout or from the file of a wheel.
+
+    Args:
+        extra: Such as ``handout``.
+    """
+    from importlib.metadata import PackageNotFoundError, requires  # nobody else pays for it
+
+    try:
+        needed = [text.split(";") for text in requires("derive-robot") or ()]
+    except PackageNotFoundError:  # a checkout that is not installed
+        return pip_install(f"{Path(__file__).parents[1]}[{extra}]")
+    return pip_install(*(text[0].strip() for text in needed if re.search(rf"extra == ['\"]{extra}['\"]", text[-1])))
+
+
+def pip_install(*packages: str) -> str:
+    """The command that installs packages for the Python that runs derive."""
+    return shlex.join([sys.executable, "-m", "pip", "install", *packages])
 
 
 def near_miss(word: str, allowed: Iterable[str]) -> str:

@@ -1,20 +1,27 @@
-"""`derive.Model`: the model of a robot as it shows itself in a Jupyter notebook.
+"""`derive.Model`: the model of a robot under all names of its quantities, as it shows itself in a Jupyter notebook.
 
-The closed forms of `derive.model` know no output; the public class adds it.
+The closed forms of `derive.model` know no output and no assumptions; the public class adds them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
+from derive.errors import QuantityError
 from derive.handouts.context import Context
 from derive.handouts.language import Text
 from derive.handouts.notation.symbols import bold
+from derive.model.assumptions import Assumptions, View
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.matrices import aligned_latex
 from derive.model.model import Model as ClosedForms
+from derive.model.quantities import REGISTRY
+from derive.model.quantity_names import parse
+from derive.robot.robot import Robot
+from derive.robot.style import Style
 from derive.version import __version__
 
 MOST_LINES = 40
@@ -22,7 +29,50 @@ MOST_LINES = 40
 
 
 class Model(ClosedForms):
-    """Closed forms of one robot, shown as formulas in a notebook; see `derive.model.model.Model`."""
+    """Closed forms of one robot, shown as formulas in a notebook; see `derive.model.model.Model`.
+
+    Every name that ``derive show`` takes and that Python can spell is an attribute: ``model.M``, ``model.detJ``,
+    ``model.Cqd``, ``model.T06``; with indices a method, ``model.J_rows(1, 2)``.
+
+    Args:
+        robot: The robot.
+        style: How expressions are grouped; default as the file says.
+        contraction: Which sums of angles are contracted; default as the file says.
+        assumptions: Whether symbols are real and masses positive, so that SymPy simplifies ``sqrt(a1**2)`` to
+            ``Abs(a1)`` and knows that ``m1`` is not zero; by default they are plain.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        style: Style | str | Mapping[str, str] | None = None,
+        contraction: str | None = None,
+        *,
+        assumptions: bool = False,
+    ) -> None:
+        super().__init__(robot, style, contraction)
+        self._view = View(Model(robot, self.style), Assumptions(robot)) if assumptions else None
+
+    def __getattribute__(self, name: str) -> Any:
+        """What there is, in symbols with assumptions where these are asked for."""
+        own = super().__getattribute__
+        view = None if name.startswith("_") or name in ("robot", "style") else own("__dict__").get("_view")
+        return own(name) if view is None else getattr(view, name)
+
+    def __getattr__(self, name: str) -> Any:
+        """A quantity by another of its names."""
+        if name.startswith("_") or hasattr(type(self), name) or "robot" not in vars(self):
+            raise AttributeError(f"no attribute {name!r} of this model")
+        if name in REGISTRY and 0 not in REGISTRY[name].indices:
+            return partial(REGISTRY[name].value, self)
+        try:
+            parse(self, name)
+        except QuantityError as error:
+            raise AttributeError(str(error)) from None
+        return self.quantity(name)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *(name for name, row in REGISTRY.items() if row.is_of(self.robot))})
 
     def _repr_latex_(self) -> str:
         """T, J and, where the robot has links, B and g, in the notation of the handout."""

@@ -36,7 +36,7 @@ def gallery() -> None:
 def entry(name: str) -> str:
     """One robot: its figure, its web page and its own page in the gallery; the line that lists it."""
     robot = Robot.load(name)
-    run("plot", name, "-o", str(GALLERY / f"{name}.svg"))
+    run("plot", name, "--force", "--quiet", "-o", str(GALLERY / f"{name}.svg"))
     run("handout", name, "--html", "--force", "--quiet", "--out", str(PAGES))
     pose = run("show", name, "T", "--format", "latex").strip()
     formula = f"$$\n{pose}\n$$\n" if max(map(len, pose.splitlines())) < MOST_COLUMNS else ""

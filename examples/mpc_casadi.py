@@ -84,7 +84,7 @@ def generated_model(robot: Path) -> Iterator[ModuleType]:
         The generated module, importable until the end of the block.
     """
     with tempfile.TemporaryDirectory() as folder:
-        package = derive.build(robot, folder, targets=["casadi"]).folder.name
+        package = derive.build(robot, folder, targets=["casadi"], only=True).folder.name
         sys.path.insert(0, folder)
         try:
             yield importlib.import_module(f"{package}.model_casadi")

@@ -23,8 +23,8 @@ import numpy as np
 import numpy.typing as npt
 from mpc_casadi import LIMITS, ROBOT, STEP, generated_model, step_function
 
-from derive import Motion
-from derive.motion.code import module_of, write_code
+import derive
+from derive.motion.code import module_of
 
 PLAN = Path(__file__).with_name("swing-path.yaml")
 HORIZON, STEPS = 8, 80
@@ -84,7 +84,7 @@ def generated_motion(plan: Path) -> ModuleType:
         The module; its ``motion`` is a function of time.
     """
     with tempfile.TemporaryDirectory() as folder:
-        write_code(Motion.load(plan), Path(folder))
+        derive.move(plan, code=folder)
         return module_of(Path(folder))
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from derive.api.robots import RobotLike, load, load_all
 from derive.errors import OutputError, VerificationError
 from derive.programs.search_policy import Effort, effort_named
-from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, folder_of
-from derive.publish.manifest import read_manifest
-from derive.publish.many import build_many, check_many
-from derive.verification.verify import Report
-from derive.verification.verify import verify as verify_folder
+
+if TYPE_CHECKING:  # what builds and verifies takes longer to import than a refusal of its input to be told
+    from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress
+    from derive.verification.verify import Report
 
 FOLDER = Path("generated")
 """The parent folder of all robots unless another one is named."""
@@ -34,9 +35,9 @@ def build(
     Args:
         robot: A robot, the path of a robot file, or a name of the catalogue.
         out: Parent folder; the files go to ``out/<robot>``.
-        targets: Such as ``numpy``, ``casadi``, ``c``, ``native``, ``latex``, or ``all``; None for those of a usual
-            build. Those that the folder holds already are renewed with them.
-        only: Whether the folder shall hold these targets alone.
+        targets: Such as ``native``, ``javascript``, or ``all``, beside those of a usual build. Those that the folder
+            holds already are renewed with them.
+        only: Whether the folder shall hold the named targets alone.
         force: Whether to build even what has not changed.
         effort: ``full``, or ``quick`` for programs with up to a third more operations.
 
@@ -49,6 +50,8 @@ def build(
         OutputError: The folder cannot or may not be written.
         VerificationError: A generated function is wrong; the old folder stays.
     """
+    from derive.publish.build import build_robot
+
     return build_robot(load(robot), Path(out), targets, only=only, force=force, effort=effort_named(effort))
 
 
@@ -82,6 +85,8 @@ def build_all(
         RobotFileError: A file does not describe a robot.
         OutputError: Two different robots would share a folder.
     """
+    from derive.publish.many import build_many
+
     return build_many(
         load_all(robots),
         Path(out),
@@ -121,6 +126,8 @@ def stale(
     Raises:
         RobotFileError: A file does not describe a robot.
     """
+    from derive.publish.many import check_many
+
     chosen, looked_for = load_all(robots), effort_named(effort)
     return check_many(chosen, Path(out), targets, only=only, jobs=jobs, effort=looked_for, progress=progress)
 
@@ -141,16 +148,19 @@ def verify(robot: RobotLike, out: str | Path = FOLDER, *, samples: int = 24, see
         OutputError: There is no such folder.
         VerificationError: A function is off by more than 1e-9, raises, returns another shape, or is missing.
     """
+    from derive.publish.build import folder_of
+    from derive.publish.manifest import read_manifest
+    from derive.verification.verify import verify as verify_folder
+
     chosen = load(robot)
     folder = folder_of(chosen, Path(out))
+    command = f"run: {shlex.join(['derive', 'build', chosen.source or chosen.name, '--out', str(out)])}"
     if not folder.is_dir():
-        remedy = f"run: derive build {chosen.source or chosen.name} --out {out}"
-        raise OutputError(f"no folder {folder}", remedy=remedy)
+        raise OutputError(f"no folder {folder}", remedy=command)
     try:
         return verify_folder(chosen, folder, samples=samples, seed=seed)
     except VerificationError as error:
         if (read_manifest(folder) or {}).get("robot_file_sha256") == chosen.digest:
             raise
         reason = f"{folder} was built from another robot file than {chosen.source or chosen.name}"
-        remedy = f"{reason}; run: derive build {chosen.source or chosen.name} --out {out}"
-        raise VerificationError(error.found, allowed=error.allowed, remedy=remedy) from error
+        raise VerificationError(error.found, allowed=error.allowed, remedy=f"{reason}; {command}") from error

@@ -42,12 +42,12 @@ def convert(
         OutputError: There is such a file or folder already, or it cannot be written.
     """
     if path is not None:
-        refuse_taken(Path(path), force=force)
+        refuse_taken([Path(path)], force=force)
     given = load(robot, remarks_on_bodies=not wants_possible(inertia))
     other = next(member for member in Convention if member is not given.convention)
     target = other if convention is None else convention_named(convention)
     bodies, changes = with_chosen_bodies(given, inertia)
     made = replace(converted(bodies, target, name), bodies=changes)
     if path is not None:
-        write_files({Path(path).name: made.text.encode()}, Path(path).parent, force=True)
+        write_files({Path(path): made.text.encode()}, force=force)
     return made

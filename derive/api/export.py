@@ -33,7 +33,7 @@ def export(
         to: ``urdf``, ``mjcf``, ``rtb`` (Python), ``corke`` or ``rigidbodytree`` (MATLAB), or ``csv``.
         path: The file that is written; None for none.
         inertia: ``given``, or ``possible``: the nearest bodies that exist, with the same dynamics.
-        values: Numbers or cells of symbols [SI units, rad]; they go before those of the robot file.
+        values: Numbers or cells of symbols, as under ``parameters:``; they go before those of the robot file.
         force: Whether a file that exists is overwritten.
 
     Returns:
@@ -62,13 +62,13 @@ def export_file(
         The text and the remarks.
     """
     if path is not None:
-        refuse_taken(Path(path), force=force)
+        refuse_taken([Path(path)], force=force)
     chosen = load(robot, remarks_on_bodies=not wants_possible(inertia))
     found = exported(chosen, to, inertia, typed_values(chosen, values or {}))
     for remark in found.remarks:
         warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=3)
     if path is not None:
-        write_files({Path(path).name: found.text.encode()}, Path(path).parent, force=True)
+        write_files({Path(path): found.text.encode()}, force=force)
     return found
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.api.robots import RobotLike, configuration, load
+from derive.api.robots import RobotLike, configuration, load, tell
 from derive.errors import DeriveError, TargetError, listed
 from derive.handouts.fragment import fragment_text
-from derive.handouts.render import Addition, Format, handout_files
-from derive.publish.atomic_folder import write_files
+from derive.handouts.render import Addition, Format, handout_files, sheet_names
+from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.handout_options import Derivation, chosen_notation, chosen_pages, chosen_parts
 from derive.robot.robot import Robot
 from derive.robot.style import Style, choice_named
@@ -97,7 +97,7 @@ def handout(
         style: How expressions are grouped, as for ``Model``; see `derive.find_style`.
         q: Joint values that are drawn and computed, in the units of the robot file.
         exercise: Whether an exercise and its solutions are written instead of one sheet.
-        force: Whether to overwrite files that derive did not write.
+        force: Whether files that exist are overwritten.
         progress: Called with the robot's name and the stage that it has reached.
         pages: Most pages on paper, 20 where neither this nor the file says; 0 for any number. What is least useful is
             left out first.
@@ -113,7 +113,7 @@ def handout(
         DeriveError: A plan of another robot, or an exercise with a plan.
         TargetError: An unknown format or language, or a package for the web page is missing.
         LatexError: LaTeX is missing or refused the document.
-        OutputError: A file is there that derive did not write, or the system refused to write.
+        OutputError: There is such a file already, or it cannot be written.
     """
     started = time.perf_counter()
     wanted = set(formats)
@@ -124,14 +124,16 @@ def handout(
     shown = with_options(load(robot), parts, language, derivation, notation, q, style)
     if pages is not None:
         shown = replace(shown, handout=replace(shown.handout, pages=chosen_pages(str(pages))))
-    forms = [form for form in Format if form in wanted]
+    forms, folder = [form for form in Format if form in wanted], Path(out)
+    names = sheet_names(shown, exercise_sheets=exercise)
+    refuse_taken([folder / f"{name}.{form}" for name in names for form in forms], force=force)
     addition = None
     if plan is not None:
         if exercise:
             raise DeriveError("an exercise with a motion plan", remedy="leave one out")
         addition = _motion_of(plan, shown, drawn=wanted != {Format.HTML})
     made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress, addition=addition)
-    paths = write_files(made.files, Path(out), force=force)
+    paths = write_files({folder / name: data for name, data in made.files.items()}, force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)
     return HandoutResult(shown.name, files, made.parts, time.perf_counter() - started, made.shortened)
 
@@ -143,8 +145,9 @@ def _motion_of(plan: Motion | str | Path, robot: Robot, *, drawn: bool) -> Addit
 
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
     moved = motion.plan.robot
+    tell(remark for remark in motion.plan.remarks if motion is not plan and remark not in moved.remarks)
     if (moved.name, moved.joints) != (robot.name, robot.joints):
-        raise DeriveError(f"the plan moves {moved.name}, not {robot.name}", remedy=f"derive handout {moved.name}")
+        raise DeriveError(f"the plan moves {moved.name}, not {robot.name}", remedy="name that robot")
     alike = replace(moved, handout=robot.handout, style=robot.style, figure=robot.figure)
     shown = Motion(replace(motion.plan, robot=alike))
     return Addition(

@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Unpack
 
-from derive.errors import OutputError, RobotFileError, TargetError, VerificationError, quoted
+from derive.errors import RobotFileError, TargetError, VerificationError, quoted
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.from_urdf import Imported, ImportKeywords, ImportOptions, robot_name
@@ -202,13 +202,5 @@ def write(arms: Mapping[Path, Imported], *, force: bool = False) -> list[Robot]:
     Raises:
         OutputError: A file is there already, or the system refused to write.
     """
-    taken = next((path for path in arms if path.exists() or path.is_symlink()), None)
-    if taken is not None and (taken.is_dir() or not force):
-        remedy = "name a file" if taken.is_dir() else "write another -o, or --force"
-        raise OutputError(f"{taken} exists already", remedy=remedy)
-    folders = {
-        path.parent: {p.name: arm.text.encode() for p, arm in arms.items() if p.parent == path.parent} for path in arms
-    }
-    for folder, files in folders.items():
-        write_files(files, folder, force=True)
+    write_files({path: arm.text.encode() for path, arm in arms.items()}, force=force)
     return [Robot.from_text(arm.text, str(path)) for path, arm in arms.items()]

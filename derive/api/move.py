@@ -5,18 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from derive.api.robots import tell
 from derive.errors import DeriveError
+from derive.motion.catalogue import plan_names
 from derive.motion.motion import Motion
-from derive.motion.simulation import Run
 from derive.motion.table import csv_bytes
-from derive.publish.atomic_folder import write_files
+from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
+
+if TYPE_CHECKING:
+    from derive.motion.code import VerifiedCode
+
+if TYPE_CHECKING:
+    from derive.motion.simulation import Run
 
 MotionLike = Motion | str | Path
 """A motion, the path of a plan, or the name of a built-in one."""
 
-Writer = Callable[[Motion, Run | None, str], bytes]
+Writer = Callable[[Motion, "Run | None", str], bytes]
 """Contents of a file from a motion, a simulation of it and the file's ending."""
 
 
@@ -98,11 +105,13 @@ class Moved:
         motion: The motion.
         run: Its simulation, where it was asked for.
         files: The files.
+        code: The motion as code, where it was asked for, and how it was verified.
     """
 
     motion: Motion
     run: Run | None
     files: tuple[Path, ...]
+    code: VerifiedCode | None = None
 
 
 def move(
@@ -116,6 +125,9 @@ def move(
     html: str | Path | None = None,
     part: str | Path | None = None,
     language: str | None = None,
+    code: str | Path | None = None,
+    name: str | None = None,
+    force: bool = False,
 ) -> Moved:
     """Compute a motion and write its files, as ``derive move`` does.
 
@@ -129,38 +141,46 @@ def move(
         html: Web page on which the arm plays the motion.
         part: The handout's part about the plan as a sheet: .tex, which stands alone, or .pdf.
         language: Code of the language of page and sheet; None for that of the robot file.
+        code: Folder for the motion as code: motion.h, motion.c, motion_casadi.py.
+        name: What stands before ``_motion`` in C; None for the name of the robot.
+        force: Whether files that exist are overwritten.
 
     Returns:
-        The motion, its simulation, and the files, which are overwritten; either all are complete or none is touched.
-        Remarks on the robot of a plan that is read here are issued as `RobotFileWarning`, but
-        for links that no body can be, of which `derive build` and others tell.
+        The motion, its simulation, and the files; either all are complete or none is touched.
+        Remarks on a plan that is read here, its robot and its loads, are issued as `RobotFileWarning`; on bodies of
+        built-in plans they are not.
 
     Raises:
         DeriveError: A file with another ending.
         RobotFileError: The file is no plan, or its arm cannot move so.
         TargetError: Matplotlib, Pillow or ffmpeg is missing.
-        OutputError: A file cannot be written.
+        VerificationError: Code differs from Python's values.
+        OutputError: There is such a file or folder already, or it cannot be written.
     """
     asked = {"csv": csv, "plot": plot, "gif": gif, "mp4": mp4, "html": html, "part": part}
-    wanted = [(FORMS[name], Path(path)) for name, path in asked.items() if path is not None]
-    for form, path in wanted:
-        if form.endings and path.suffix.lower() not in form.endings:
-            allowed = f"allowed: {', '.join(form.endings)}"
-            raise DeriveError(f"{path.name!r} has the ending of another kind of file", allowed=allowed)
-        if path.is_dir():
-            raise DeriveError(f"{str(path)!r} is a folder", remedy="write the name of a file in it")
-        form.needs()
-    if twice := {str(path) for _, path in wanted if [other for _, other in wanted].count(path) > 1}:
+    paths = {form: Path(path) for form, path in asked.items() if path is not None}
+    endings = {form: ending_of(path, FORMS[form].endings) for form, path in paths.items()}
+    for form in paths:
+        FORMS[form].needs()
+    if twice := {str(path) for path in paths.values() if [*paths.values()].count(path) > 1}:
         raise DeriveError(f"two contents for {min(twice)!r}", remedy="name two files")
+    of_code: list[Path] = []
+    if code is not None:
+        from derive.motion.code import FILES, verified_code
+
+        of_code = [Path(code) / file for file in FILES]
+    refuse_taken([*paths.values(), *of_code], force=force)
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
     if motion is not plan:
-        tell(remark for remark in motion.plan.robot.remarks if not remark.is_of_bodies)
+        built_in = str(plan) in plan_names()
+        tell(remark for remark in motion.plan.remarks if not (built_in and remark.is_of_bodies))
     if language is not None:
         from derive.api.handout import with_options
 
         motion = Motion(replace(motion.plan, robot=with_options(motion.plan.robot, language=language)))
     run = motion.simulate() if simulate else None
-    contents = [(path, form.contents(motion, run, path.suffix.lower())) for form, path in wanted]
-    for path, data in contents:
-        write_files({path.name: data}, path.parent, force=True)
-    return Moved(motion, run, tuple(path for _, path in wanted))
+    contents = {path: FORMS[form].contents(motion, run, endings[form]) for form, path in paths.items()}
+    made = None if code is None else verified_code(motion, name)
+    if made is not None:
+        contents |= zip(of_code, made.files.values(), strict=True)
+    return Moved(motion, run, tuple(write_files(contents, force=force)), made)

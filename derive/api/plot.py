@@ -18,7 +18,7 @@ from derive.handouts.figure.workspace.workspace import Workspace, WorkspaceView,
 from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
-from derive.publish.atomic_folder import write_files
+from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.robot import Robot
 
 SUFFIXES = (".pdf", ".svg", ".png")
@@ -50,16 +50,18 @@ def plot(
     workspace: bool = False,
     size: float = 1.0,
     progress: Callable[[str, str], None] | None = None,
+    force: bool = False,
 ) -> Plot:
     """Draw the arm with its Denavit-Hartenberg frames, or its workspace, as ``derive plot`` does.
 
     Args:
         robot: A robot, the path of a robot file, or a name of the catalogue.
-        path: The file, ending in .pdf, .svg or .png; it is overwritten.
+        path: The file, ending in .pdf, .svg or .png.
         q: Joint values in the units of the robot file; None for those of its block ``figure:``, or zeros.
         workspace: Whether the positions that the end effector reaches are drawn instead.
         size: Factor by which the figure is enlarged.
         progress: Called with the robot's name and what of its workspace is looked for.
+        force: Whether a file that exists is overwritten.
 
     Returns:
         The file, and what was assumed.
@@ -68,14 +70,13 @@ def plot(
         DeriveError: Another ending, or joint values beside a workspace.
         RobotFileError: The file does not describe a robot.
         TargetError: Matplotlib is missing.
-        OutputError: The file cannot be written.
+        OutputError: There is such a file or folder already, or it cannot be written.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise DeriveError(f"a figure cannot be written as {path.name!r}", allowed=f"allowed: {', '.join(SUFFIXES)}")
+    suffix = ending_of(path, SUFFIXES)
     if workspace and q is not None:
-        raise DeriveError("-q beside --workspace", remedy="leave one of them out")
+        raise DeriveError("--at beside --workspace", remedy="leave one of them out")
+    refuse_taken([path], force=force)
     require_matplotlib()
     chosen = load(robot, remarks_on_bodies=False)
     found = None
@@ -86,7 +87,7 @@ def plot(
         data = workspace_bytes(found.views, suffix, remarks, size)
     else:
         data, remarks = _arm(chosen, q, suffix, size)
-    write_files({path.name: data}, path.parent, force=True)
+    write_files({path: data}, force=force)
     return Plot(chosen.name, path, remarks, found)
 
 
@@ -140,7 +141,7 @@ def _postures(view: WorkspaceView) -> str:
 
 def _measured(measure: Measure, unit: str) -> str:
     """A number with as many digits as its error leaves: ``0.8269 +- 0.0001 m2``."""
-    if measure.error <= 1e-9 * measure.value:
+    if measure.error <= 1e-7 * measure.value:
         return f"{measure.value:.6g} {unit}"
     digits = max(0, 1 - math.floor(math.log10(measure.error)))
     return f"{measure.value:.{digits}f} +- {measure.error:.{digits}f} {unit}"
@@ -152,7 +153,8 @@ def _why_not_dexterous(found: Workspace) -> str:
         return "no wrist whose axes meet, so no dexterous part is looked for"
     if not found.wrist.complete:
         return (
-            "the wrist does not reach every orientation from one posture of the arm, so no dexterous part is looked for"
+            "within its limits the wrist does not reach every orientation from one posture of the arm, so no dexterous "
+            "part is looked for"
         )
     return ""
 

@@ -158,7 +158,7 @@ def tell(remarks: Iterable[Remark]) -> None:
         remarks: Of a robot that has just been read.
     """
     for remark in remarks:
-        warnings.warn(str(remark), RobotFileWarning, stacklevel=3)
+        warnings.warn(RobotFileWarning(str(remark), remark.location), stacklevel=3)
 
 
 def load_all(robots: Iterable[RobotLike] | None) -> list[Robot]:

@@ -158,6 +158,9 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
                 return self._inverse_function(token, exponent, arguments)
             case (("call" | "root_letter"), (function, argument)):
                 return self._call(function, argument)
+            case "absolute", (_, argument, _, *exponents):  # |x| is the root of x^2
+                absolute = Call("sqrt", (power(self._tree(argument), 2),))
+                return self._power(absolute, exponents[0]) if exponents else absolute
             case "call_power", (function, argument, exponent):
                 return self._power(self._call(function, argument), exponent)
             case "power_call", (function, exponent, argument):

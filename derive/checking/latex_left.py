@@ -204,13 +204,13 @@ def candidates(left: Left, n: int, first: int = 1) -> tuple[Target, ...]:
     others = _kinematics(left, n, first) if first != 1 else ()
     found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
     if left.is_determinant:
-        whole = [Target("detJ")] if left.head == "J" and not left.sub else []
+        whole = [Target("singularities" if left.primes else "detJ")] if left.head == "J" and not left.sub else []
         found = (*whole, *(replace(target, is_determinant=True) for target in found))
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
 
 
 _VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))
-_SCALARS = ("christoffel", "kinetic", "potential", "detJ")
+_SCALARS = ("christoffel", "kinetic", "potential", "detJ", "singularities")
 
 
 def is_scalar(target: Target) -> bool:

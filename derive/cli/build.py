@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import FAILED, explain, positive, print_columns, print_error, print_json, progress
 
 if TYPE_CHECKING:
@@ -19,6 +20,10 @@ function with an independent recursion before the folder is put in place. Withou
 
 A folder is replaced as a whole or not at all. What has not changed is not built again; targets that the folder holds
 already stay, and are renewed where they are stale.
+
+  derive build my-arm.yaml
+  derive build scara-perugia puma560-corke --target numpy,c --jobs 2
+  derive build --check --out generated
 """
 
 
@@ -30,15 +35,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """
     add = parser.add_argument
     add("robots", metavar="ROBOT", nargs="*", help="robot file or catalogue name (default: the whole catalogue)")
-    add("--out", metavar="DIR", type=Path, default=Path("generated"), help="parent folder (default: generated)")
-    add("--target", metavar="NAME", action="append", help="targets to add, or all; may be repeated or comma-separated")
+    add_shared(parser, "folder", default=Path("generated"), help="parent folder (default: generated)")
+    add("--target", metavar="NAME", action="append", help="targets beside the usual ones, or all; several: A,B")
     add("--only", action="store_true", help="these targets alone; other files of derive in the folder are removed")
     add("--jobs", metavar="N", type=positive, default=1, help="robots built at once (default 1)")
     add("--check", action="store_true", help="write nothing; list what is stale and exit with 1")
-    add("--force", action="store_true", help="build even what has not changed")
+    add_shared(parser, "force", help="build even what has not changed")
     add("--effort", choices=("full", "quick"), default="full", help="quick: no search, up to a third more operations")
-    add("--quiet", action="store_true", help="no progress and no report")
-    add("--json", action="store_true", help="machine-readable report")
+    add_shared(parser, "quiet", "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -60,13 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
     robots = load_all(arguments.robots or None)
     results: list[BuildResult | BuildFailure] | list[CheckResult | BuildFailure]
     with progress(len(robots), quiet=arguments.quiet or arguments.json) as tell:
-        how = {
-            "targets": targets,
-            "only": arguments.only,
-            "effort": arguments.effort,
-            "jobs": arguments.jobs,
-            "progress": tell,
-        }
+        how = {name: getattr(arguments, name) for name in ("only", "effort", "jobs")}
+        how |= {"targets": targets, "progress": tell}
         if arguments.check:
             results = stale(robots, arguments.out, **how)
         else:

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.terminal import one_line, print_json
-from derive.errors import CheckError, OutputError, UnknownNameError
+from derive.cli.options import STDOUT, add_shared
+from derive.cli.terminal import one_line, print_error, print_json
+from derive.errors import CheckError, UnknownNameError
 
 if TYPE_CHECKING:
     from derive.checking.report import Printout
@@ -24,23 +25,22 @@ other entries of its file are compared all the same.
 
 One formula can be checked without a file, as plain text or as LaTeX. LaTeX may hold several equations and matrices,
 each entry with a verdict of its own, and needs no quantity where its left sides say it. Of a .tex file the displays
-are read; what is not understood there is listed as not compared:
+are read; what is not understood there is listed as not compared.
 
+A printed solution of the inverse kinematics is checked as a whole: --quantity inverse, its lines as text between
+semicolons or as LaTeX; all branches, some, or wrong and what repairs it.
+
+Formulas may use the shorthand of lecture notes: c12 is cos(q1 + q2), qd1 and qdd1 are velocity and acceleration of q1.
+Exit status 0 all equal, 1 something wrong, 2 a file or formula that cannot be read, an unknown name among them.
+
+  derive check notes.yaml
   derive check scara-perugia --quantity 'T[1,4]' --expression 'a1*c1 + a2*c12'
   derive check scara-perugia --quantity 'T[1,4]' --latex 'a_1 c_1 + a_2 c_{12}'
   derive check scara-perugia --latex 'x = a_1 c_1 + a_2 c_{12} \\\\ y = a_1 s_1 + a_2 s_{12}'
   derive check scara-perugia --latex homework.tex
-
-A printed solution of the inverse kinematics is checked as a whole: --quantity inverse, its lines as text between
-semicolons or as LaTeX; all branches, some, or wrong and what repairs it:
-
   derive check planar-2r-perugia --quantity inverse --expression 'D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2);
     theta2 = atan2(+-sqrt(1 - D**2), D); theta1 = atan2(y, x) - atan2(a2*s2, a1 + a2*c2)'
-
-Formulas may use the shorthand of lecture notes: c12 is cos(q1 + q2), qd1 and qdd1 are velocity and acceleration of q1.
-Exit status 0 all equal, 1 something wrong, 2 a file or formula that cannot be read, an unknown name among them.
 """
-
 
 LONGEST_CELL = 160
 """Characters of a formula in the table; longer ones are cut."""
@@ -54,17 +54,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """
     add = parser.add_argument
     add("files", metavar="FILE", nargs="+", help="corpus file: a robot and its printed formulas")
-    add(
-        "--quantity",
-        metavar="Q",
-        help="a quantity of the one robot named instead of FILE, such as 'T[1,4]'; a scalar for E",
-    )
+    quantity = "a quantity of the one robot named instead of FILE, such as 'T[1,4]'; a scalar for E"
+    add("--quantity", metavar="QUANTITY", help=quantity)
     formula = parser.add_mutually_exclusive_group()
     formula.add_argument("--expression", metavar="E", help="the formula to compare it with")
     formula.add_argument("--latex", metavar="L", help="LaTeX: a formula, equations, matrices; or a .tex file, or -")
-    add("--task", metavar="ROWS", help="task of a printed inverse solution: pose, position, or rows such as x,y,phi")
-    add("--report", metavar="MD", help="write what is wrong as a Markdown page: document, place, printed, right, why")
-    add("--json", action="store_true", help="machine-readable output")
+    add_shared(parser, "task", help="task of a printed inverse solution: pose, position, or rows such as x,y,phi")
+    report = "write what is wrong as a Markdown page: document, place, printed, right, why; - prints it"
+    add_shared(parser, "out", type=Path, help=report)
+    add_shared(parser, "force", "quiet", "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -79,14 +77,17 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CheckError: Arguments that do not belong together, or a formula that cannot be read.
     """
+    from derive.publish.atomic_folder import refuse_taken
+
+    if arguments.out == STDOUT and arguments.json:
+        raise CheckError(f"--json with -o {STDOUT}", remedy="name a file with -o")
+    refuse_taken([arguments.out] if arguments.out not in (None, STDOUT) else [], force=arguments.force)
     formulas = [text for text in (arguments.expression, arguments.latex) if text is not None]
     if arguments.quantity is None and not formulas:
         return _files(arguments)
     if not formulas or len(arguments.files) != 1 or (arguments.quantity is None and arguments.latex is None):
-        raise CheckError(
-            "--quantity and --expression or --latex belong together, with one robot",
-            remedy="write: derive check ROBOT --quantity 'T[1,4]' --expression '...'",
-        )
+        remedy = "write: derive check ROBOT --quantity 'T[1,4]' --expression '...'"
+        raise CheckError("--quantity and --expression or --latex belong together, with one robot", remedy=remedy)
     return _formula(arguments, formulas[0])
 
 
@@ -95,15 +96,15 @@ def _files(arguments: argparse.Namespace) -> int:
     from derive.checking.report import as_dict, report_lines
 
     checked = [checked_file(path) for path in arguments.files]
-    _write_report(arguments.report, checked)
+    silent = _write_report(arguments, checked)
     if arguments.json:
         remarks = ([remark.as_dict() for remark in printout.remarks] for printout in checked)
         reports = (as_dict(printout.report, printout.exact) for printout in checked)
         print_json([report | {"remarks": found} for report, found in zip(reports, remarks, strict=True)])
-    elif sys.stdout.isatty():
+    elif not silent and sys.stdout.isatty():
         for printout in checked:
             _print_table(printout)
-    else:
+    elif not silent:
         lines = (line for printout in checked for line in report_lines(printout))
         print("\n".join(one_line(line) for line in lines))
     if any(printout.report.undecidable for printout in checked):
@@ -124,31 +125,33 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     try:
         reported = formula_printout(robot, quantity, text, latex=arguments.latex is not None, task=arguments.task or "")
     except UnknownNameError as error:
-        if arguments.json:
-            verdict = Outcome.UNDECIDABLE.value
-            print_json({"quantity": quantity, "printed": text, "verdict": verdict, "reason": str(error)})
-        raise
-    _write_report(arguments.report, [reported])
+        if not arguments.json:
+            raise
+        verdict = Outcome.UNDECIDABLE.value
+        print_json({"quantity": quantity, "printed": text, "verdict": verdict, "reason": str(error)})
+        print_error(error)
+        return error.exit_status
+    silent = _write_report(arguments, [reported])
     report = reported.report
     if arguments.json and len(report.findings) == 1 and not report.unread:
         print_json(finding_dict(report.findings[0], reported.exact))
     elif arguments.json:
         print_json(as_dict(report, reported.exact))
-    else:
+    elif not silent:
         print("\n".join(one_line(line) for line in formula_lines(reported)))
     return 2 if report.undecidable else 0 if report.passed else 1
 
 
-def _write_report(path: str | None, printouts: Sequence[Printout]) -> None:
-    if path is None:
-        return
+def _write_report(arguments: argparse.Namespace, printouts: Sequence[Printout]) -> bool:
+    """Write or print the page where it is asked for; whether nothing else shall be printed."""
     from derive.checking.report import errata_report
+    from derive.publish.atomic_folder import write_files
 
-    try:
-        Path(path).write_text(errata_report(printouts), encoding="utf-8")
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise OutputError(f"report {path!r} cannot be written: {reason}", remedy="choose another place") from None
+    if arguments.out == STDOUT:
+        print(errata_report(printouts), end="")
+    elif arguments.out is not None:
+        write_files({arguments.out: errata_report(printouts).encode()}, force=arguments.force)
+    return bool(arguments.quiet or arguments.out == STDOUT)
 
 
 def _print_table(printout: Printout) -> None:

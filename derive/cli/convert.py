@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import DONE, one_line, print_json
 from derive.errors import DeriveError
 
@@ -15,15 +16,13 @@ if TYPE_CHECKING:
 DESCRIPTION = """\
 Write the robot file of the same arm in the other Denavit-Hartenberg convention, symbolic and exact: T, J, B, C, g and
 tau are the same functions. Standard to modified puts Trans(x, a_n) Rot(x, alpha_n) into the tool; back puts Rot(x,
-alpha_0) Trans(x, a_0) into the base. Centres of mass, tensors and rotors are seen from the new frames. For instance
+alpha_0) Trans(x, a_0) into the base. Centres of mass, tensors and rotors are seen from the new frames.
+
+There and back gives the same table: comments in the file say what goes back into it.
 
   derive convert stanford-deluca --convention modified -o stanford-mdh.yaml
   derive convert planar-2r-perugia --derivation
-
-There and back gives the same table: comments in the file say what goes back into it.
 """
-FORMATS = ("text", "latex")
-STDOUT = Path("-")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -33,15 +32,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     add = parser.add_argument
-    add("robot", metavar="ROBOT", help="robot file or catalogue name")
+    add_shared(parser, "robot")
     add("--convention", metavar="NAME", help="standard or modified (default: the other one)")
-    add("-o", "--out", metavar="FILE", type=Path, help="the robot file to write (default: standard output)")
-    add("--inertia", choices=("given", "possible"), default="given", help="bodies as given, or the nearest that exist")
+    add_shared(parser, "out")
+    add_shared(parser, "inertia")
     add("--name", metavar="NAME", help="name of the new robot (default: the same)")
-    add("--force", action="store_true", help="overwrite the file if it exists")
-    add("--json", action="store_true", help="machine-readable report")
+    add_shared(parser, "force", "quiet", "json")
     add("--derivation", action="store_true", help="print how the factors are regrouped, and that the product is equal")
-    add("--format", choices=FORMATS, help="form of the derivation (default text)")
+    add_shared(parser, "format", choices=("text", "latex"), help="form of the derivation: text (default) or latex")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -60,29 +58,27 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.format and not arguments.derivation:
         raise DeriveError(f"--format {arguments.format} without --derivation", remedy="add --derivation")
-    out = None if arguments.out == STDOUT else arguments.out
-    if out is None and (arguments.force or arguments.json):
-        raise DeriveError(f"--{'force' if arguments.force else 'json'} without -o", remedy="add -o FILE")
     if arguments.json and arguments.derivation:
         raise DeriveError("--json with --derivation", remedy="leave one out")
     options = {"inertia": arguments.inertia, "name": arguments.name, "force": arguments.force}
-    made = convert(arguments.robot, arguments.convention, out, **options)
+    made = convert(arguments.robot, arguments.convention, arguments.out, **options)
     if arguments.derivation:
         from derive.exchange.derivation import derivation_latex, derivation_text
 
         print((derivation_latex if arguments.format == "latex" else derivation_text)(made.conversion), end="")
-    elif out is None:
-        print(made.text, end="")
     elif arguments.json:
-        report = {"file": str(out), "convention": made.robot.convention.value, "report": _report(out, made)[1:]}
-        print_json(report | {"remarks": made.conversion.source.remarks_as_dicts})
-    else:
-        head, *lines = map(one_line, _report(out, made))
+        where = {"file": str(arguments.out)} if arguments.out else {"text": made.text}
+        report = {"convention": made.robot.convention.value, "report": _report(arguments.out, made)[1:]}
+        print_json(where | report | {"remarks": made.conversion.source.remarks_as_dicts})
+    elif arguments.out is None:
+        print(made.text, end="")
+    elif not arguments.quiet:
+        head, *lines = map(one_line, _report(arguments.out, made))
         print(head, *(f"  {line}" for line in lines), sep="\n")
     return DONE
 
 
-def _report(path: Path, made: Converted) -> list[str]:
+def _report(path: Path | None, made: Converted) -> list[str]:
     """What was written, which factors have moved, and what the other convention says otherwise."""
     from derive.exchange.convert import moves
 

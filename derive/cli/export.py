@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import DONE, print_json
 
 DESCRIPTION = """\
-Write a robot for another program, for instance
-
-  derive export kuka-kr5 --to urdf -o kr5.urdf
-  derive export puma560-corke --to mjcf --inertia possible -o puma.xml
-  derive export anthropomorphic-arm --to rtb --values a2=0.4,a3=0.35 -o arm.py
+Write a robot for another program.
 
 urdf: ROS and others; mjcf: MuJoCo; rtb: a Python script for roboticstoolbox (DHRobot); corke: a MATLAB function for
 SerialLink; rigidbodytree: a MATLAB function for the Robotics System Toolbox; csv: the table and the links as numbers.
 What a format cannot say is remarked on standard error and stands in the file's first comment.
-"""
 
-STDOUT = Path("-")
+  derive export kuka-kr5 --format urdf -o kr5.urdf
+  derive export puma560-corke --format mjcf --inertia possible -o puma.xml
+  derive export anthropomorphic-arm --format rtb --values a2=0.4,a3=0.35 -o arm.py
+"""
 FORMATS = ("urdf", "mjcf", "rtb", "corke", "rigidbodytree", "csv")
 
 
@@ -30,13 +28,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     add = parser.add_argument
-    add("robot", metavar="ROBOT", help="robot file or catalogue name")
-    add("--to", metavar="FORMAT", required=True, choices=FORMATS, help=", ".join(FORMATS))
-    add("-o", "--out", metavar="FILE", type=Path, help="file to write (default: standard output)")
-    add("--inertia", choices=("given", "possible"), default="given", help="bodies as given, or the nearest that exist")
-    add("--values", metavar="NAME=VALUE,...", action="append", default=[], help="numbers of symbols, in SI units")
-    add("--force", action="store_true", help="overwrite the file if it exists")
-    add("--json", action="store_true", help="machine-readable report")
+    add_shared(parser, "robot")
+    add_shared(parser, "format", required=True, choices=FORMATS, help=", ".join(FORMATS))
+    add_shared(parser, "out", "inertia")
+    values = "numbers of symbols, as in the robot file"
+    add("--values", metavar="NAME=VALUE,...", action="append", default=[], help=values)
+    add_shared(parser, "force", "quiet", "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -56,9 +53,6 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.errors import DeriveError, quoted
     from derive.exchange.possible import wants_possible
 
-    out = None if arguments.out == STDOUT else arguments.out
-    if out is None and (arguments.force or arguments.json):
-        raise DeriveError(f"--{'force' if arguments.force else 'json'} without -o", remedy="add -o FILE")
     values = {}
     for cell in ",".join(arguments.values).split(",") if arguments.values else []:
         name, equals, value = (part.strip() for part in cell.partition("="))
@@ -68,12 +62,14 @@ def run(arguments: argparse.Namespace) -> int:
             raise DeriveError(f"{quoted(name)[1:-1]} twice in --values", remedy="leave one of them out")
         values[name] = value
     robot = load(arguments.robot, remarks_on_bodies=not wants_possible(arguments.inertia))
-    found = export_file(robot, arguments.to, out, inertia=arguments.inertia, values=values, force=arguments.force)
-    if out is None:
+    options = {"inertia": arguments.inertia, "values": values, "force": arguments.force}
+    found = export_file(robot, arguments.format, arguments.out, **options)
+    if arguments.json:
+        where = {"file": str(arguments.out)} if arguments.out else {"text": found.text}
+        report = {"format": arguments.format, "report": list(found.remarks)}
+        print_json(where | report | {"remarks": robot.remarks_as_dicts})
+    elif arguments.out is None:
         print(found.text, end="")
-    elif arguments.json:
-        report = {"file": str(out), "format": arguments.to, "report": list(found.remarks)}
-        print_json(report | {"remarks": robot.remarks_as_dicts})
-    else:
-        print(out)
+    elif not arguments.quiet:
+        print(arguments.out)
     return DONE

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from derive.cli.options import STDOUT, add_shared
 from derive.cli.terminal import print_json, progress
 from derive.errors import DeriveError, OutputError
 from derive.robot.handout_options import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
+
+if TYPE_CHECKING:
+    from derive.robot.robot import Robot
 
 T = TypeVar("T")
 
 DESCRIPTION = """\
 Write the equations of ROBOT as a handout: table, transforms, Jacobian, dynamics, as far as the robot file gives them.
 
+Without --tex, --pdf and --html the LaTeX file is written. Options win over the block handout: of the robot file.
+
   derive handout scara-perugia --pdf --html --lang it
   derive handout my-arm.yaml --pdf --parts table,transforms,jacobian --derivation steps
   derive handout my-arm.yaml --pdf --exercise
   derive handout my-arm.yaml --fragment B > inertia.tex
-
-Without --tex, --pdf and --html the LaTeX file is written. Options win over the block handout: of the robot file.
-Files that derive did not write are not overwritten.
 """
 
 
@@ -34,18 +37,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     add, parts = parser.add_argument, _reader(lambda text: chosen_parts(text.split(",")))
-    add("robot", metavar="ROBOT", help="robot file or catalogue name")
+    add_shared(parser, "robot")
     add("--tex", action="store_true", help="the LaTeX file; it stands alone (default)")
     add("--pdf", action="store_true", help="the LaTeX file and the PDF; needs latexmk and pdflatex")
     add("--html", action="store_true", help="a web page in one file")
-    add("--out", metavar="DIR", type=Path, default=Path("."), help="folder of the files (default: the current one)")
-    add("--parts", metavar="A,B", type=parts, help="only these parts, see docs/handout.md")
-    add("--lang", metavar="CODE", help="language: en, it, pt or another that has a message catalogue")
+    add_shared(parser, "folder", help="folder of the files (default: the current one); of a fragment, its file")
+    add("--parts", metavar="A,B", type=parts, help="only these parts, such as table,jacobian,inertia")
+    add_shared(parser, "lang")
     add("--derivation", choices=[choice.value for choice in Derivation], help="results, or the steps to them too")
     letters = "such as angle=vartheta,inertia=M"
     add("--notation", metavar="NAME=VALUE", type=_reader(_notation), action="append", help=letters)
     grouped = parser.add_mutually_exclusive_group()
-    grouped.add_argument("--style", metavar="STYLE", help="how expressions are grouped, as for derive show")
+    add_shared(grouped, "style", help="how expressions are grouped, as for derive show")
     from_notes = "group expressions as these notes do: a .tex file or a corpus file, see derive style"
     grouped.add_argument("--style-from", metavar="NOTES", help=from_notes)
     pages = "most pages on paper, the least useful left out (default: 20; 0: all)"
@@ -54,11 +57,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--plan", metavar="PLAN", help="a motion plan of this robot: a part about it, and the arm of the page plays it")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
     add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
-    add("-o", dest="fragment_file", metavar="FILE", type=Path, help="write the fragment to FILE instead")
-    add("-q", metavar="V1,V2,...", help="joint values that are drawn and computed, in the units of the robot file")
-    add("--force", action="store_true", help="overwrite files that derive did not write")
-    add("--quiet", action="store_true", help="no report")
-    add("--json", action="store_true", help="machine-readable report")
+    add_shared(parser, "at", help="joint values that are drawn and computed, in the units of the robot file")
+    add_shared(parser, "force", "quiet", "json")
 
 
 def _reader(read: Callable[[str], T]) -> Callable[[str], T]:
@@ -83,6 +83,20 @@ def _notation(text: str) -> dict[str, str]:
     return chosen
 
 
+def _write_fragment(robot: Robot, arguments: argparse.Namespace, options: Mapping[str, Any]) -> None:
+    """To the file of ``-o``, else to standard output."""
+    from derive.api.handout import fragment
+    from derive.publish.atomic_folder import refuse_taken, write_files
+
+    target = arguments.out or STDOUT
+    refuse_taken([target] if target != STDOUT else [], force=arguments.force)
+    text = fragment(robot, arguments.fragment, **options, width=arguments.width)
+    if target == STDOUT:
+        sys.stdout.write(text)
+    else:
+        write_files({target: text.encode()}, force=arguments.force)
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Write the handout, or print the fragment.
 
@@ -95,15 +109,16 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         OutputError: A fragment and a handout at once.
     """
-    from derive.api.handout import fragment, handout
+    from derive.api.handout import handout
     from derive.api.robots import load
     from derive.api.style import find_style
-    from derive.publish.atomic_folder import write_files
 
     formats = [form for form in ("tex", "pdf", "html") if getattr(arguments, form)]
     of_handouts = [*formats, *(name for name in ("exercise", "json", "plan") if getattr(arguments, name))]
-    if arguments.fragment is None and arguments.fragment_file is not None:
-        raise OutputError("-o without --fragment", remedy="name a folder with --out")
+    no_folder = arguments.out and (arguments.out == STDOUT or arguments.out.suffix in (".tex", ".pdf", ".html"))
+    if arguments.fragment is None and no_folder:
+        allowed = "a handout goes into a folder, a fragment into a file"
+        raise OutputError(f"-o {arguments.out} without --fragment", allowed=allowed, remedy="name a folder")
     if arguments.fragment is None and arguments.width is not None:
         raise OutputError("--width without --fragment", remedy="a sheet is as wide as its page")
     if arguments.fragment is not None and of_handouts:
@@ -114,7 +129,7 @@ def run(arguments: argparse.Namespace) -> int:
         "language": arguments.lang,
         "derivation": arguments.derivation,
         "notation": {name: value for chosen in arguments.notation or () for name, value in chosen.items()},
-        "q": None if arguments.q is None else arguments.q.split(","),
+        "q": ",".join(arguments.at).split(",") if arguments.at else None,
         "style": arguments.style,
     }
     robot = load(arguments.robot)
@@ -122,16 +137,11 @@ def run(arguments: argparse.Namespace) -> int:
     if found is not None:
         options["style"] = found.style
     if arguments.fragment is not None:
-        text = fragment(robot, arguments.fragment, **options, width=arguments.width)
-        target: Path | None = arguments.fragment_file
-        if target is None:
-            sys.stdout.write(text)
-        else:
-            write_files({target.name: text.encode()}, target.parent, force=arguments.force)
+        _write_fragment(robot, arguments, options)
         return 0
     flags = {name: getattr(arguments, name) for name in ("exercise", "force", "pages", "plan")}
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:
-        result = handout(robot, arguments.out, formats=formats, **options, **flags, progress=tell)
+        result = handout(robot, arguments.out or Path(), formats=formats, **options, **flags, progress=tell)
     if arguments.json:
         print_json(result.as_dict() | {"remarks": robot.remarks_as_dicts})
     elif not arguments.quiet:

@@ -7,22 +7,24 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import DONE, one_line, print_json
+from derive.errors import DeriveError
 
 if TYPE_CHECKING:
     from derive.exchange.from_urdf import Imported
 
 DESCRIPTION = """\
-Read a URDF, or a .xacro file, and write the robot file of one of its chains, for instance
+Read a URDF, or a .xacro file, and write the robot file of one of its chains.
+
+Axes become lines in space, and these a Denavit-Hartenberg table by common normals, with a constant base and tool. The
+file's head has a bound of the distance between poses of the table and of the URDF, over all joint values, which is
+proven in ball arithmetic; `derive verify` tests it again. Without -o the file is printed.
 
   derive import panda.urdf --tip panda_hand -o panda.yaml
   derive import ur5.urdf --chain base..tool0 -o ur5.yaml
   derive import torso.urdf --all -o arms
   derive import arm.urdf.xacro --packages ~/ros/src --arg name=arm -o arm.yaml
-
-Axes become lines in space, and these a Denavit-Hartenberg table by common normals, with a constant base and tool. The
-file's head has a bound of the distance between poses of the table and of the URDF, over all joint values, which is
-proven in ball arithmetic; `derive verify` tests it again. Without -o the file is printed.
 """
 
 
@@ -37,22 +39,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--tip", metavar="LINK", help="last link of the chain (default: the only one that carries no other)")
     add("--chain", metavar="BASE..TIP", help="first and last link; the way may lead up the tree first")
     add("--all", action="store_true", help="a robot file for every tip, in the folder -o")
-    add("--convention", default="standard", metavar="NAME", help="standard or modified (default standard)")
+    add(
+        "--convention",
+        metavar="NAME",
+        help="standard or modified (default: that of the table that the URDF carries, else standard)",
+    )
     add("--snap", default="1e-6", metavar="RAD", help="angles so close to fractions of pi are these (default 1e-6)")
-    add("--inertia", choices=("given", "possible"), default="given", help="bodies as given, or the nearest that exist")
+    add_shared(parser, "inertia")
     add("--symbols", action="store_true", help="lengths by name, d1, a2, ..., with their numbers as parameters")
     add("--name", help="name of the robot (default: that of the URDF)")
-    add("-o", "--out", metavar="FILE", type=Path, help="file to write, with --all a folder (default: standard output)")
-    add("--force", action="store_true", help="overwrite files that exist")
-    add(
-        "--packages",
-        metavar="DIR",
-        action="append",
-        default=[],
-        help="where xacro looks for packages, or NAME=DIR; repeatable",
-    )
+    add_shared(parser, "out", help="file to write, with --all a folder (default: standard output)")
+    add_shared(parser, "force", "quiet", "json")
+    packages = "where xacro looks for packages, or NAME=DIR; repeatable"
+    add("--packages", metavar="DIR", action="append", default=[], help=packages)
     add("--arg", metavar="NAME=VALUE", action="append", default=[], help="argument of xacro; repeatable")
-    add("--json", action="store_true", help="machine-readable report")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -68,19 +68,18 @@ def run(arguments: argparse.Namespace) -> int:
         DeriveError: Options that do not belong together.
     """
     from derive.api.importing import import_all, import_urdf
-    from derive.errors import DeriveError
+    from derive.publish.atomic_folder import refuse_taken
 
     base, tip = _ends(arguments)
     if arguments.all and tip is not None:
         raise DeriveError("--all with --tip or --chain", remedy="leave one out")
-    if arguments.json and arguments.out is None:
-        raise DeriveError("--json without -o", remedy="name the robot file with -o FILE")
     file = sys.stdin.buffer.read() if arguments.file == "-" else arguments.file
     pairs = dict(_pair(text) for text in arguments.arg)
     options = {"convention": arguments.convention, "snap": arguments.snap, "name": arguments.name}
     options |= {"packages": arguments.packages, "arguments": pairs, "inertia": arguments.inertia}
     options |= {"symbols": arguments.symbols}
     if not arguments.all:
+        refuse_taken([arguments.out] if arguments.out else [], force=arguments.force)
         folder = arguments.out.parent if arguments.out else Path()
         found = import_urdf(file, tip=tip, base=base, folder=folder, **options)
         return _deliver({arguments.out: found}, {}, arguments)
@@ -92,23 +91,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _ends(arguments: argparse.Namespace) -> tuple[str | None, str | None]:
     """Names of the first and the last link."""
-    from derive.errors import DeriveError
-
     if arguments.chain is None:
         return None, arguments.tip
     if arguments.tip is not None:
         raise DeriveError("--tip with --chain", remedy="leave one out")
     base, dots, tip = arguments.chain.partition("..")
     if not (base and dots and tip):
-        raise DeriveError(
-            f"--chain {arguments.chain!r}", allowed="allowed: two names of links", remedy="write BASE..TIP"
-        )
+        raise DeriveError(f"--chain {arguments.chain!r}", allowed="allowed: two names of links as BASE..TIP")
     return base, tip
 
 
 def _pair(text: str) -> tuple[str, str]:
-    from derive.errors import DeriveError
-
     name, sign, value = text.partition("=")
     if not (name.rstrip(":") and sign):
         raise DeriveError(f"--arg {text!r}", allowed="allowed: NAME=VALUE")
@@ -122,13 +115,19 @@ def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Names
 
     if not arguments.all and arguments.out is None:
         (arm,) = arms.values()
+        if arguments.json:
+            print_json({"robots": [{"text": arm.text, **arm.as_dict()}], "refused": refused})
+            return DONE
         print(arm.text, end="")
-        print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
+        if not arguments.quiet:
+            print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
         return DONE
     for robot in write(arms, force=arguments.force):
         tell(remark for remark in robot.remarks if not remark.is_of_bodies)  # the report names these links
     if arguments.json:
         print_json({"robots": [{"file": str(path), **arm.as_dict()} for path, arm in arms.items()], "refused": refused})
+        return DONE
+    if arguments.quiet:
         return DONE
     for path, arm in arms.items():
         head, *rest = arm.report

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import argparse
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import one_line, print_columns, print_json
 
 DESCRIPTION = """\
 List the built-in robots: name, joints (R revolute, P prismatic), convention, dynamics, title; or the built-in plans of
 `derive move`.
+
+  derive list
+  derive list --plans
 """
 
 
@@ -19,7 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     parser.add_argument("--plans", action="store_true", help="motion plans instead: name, robot, segments, title")
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    add_shared(parser, "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -37,22 +41,16 @@ def run(arguments: argparse.Namespace) -> int:
         return _list_plans(as_json=arguments.json)
     robots = [load(name, remarks_on_bodies=False) for name in catalogue()]
     joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
+    keys = ("name", "joints", "convention", "dynamics", "title")
+    rows = [(r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True)]
     if arguments.json:
-        keys = ("name", "joints", "convention", "dynamics", "title")
-        values = ((r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True))
-        print_json([dict(zip(keys, row, strict=True)) for row in values])
+        print_json([dict(zip(keys, row, strict=True)) for row in rows])
         return 0
-    rows = [
-        (
-            robot.name,
-            letters if robot.n <= 8 else f"{robot.n} joints",
-            robot.convention.value,
-            "yes" if robot.has_dynamics else "-",
-            one_line(robot.title),
-        )
-        for robot, letters in zip(robots, joints, strict=True)
+    shown = [
+        (name, j if len(j) <= 8 else f"{len(j)} joints", convention, "yes" if dynamics else "-", one_line(title))
+        for name, j, convention, dynamics, title in rows
     ]
-    print_columns(rows, ("name", "joints", "convention", "dynamics", "title"))
+    print_columns(shown, keys)
     return 0
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
+from itertools import pairwise
 from keyword import iskeyword
 from typing import Any, NoReturn
 
@@ -27,10 +29,11 @@ COMMANDS = {
     "convert": "the same arm in the other Denavit-Hartenberg convention",
     "new": "write a commented robot file, or a motion plan, to start from",
     "schema": "print the JSON Schema of the robot file or the motion plan",
+    "completion": "print what lets a shell complete commands, options, robots and quantities",
 }
 """What each command does; its module `derive.cli.NAME`, or `NAME_`, is imported when it is asked for."""
 
-OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "convert", "export", "move", "new")
+OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "new")
 """Commands that read robot files."""
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -38,6 +41,9 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
 """
+
+COLLECTED_AFTER = (500_000, 10, 10)
+"""Objects after which Python looks for garbage; its own 700 cost a tenth of a command that is mostly imports."""
 
 _DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
 _EPILOG = """\
@@ -49,6 +55,7 @@ examples:
   derive new my-arm                  a commented robot file to start from
   derive build my-arm.yaml           NumPy, CasADi and LaTeX in generated/my_arm, verified
   derive import arm.urdf -o my.yaml  a robot file from a URDF
+  derive help show                   what a command does, with examples
 """
 
 
@@ -62,7 +69,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status: 0 done, 1 a check failed, 2 wrong input, 130 interrupted.
 
     Raises:
-        SystemExit: For ``--help`` and ``--version`` (status 0) and unusable arguments (status 2).
+        SystemExit: For ``--help`` and ``--version`` (status 0).
     """
     for stream in (sys.stdout, sys.stderr):  # a title in Greek must not end in an exception on an ASCII terminal
         reconfigure = getattr(stream, "reconfigure", None)
@@ -70,25 +77,46 @@ def main(argv: Sequence[str] | None = None) -> int:
             reconfigure(errors="backslashreplace")
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
-    arguments = _parser().parse_args(argv)
-    from derive.cli.terminal import BROKEN_PIPE, explain, print_error, remarks_told  # help needs none of it
-
+    gc.set_threshold(*COLLECTED_AFTER)
+    typed = list(sys.argv[1:] if argv is None else argv)
     try:
+        arguments = _parsers()[0].parse_args(with_help(typed))
+        from derive.cli.terminal import remarks_told  # help needs none of it
+
         with remarks_told(strict=getattr(arguments, "strict", False)):
             status = int(arguments.run(arguments))
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # the reader has gone; keep the interpreter's last flush from complaining
+        from derive.cli.terminal import BROKEN_PIPE
+
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
     except (Exception, KeyboardInterrupt) as error:
+        from derive.cli.terminal import error_dict, explain, print_error, print_json
+
         reason, status = explain(error)
+        if wants_json(typed):
+            print_json({"error": error_dict(error, reason, status)})
         print_error(reason)
         return status
 
 
+def with_help(typed: list[str]) -> list[str]:
+    """``derive help COMMAND`` as ``derive COMMAND --help``, and nothing at all as ``derive --help``."""
+    return typed if typed and typed[0] != "help" else [*(word for word in typed[1:] if word != "help"), "--help"]
+
+
+def wants_json(typed: Sequence[str]) -> bool:
+    """Whether a program reads the output, told from the arguments as typed: they may be unusable otherwise."""
+    return "--json" in typed or "--format=json" in typed or ("--format", "json") in pairwise(typed)
+
+
 class _Parser(argparse.ArgumentParser):
-    """Usage errors are one line too: what a user typed may hold anything, and a usage block buries the reason."""
+    """Usage errors are errors like others, in one line: a usage block would bury the reason."""
+
+    old: Mapping[str, str] = {}
+    """Names that options had before, with those that they have."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse; a formula or an angle that begins with a minus sign is the value of the option before it.
@@ -108,39 +136,62 @@ class _Parser(argparse.ArgumentParser):
         others: list[str] = []
         without_value: list[str] = []
         while typed:
-            text = typed.pop(0)
+            text = self._renamed(typed.pop(0))
             if text == "--":
                 others += [text, *typed]
                 break
-            # what follows a command is its own parser's to put in order
-            is_option = text.partition("=")[0] in known and not (self._subparsers and others)
-            if is_option and text in known and known[text].nargs is None:
-                if not typed or typed[0] in {*known, "--"}:
+            name = text.partition("=")[0]
+            of_command = self._subparsers and others  # its own parser puts in order what follows a command
+            if not of_command and text[:1] == "-" != text and not {name, text[:2]} & known.keys():
+                early = bool(self._subparsers and typed)
+                self.error(f"no option {name!r}{' before the command' * early}", name, () if early else known)
+            if of_command or name not in known:
+                others.append(text)
+                continue
+            if text in known and known[text].nargs is None:
+                if not typed or typed[0] in {*known, *self.old, "--"}:
                     without_value.append(text)
                     continue
                 text = f"{text}={typed.pop(0)}"
-            (options if is_option else others).append(text)
+            options.append(text)
         return super().parse_known_args([*options, *others, *without_value], namespace)
 
-    def error(self, message: str) -> NoReturn:
+    def _renamed(self, text: str) -> str:
+        """An option by the name that it has now; the value of one with a single letter may follow at once."""
+        name, equals, value = text.partition("=")
+        if name in self.old:
+            return self.old[name] + equals + value
+        return f"{self.old[text[:2]]}={text[2:]}" if text[:2] in self.old else text
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a word that is none of those allowed, with the nearest that is."""
+        if action.choices is None or value in action.choices:
+            return
+        name = str(action.metavar).lower()
+        what = f"{value!r} as {action.option_strings[-1]}" if action.option_strings else f"no {name} {value!r}"
+        self.error(f"{what}; allowed: {', '.join(map(str, action.choices))}", str(value), map(str, action.choices))
+
+    def error(self, message: str, word: str = "", allowed: Iterable[str] = ()) -> NoReturn:
         """Refuse the arguments.
 
         Args:
             message: What is wrong with them.
+            word: A word that is not understood.
+            allowed: What might have been meant by it.
 
         Raises:
-            SystemExit: Always, with the status of wrong input.
+            DeriveError: Always.
         """
-        from derive.cli.terminal import WRONG_INPUT, one_line
+        from derive.errors import DeriveError, near_miss
 
-        self.exit(WRONG_INPUT, f"{self.prog}: error: {one_line(message)}; see '{self.prog} --help'\n")
+        raise DeriveError(message, allowed=near_miss(word, allowed), remedy=f"see '{self.prog} --help'")
 
 
 class _Command(_Parser):
     """The parser of a command, which has its arguments when it is asked for them, so that help answers at once."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Import the command's module, which says what its arguments are, and parse.
+        """Parse, once the arguments are known.
 
         Args:
             args: Arguments behind the command's name.
@@ -149,22 +200,37 @@ class _Command(_Parser):
         Returns:
             The namespace and what was not understood.
         """
+        self.configured()
+        found, surplus = super().parse_known_args(args, namespace)
+        return (found, surplus) if not surplus else self.error(f"{surplus[0]!r} is an argument too many")
+
+    def configured(self) -> None:
+        """Import the command's module, which says what its arguments are."""
+        from derive.cli.options import OLD, add_shared  # help needs none of it
+
         name = self.prog.split()[-1]
         module = import_module(f"derive.cli.{name}" + "_" * iskeyword(name))
-        self.description = module.DESCRIPTION
+        self.description, _, examples = module.DESCRIPTION.rpartition("\n\n")
+        self.epilog = f"examples:\n{examples}"
         module.configure(self)
         if name in OF_A_ROBOT:
-            self.add_argument("--strict", action="store_true", help="remarks on the robot file are errors")
+            add_shared(self, "strict")
+        self.old = OLD.get(name, {})
         self.set_defaults(run=module.run)
-        return super().parse_known_args(args, namespace)
 
 
-def _parser() -> argparse.ArgumentParser:
-    """The parser of all commands."""
+def whole_parser() -> tuple[argparse.ArgumentParser, list[argparse.ArgumentParser]]:
+    """The parser of all commands, and theirs with all arguments."""
+    parser, commands = _parsers()
+    for command in commands:
+        command.configured()
+    return parser, [*commands]
+
+
+def _parsers() -> tuple[argparse.ArgumentParser, list[_Command]]:
+    """The parser of all commands, and theirs, which have no arguments yet."""
     form: dict[str, Any] = {"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False}
     parser = _Parser(prog="derive", description=_DESCRIPTION, epilog=_EPILOG, **form)
-    parser.add_argument("--version", action="version", version=f"derive {__version__}")
+    parser.add_argument("-V", "--version", action="version", version=f"derive {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command", parser_class=_Command)
-    for name, summary in COMMANDS.items():
-        commands.add_parser(name, help=summary, **form)
-    return parser
+    return parser, [commands.add_parser(name, help=summary, **form) for name, summary in COMMANDS.items()]

@@ -6,25 +6,23 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from derive.cli.options import STDOUT, add_shared
 from derive.cli.terminal import DONE, FAILED, positive, print_columns, print_error, print_json
 
 if TYPE_CHECKING:
     from derive.motion.motion import Motion
     from derive.motion.simulation import Run
 
-STDOUT = Path("-")
-"""Instead of a file: what is written is printed."""
-
 DESCRIPTION = """\
-Read a plan (the robot, points, the way between them) and print what each segment asks of the joints, for instance
+Read a plan (the robot, points, the way between them) and print what each segment asks of the joints.
+
+PLAN is the path of a motion plan or a name that `derive list --plans` shows; `derive new NAME --plan ROBOT` writes one
+to start from. Exit status 1: a limit of the robot is exceeded, the simulation diverges, or increments do not close.
 
   derive move scara-pick-and-place
   derive move scara-pick-and-place --plot tau.svg --csv run.csv
   derive move my-plan.yaml --simulate --gif run.gif
   derive move my-plan.yaml --html page.html --lang it
-
-PLAN is the path of a motion plan or a name that `derive list --plans` shows; `derive new NAME --plan ROBOT` writes one
-to start from. Exit status 1: a limit of the robot is exceeded, or the simulation diverges.
 """
 
 
@@ -41,18 +39,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--show", action="store_true", help="print q(t) of every joint and segment instead of the table")
     add("--hand", action="store_true", help="print the curve of the hand, and how far each joint moves it, instead")
     add("--increments", metavar="N", type=positive, help="go to each point by N displacements of the hand with J^+")
-    add("--format", choices=("text", "latex"), default="text", help="form of --show and --hand (default text)")
-    add("--json", action="store_true", help="machine-readable output")
+    add_shared(parser, "format", choices=("text", "latex"), help="form of --show and --hand: text (default) or latex")
     add("--html", metavar="FILE", type=Path, help="write a web page on which the arm plays the motion")
     add("--part", metavar="FILE", type=Path, help="write the handout's part about the plan as a sheet: .tex or .pdf")
-    add("--lang", metavar="CODE", help="language of page and sheet: en, it, pt (default: that of the robot file)")
+    add_shared(parser, "lang", help="language of page and sheet: en, it, pt (default: that of the robot file)")
     add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample; - prints them")
     add("--plot", metavar="FILE", type=Path, help="draw q, qd, qdd and tau with their peaks: .pdf, .svg or .png")
     add("--gif", metavar="FILE", type=Path, help="write a film of the arm")
     add("--mp4", metavar="FILE", type=Path, help="likewise, where ffmpeg is installed")
-    add("--out", metavar="DIR", type=Path, help="write the motion as code: motion.h, motion.c, motion_casadi.py")
+    add_shared(parser, "folder", help="write the motion as code: motion.h, motion.c, motion_casadi.py")
     add("--name", help="what stands before _motion in C (default: the robot's name)")
-    add("--force", action="store_true", help="let --out overwrite files that derive did not write")
+    add_shared(parser, "force", "quiet", "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -70,13 +67,12 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.api.move import FORMS, move
     from derive.errors import DeriveError
 
-    if arguments.format != "text" and not (arguments.show or arguments.hand):
+    if arguments.format and not (arguments.show or arguments.hand):
         raise DeriveError(f"--format {arguments.format} without --show", remedy="add --show")
     if arguments.lang and not (arguments.html or arguments.part):
         raise DeriveError("--lang without --html or --part", remedy="add --html page.html")
-    for name in ("name", "force"):
-        if getattr(arguments, name) and not arguments.out:
-            raise DeriveError(f"--{name} without --out", remedy="add --out DIR")
+    if arguments.name and not arguments.out:
+        raise DeriveError("--name without --out", remedy="add --out DIR")
     for name in ("show", "hand", "increments", "joints"):
         if getattr(arguments, name) and arguments.json:
             raise DeriveError(f"--{name} with --json", remedy="leave one out")
@@ -84,7 +80,9 @@ def run(arguments: argparse.Namespace) -> int:
     if rows_alone and (arguments.json or arguments.show or arguments.hand or arguments.increments):
         raise DeriveError(f"--csv {STDOUT} with another output", remedy="name a file")
     files = {name: getattr(arguments, name) for name in FORMS if not (name == "csv" and rows_alone)}
-    found = move(arguments.plan, simulate=arguments.simulate, language=arguments.lang, **files)
+    wrong = ""
+    of_code = {"code": arguments.out, "name": arguments.name, "force": arguments.force}
+    found = move(arguments.plan, simulate=arguments.simulate, language=arguments.lang, **files, **of_code)
     if rows_alone:
         from derive.motion.table import csv_bytes
 
@@ -93,18 +91,21 @@ def run(arguments: argparse.Namespace) -> int:
         from derive.motion.summary import summary
 
         print_json({**summary(found.motion, found.run), "files": list(map(str, found.files))})
-    else:
-        _print(found.motion, found.run, arguments)
-        for path in found.files:
-            print(path)
-    if arguments.out:
-        from derive.motion.code import write_code
+    elif arguments.quiet and arguments.increments:
+        from derive.motion.incremental import increments_of, not_closed
 
-        written = write_code(found.motion, arguments.out, name=arguments.name, force=arguments.force)
-        unverified = f"; {', '.join(written.left_out)} not, for lack of a C compiler" if written.left_out else ""
-        names = ", ".join(path.name for path in written.paths)
-        if not arguments.json:
-            print(f"{arguments.out}: {names}, verified to {written.worst:.1g}{unverified}")
+        wrong = not_closed(found.motion, increments_of(found.motion, arguments.increments))
+    elif not arguments.quiet:
+        wrong = _print(found.motion, found.run, arguments)
+        for path in found.files[: len(found.files) - (len(found.code.files) if found.code else 0)]:
+            print(path)
+        if found.code:
+            unverified = ", ".join(found.code.left_out)
+            unverified = f"; {unverified} not, for lack of a C compiler" if unverified else ""
+            print(f"{arguments.out}: {', '.join(found.code.files)}, verified to {found.code.worst:.1g}{unverified}")
+    if wrong:
+        print_error(wrong)
+        return FAILED
     if found.run is not None and not found.run.reached:
         from derive.motion.table import diverged
 
@@ -114,15 +115,14 @@ def run(arguments: argparse.Namespace) -> int:
     return FAILED if exceeded else DONE
 
 
-def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> None:
-    """The formulas, or the tables."""
-    from derive.motion.hand_curve import printed_hand, printed_weights
-    from derive.motion.incremental import printed_increments
-    from derive.motion.polynomials import printed
+def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> str:
+    """The formulas, or the tables; what went wrong."""
     from derive.motion.table import (
+        GIVEN,
         HEADER,
         JOINT_HEADER,
         SIMULATED_HEADER,
+        given_in,
         joint_table,
         simulated_table,
         table,
@@ -131,21 +131,28 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> No
 
     as_latex = arguments.format == "latex"
     if arguments.show or arguments.hand or arguments.increments:
+        from derive.motion.hand_curve import printed_hand, printed_weights
+        from derive.motion.incremental import increments_of, not_closed, printed_increments
+        from derive.motion.polynomials import printed
+
         if arguments.show:
             print(*printed(motion, as_latex=as_latex), sep="\n")
         if arguments.hand:
             print(*printed_hand(motion, as_latex=as_latex), *printed_weights(motion, as_latex=as_latex), sep="\n")
         if arguments.increments:
-            print(*printed_increments(motion, arguments.increments), sep="\n")
-        return
+            found = increments_of(motion, arguments.increments)
+            print(*printed_increments(motion, arguments.increments, found), sep="\n")
+            return not_closed(motion, found)
+        return ""
     rows, header = (joint_table(motion), JOINT_HEADER) if arguments.joints else (table(motion), HEADER)
     print_columns(rows, header[: len(rows[0])])
     for line in violations(motion):
         print(line)
     if run is not None:
         print()
-        print_columns(simulated_table(motion, run), SIMULATED_HEADER)
-        control = motion.plan.control
-        print(f"{control.law}, friction {motion.plan.friction}: energy balances to {run.energy_error:.1g} J")
+        print_columns(simulated_table(motion, run), (*SIMULATED_HEADER, *(GIVEN[name] for name in given_in(run))))
+        control, where = motion.plan.control, "energy in the world" if motion.base else "energy"
+        print(f"{control.law}, friction {motion.plan.friction}: {where} balances to {run.energy_error:.1g} J")
         for line in violations(motion, run):
             print(line)
+    return ""

@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from textwrap import dedent
 
-from derive.cli.terminal import positive
+from derive.cli.options import add_shared
+from derive.cli.terminal import positive, print_json
 from derive.errors import OutputError, RobotFileError, quoted
 from derive.robot.size_limits import FILE_LIMITS
 
 DESCRIPTION = """\
-Write NAME.yaml, a commented robot file that builds as it is: an arm of N revolute joints with parallel axes, or a copy
-of another robot, its comments and units kept, under the new name.
+Write NAME.yaml, a commented robot file that builds as it is: a typical arm of N joints (3: anthropomorphic, 4: SCARA,
+5 and 6: with a wrist, 7: redundant, any other number: planar), or a copy of another robot, its comments and units kept,
+under the new name; or a motion plan for a robot, or a copy of a built-in one.
 
   derive new my-arm --joints 3
   derive new my-puma --from puma560-corke
-
-or a motion plan for a robot, or a copy of a built-in one:
-
   derive new my-move --plan puma560-corke
   derive new my-move --from scara-pick-and-place
-
-An existing file is never overwritten.
 """
 
 _HEAD = """\
@@ -49,7 +47,7 @@ _TAIL = """
 #   - [0, 0, 0, 1]
 
 # Optional dynamics: one row per joint, everything in the link's own frame, in kg, m and kg m^2; what is left out is 0.
-gravity: [0, -g, 0]          # acceleration of gravity in the base frame; here y points up
+gravity: {gravity}          # acceleration of gravity in the base frame; here {up} points up
 links:
 """
 
@@ -58,7 +56,7 @@ _PARAMETERS = """
 # and so do names listed under runtime although they have one.
 parameters:
   g: 9.81
-# runtime: [m{last}]
+{lengths}# runtime: [{runtime}]
 """
 
 _LINK = """\
@@ -66,6 +64,25 @@ _LINK = """\
     com: [l{i} - a{i}, 0, 0]
     inertia: {{zz: I{i}}}      # about the centre of mass; keys xx yy zz xy xz yz
 """
+
+_BODY = """\
+  - mass: {mass}
+    com: {com}
+    inertia: {{xx: {inertia}, yy: {inertia}, zz: {inertia}}}   # about the centre of mass; keys xx yy zz xy xz yz
+"""
+
+_COLUMN, _UPPER_ARM, _FOREARM = ("", "d1", "0", "pi/2"), ("", "0", "a2", "0"), ("", "0", "a3", "0")
+_SWIVEL, _BEND = ("", "0", "0", "pi/2"), ("", "0", "0", "-pi/2")
+_ARMS = {
+    3: (_COLUMN, _UPPER_ARM, _FOREARM),
+    4: (("", "d1", "a1", "0"), ("", "0", "a2", "pi"), None, ("", "d4", "0", "0")),
+    5: (_COLUMN, _UPPER_ARM, _FOREARM, (" + pi/2", "0", "0", "pi/2"), ("", "d5", "0", "0")),
+    6: (_COLUMN, _UPPER_ARM, (" + pi/2", *_SWIVEL[1:]), ("", "d4", "0", "-pi/2"), _SWIVEL, ("", "d6", "0", "0")),
+    7: (_COLUMN, _BEND, ("", "d3", "0", "-pi/2"), _SWIVEL, ("", "d5", "0", "pi/2"), _BEND, ("", "d7", "0", "0")),
+}
+"""By number of joints the rows of a typical arm: what is added to theta, then d, a, alpha; None: one that slides."""
+
+_LENGTHS = {"d1": 0.4, "a1": 0.3, "a2": 0.35, "a3": 0.3, "d3": 0.4, "d4": 0.35, "d5": 0.3, "d6": 0.1, "d7": 0.1}
 
 _MOTOR = """\
     # armature: G1**2*Jm1                          # reflected rotor inertia, or the full model of the motor:
@@ -84,6 +101,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--joints", type=positive, metavar="N", help="number of joints (default 2)")
     parser.add_argument("--from", dest="model", metavar="ROBOT", help="copy this robot file, built-in robot or plan")
     parser.add_argument("--plan", metavar="ROBOT", help="a motion plan for this robot instead")
+    add_shared(parser, "force", "quiet", "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -99,6 +117,7 @@ def run(arguments: argparse.Namespace) -> int:
         OutputError: There is such a file already, or options do not belong together.
     """
     from derive.motion.catalogue import plan_bytes, plan_names
+    from derive.publish.atomic_folder import write_files
 
     if arguments.plan is not None and (arguments.joints is not None or arguments.model is not None):
         other = "--joints" if arguments.joints is not None else "--from"
@@ -114,14 +133,11 @@ def run(arguments: argparse.Namespace) -> int:
         text = copied_robot_text(arguments.name, arguments.model)
     else:
         text = new_robot_text(arguments.name, joints=arguments.joints or 2)
-    path = Path(f"{arguments.name}.yaml")
-    try:
-        with path.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        allowed, remedy = "a name that is not taken", "choose another name or move the file"
-        raise OutputError(f"{path} exists already", allowed=allowed, remedy=remedy) from None
-    print(path)
+    (path,) = write_files({Path(f"{arguments.name}.yaml"): text.encode()}, force=arguments.force)
+    if arguments.json:
+        print_json({"file": str(path)})
+    elif not arguments.quiet:
+        print(path)
     return 0
 
 
@@ -134,7 +150,7 @@ def _plan_text(name: str, robot: str) -> str:
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:
-    """A commented robot file: an arm of revolute joints with parallel axes, its lengths and masses left as names.
+    """A commented robot file: a typical arm of so many joints.
 
     Args:
         name: Name of the robot, ``[a-z][a-z0-9-]*``.
@@ -149,12 +165,42 @@ def new_robot_text(name: str, joints: int = 2) -> str:
     _check_name(name)
     if not 1 <= joints <= FILE_LIMITS.joints:
         raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
-    rows = [f"  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}" for i in range(1, joints + 1)]
+    rows, links, lengths = _spatial(_ARMS[joints]) if joints in _ARMS else _planar(joints)
     rows[0] += "   # limits: [-pi/2, pi/2] may be added"
-    links = [_LINK.format(i=i) for i in range(1, joints + 1)]
     links[0] += _MOTOR
-    table = "".join(f"{row}\n" for row in rows)
-    return _HEAD.format(name=name) + table + _TAIL + "".join(links) + _PARAMETERS.format(last=joints)
+    up, gravity, runtime = ("z", "[0, 0, -g]", "d1") if lengths else ("y", "[0, -g, 0]", f"m{joints}")
+    rest = _TAIL.format(up=up, gravity=gravity) + "".join(links) + _PARAMETERS.format(lengths=lengths, runtime=runtime)
+    return _HEAD.format(name=name) + "\n".join(rows) + "\n" + rest
+
+
+def _planar(joints: int) -> tuple[list[str], list[str], str]:
+    """Rows, links and numbers of lengths of an arm with parallel axes, all of whose lengths and masses are names."""
+    row = "  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}"
+    rows, links = ([text.format(i=i) for i in range(1, joints + 1)] for text in (row, _LINK))
+    return rows, links, ""
+
+
+def _spatial(arm: Sequence[tuple[str, str, str, str] | None]) -> tuple[list[str], list[str], str]:
+    """Rows, links and numbers of lengths of a typical arm; the bodies grow lighter towards the hand."""
+    rows, links, numbers = [], [], ""
+    for i, row in enumerate(arm, 1):
+        theta, d, a, alpha = row or ("", "0", "0", "0")
+        kind, own = ("revolute", f"theta: q{i}{theta}, d: {d}") if row else ("prismatic", f"theta: 0, d: q{i}")
+        rows.append(
+            f"  - {{type: {kind}, q: q{i}, {own}, a: {a}, alpha: {alpha}{'' if row else ', limits: [0, 0.3]'}}}"
+        )
+        numbers += "".join(f"  {name}: {_LENGTHS[name]}\n" for name in (d, a) if name != "0")
+        mass = max(12 - 2 * i, 1)
+        links.append(_BODY.format(mass=mass, com=_half_way(d, a, alpha), inertia=mass / 100))
+    return rows, links, numbers
+
+
+def _half_way(d: str, a: str, alpha: str) -> str:
+    """Where the middle of a link lies in its own frame, at its end: -a/2 along x, or -d/2 along the z of the joint."""
+    if a != "0":
+        return f"[-{a}/2, 0, 0]"
+    along = {"pi/2": f"[0, -{d}/2, 0]", "-pi/2": f"[0, {d}/2, 0]"}
+    return "[0, 0, 0]" if d == "0" else along.get(alpha, f"[0, 0, -{d}/2]")
 
 
 def copied_robot_text(name: str, model: str) -> str:

@@ -5,17 +5,18 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from derive.cli.terminal import magnification, progress
+from derive.cli.options import add_shared
+from derive.cli.terminal import magnification, print_json, progress
 
 DESCRIPTION = """\
-Draw the arm with its joints, links, Denavit-Hartenberg frames and lengths, for instance
-
-  derive plot scara-perugia -q 0.5,0.6,0.3,0 -o scara.pdf
-  derive plot puma560-corke --workspace -o reach.png
+Draw the arm with its joints, links, Denavit-Hartenberg frames and lengths.
 
 --workspace draws the true boundary, from critical curves and joint limits, and what is reached in every orientation.
-Without -q, the configuration of the robot file's block figure is drawn, or the zero configuration. Symbols without a
-number are drawn with a length that is reported. Values that begin with a minus sign are written -q=-90,45.
+Without --at, the configuration of the robot file's block figure is drawn, or the zero configuration. Symbols without a
+number are drawn with a length that is reported.
+
+  derive plot scara-perugia --at 0.5,0.6,0.3,0 -o scara.pdf
+  derive plot puma560-corke --workspace -o reach.png
 """
 
 
@@ -26,11 +27,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     add = parser.add_argument
-    add("robot", metavar="ROBOT", help="robot file or catalogue name")
-    add("-o", "--out", metavar="FILE", type=Path, required=True, help="figure to write: .pdf, .svg or .png")
-    add("-q", metavar="V1,V2,...", help="joint values, in the units of the robot file (default rad and m)")
+    add_shared(parser, "robot")
+    add_shared(parser, "out", type=Path, required=True, help="figure to write: .pdf, .svg or .png")
+    add_shared(parser, "at", help="joint values, in the units of the robot file (default rad and m)")
     add("--workspace", action="store_true", help="draw where the end effector reaches, and its size")
     add("--size", metavar="FACTOR", type=magnification, default=1.0, help="enlarge the figure (default 1)")
+    add_shared(parser, "force", "quiet", "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -44,14 +46,12 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.plot import plot
 
-    with progress(1, quiet=False) as tell:
-        result = plot(
-            arguments.robot,
-            arguments.out,
-            q=None if arguments.q is None else arguments.q.split(","),
-            workspace=arguments.workspace,
-            size=arguments.size,
-            progress=tell,
-        )
-    print(f"{arguments.out}: {result.remarks}")
+    with progress(1, quiet=arguments.quiet or arguments.json) as tell:
+        how = {name: getattr(arguments, name) for name in ("workspace", "size", "force")}
+        q = ",".join(arguments.at).split(",") if arguments.at else None
+        result = plot(arguments.robot, arguments.out, q=q, **how, progress=tell)
+    if arguments.json:
+        print_json({"robot": result.robot, "file": str(result.path), "report": result.remarks})
+    elif not arguments.quiet:
+        print(f"{result.path}: {result.remarks}")
     return 0

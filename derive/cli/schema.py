@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import argparse
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import print_json
 
 DESCRIPTION = """\
 Print the JSON Schema of the robot file, or of the motion plan, which lets an editor complete and check it while you
 type.
+
+  derive schema > robot.schema.json
+  derive schema --plan > plan.schema.json
 """
 
 
@@ -19,6 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     parser.add_argument("--plan", action="store_true", help="of the motion plan that derive move reads")
+    add_shared(parser, "json")
 
 
 def run(arguments: argparse.Namespace) -> int:

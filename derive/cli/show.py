@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import digit_count, print_columns, print_json
 from derive.errors import QuantityError, near_miss, quoted
 from derive.robot.rounding import DIGITS, number_text
@@ -21,36 +22,30 @@ if TYPE_CHECKING:
     from derive.robot.robot import Robot
 
 DESCRIPTION = """\
-Print quantities of a robot in the lecture form, for instance
-
-  derive show scara-perugia T 'A[2]' J B 'christoffel[1,1,2]' C g tau
+Print quantities of a robot in the lecture form.
 
 Indices count from 1; further indices pick an entry: 'B[1,2]', 'T[][1,4]'. A matrix is printed as a grid where it
 fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed. Names of books are
-understood too: M, 'mass matrix', T06, 'det(J)', coriolis.
+understood too: M, 'mass matrix', T06, 'det(J)', coriolis. In Python they are attributes of derive.Model: model.M.
 
-'inverse' prints the inverse kinematics as textbooks derive it, for the task of the file or of --task:
+'inverse' prints the inverse kinematics as textbooks derive it, for the task of the file or of --task.
+With --at it prints numbers; symbols without a number stay.
 
+  derive show scara-perugia T 'A[2]' J B 'christoffel[1,1,2]' C g tau
   derive show planar-2r-perugia inverse --task x,y
-
-With --at it prints numbers; symbols without a number stay:
-
   derive show puma560-corke T J --at '0, 45, 0, 0, 90, 0'
   derive show scara-perugia Cqd --at '0, pi/4, 0.1, 0, a1=0.4' --rates '1, 0, 0, 0'
 """
 FORMATS = ("text", "latex", "python", "json")
 EXACT_FORMATS = ("python", "json")
+FLOAT_DIGITS = 17
+"""Digits of a number beside a symbol in these formats, at a point: they tell any two floats apart."""
+
 CONTRACTIONS = ("aligned", "opposed")
 ABBREVIATIONS = ("christoffel", "coefficients")
 
 WIDTH = 120
 """Widest grid; fixed, so that a page of documentation shows what a user gets."""
-
-DESCRIBED = {
-    "workspace": "where the arm reaches, in formulas, if no joint has limits",
-    "aspects": "sets of configurations without a singularity; whether the arm is cuspidal",
-}
-"""What is described by sentences, and is no quantity of the model."""
 
 COMMENTS = {"text": "#", "latex": "%", "python": "#"}
 """How a remark begins in each form."""
@@ -66,18 +61,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     add = parser.add_argument
-    add("robot", metavar="ROBOT", help="robot file or catalogue name")
+    add_shared(parser, "robot")
     add("quantities", metavar="QUANTITY", nargs="*", help="such as T, 'A[2]', B (default: list them)")
-    add("--format", choices=FORMATS, default="text", help="form of the output (default text)")
+    add_shared(parser, "format", choices=FORMATS, default="text", help=f"{', '.join(FORMATS)} (default text)")
+    add_shared(parser, "json", help="the same as --format json")
     grouped = "how expressions are grouped: compact, by-geometry, expanded, or options as in a robot file, such as "
-    add("--style", help=grouped + "'compact, gravity: body' (default: as the robot file says)")
+    add_shared(parser, "style", help=grouped + "'compact, gravity: body' (default: as the robot file says)")
     add("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)")
     short = "short names for Christoffel symbols or for constants, with their definitions (B, C, N, Bdot, g, tau)"
     add("--abbreviate", choices=ABBREVIATIONS, help=short)
-    add("--task", metavar="ROWS", help="task of the inverse kinematics: pose, position, or rows such as x,y,phi")
+    add_shared(parser, "task", help="task of inverse kinematics and singularities: pose, position, or rows (x,y,phi)")
     add("--given", metavar="JOINTS", help="joints that the inverse kinematics is given, such as q3")
     point = "joint values in the order of the table and in the units of the robot file, and name=value of anything else"
-    add("--at", action="append", default=[], metavar="V1,V2,...", help=point)
+    add_shared(parser, "at", help=point)
     add("--rates", metavar="V1,V2,...", help="joint velocities, in the units of the robot file per second")
     add("--accelerations", metavar="V1,V2,...", help="joint accelerations, likewise")
     precision = parser.add_mutually_exclusive_group()
@@ -97,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.robots import load
 
-    form = arguments.format
+    form = arguments.format = "json" if arguments.json else arguments.format
     if arguments.digits and form in EXACT_FORMATS:
         raise QuantityError(f"--digits with --format {form}", allowed="text and latex; Python and JSON have all digits")
     robot = _asked(load(arguments.robot, remarks_on_bodies=False), arguments)
@@ -106,6 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         _list(robot, form)
         return 0
     from derive.model.model import Model
+    from derive.model.quantities import DESCRIBED
 
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
     shown = _derived(model, arguments, with_numbers=with_numbers)
@@ -124,10 +121,10 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"{COMMENTS[form]} {remark}")
     if loses and form in ("text", "latex"):
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
-    blocks = [_derivation(robot, form, value, digits) or _lines(form, name, value, printer) for name, value in shown]
-    if form == "text" and not with_numbers and arguments.abbreviate is None:
-        for (name, _), lines in zip(shown, blocks, strict=True):
-            lines += _zeros(model, name, printer) if name not in DESCRIBED else []
+    blocks = [
+        _derivation(robot, form, name, value, digits, printer) or _lines(form, name, value, printer)
+        for name, value in shown
+    ]
     print("\n\n".join(map("\n".join, blocks)))
     return 0
 
@@ -135,6 +132,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool) -> list[tuple[str, Any]]:
     """The quantities with their names; of dynamics it is told, too, which links no body can be."""
     from derive.api.robots import tell
+    from derive.model.quantities import DESCRIBED
     from derive.model.quantity_names import parse
 
     shown: list[tuple[str, Any]] = []
@@ -145,13 +143,16 @@ def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool)
                 raise QuantityError(f"{option} with {name}", remedy=f"ask for {name} without {option}")
             if name == "aspects" and arguments.format in ("latex", "python"):
                 raise QuantityError(f"--format {arguments.format} with {name}", allowed="text and json")
-            shown.append((name, getattr(model, name)))
+            shown.append((name, model.quantity(name)))
             continue
         if close := near_miss(name, DESCRIBED):
             raise QuantityError(f"quantity {quoted(name)}", remedy=close)
-        if parse(model, name)[0].dynamic:
+        quantity = parse(model, name)[0]
+        if quantity.dynamic:
             tell(remark for remark in model.robot.remarks if remark.is_of_bodies)
-        if arguments.abbreviate is None:
+        if quantity.name == "singularities" and not with_numbers:
+            shown.append((name, model.singularities))
+        elif arguments.abbreviate is None:
             shown.append((name, model.quantity(name)))
         else:
             value, definitions = model.abbreviated(name, by=arguments.abbreviate)
@@ -177,52 +178,35 @@ def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:
 
 def _wanted(model: Model, arguments: argparse.Namespace) -> list[str]:
     """Names of the quantities; a task or given joints are refused where none of them depends on these."""
+    from derive.model.quantities import DESCRIBED
     from derive.model.quantity_names import parse
 
     option = "--task" if arguments.task is not None else "--given" if arguments.given is not None else ""
+    serve = ("inverse", "singularities") if arguments.task is not None else ("inverse",)
     names = [name for name in arguments.quantities if option and name not in DESCRIBED]
-    if names and len(names) == len(arguments.quantities) and all(parse(model, n)[0].name != "inverse" for n in names):
-        raise QuantityError(f"{option} with {names[0]}", allowed="allowed: with inverse, workspace and aspects")
+    if names and len(names) == len(arguments.quantities) and all(parse(model, n)[0].name not in serve for n in names):
+        allowed = f"allowed: with {', '.join(serve)}, workspace and aspects"
+        raise QuantityError(f"{option} with {names[0]}", allowed=allowed)
     return arguments.quantities or _usual(model.robot, arguments)
 
 
-def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
-    """Where the determinant that decides the rank of J is zero, and what the arm looks like there."""
-    from derive.model.quantities import REGISTRY
-    from derive.model.quantity_names import parse
-    from derive.model.singularities.determinant import Outcome
-
-    if parse(model, name)[0] is not REGISTRY["singularities"]:
+def _derivation(robot: Robot, form: str, name: str, value: Any, digits: int | None, printer: Printer) -> list[str]:
+    """The lines of an inverse kinematics, a workspace, aspects or singularities; none for any other quantity."""
+    if hasattr(value, "free_symbols"):  # an expression or a matrix, and inverse kinematics takes long to import
         return []
-    found = model.singularities
-    if found.outcome is Outcome.EVERYWHERE:
-        return ["  0 in every configuration: the arm is singular everywhere"]
-    if found.outcome is Outcome.NEVER:
-        unless = "" if found.determinant is None or found.determinant.is_number else " unless this is 0"
-        return [f"  no singularity{unless}: it is the same in every configuration"]
-    lines = []
-    for zero in found.conditions:
-        is_plain = zero.expression == zero.variable
-        solved = (
-            f": {printer(zero.variable)} = {' or '.join(map(printer, zero.values))}"
-            if zero.values and not is_plain
-            else ""
-        )
-        lines.append(f"  {printer(zero.expression)} = 0{solved}{f' ({zero.posture.value})' if zero.posture else ''}")
-    return lines
-
-
-def _derivation(robot: Robot, form: str, value: Any, digits: int | None) -> list[str]:
-    """The lines of an inverse kinematics, a workspace or aspects; none for any other quantity."""
     from derive.handouts.notation.aspects import aspects_text
     from derive.handouts.notation.derivation import derivation_lines
     from derive.handouts.notation.notation import Notation
+    from derive.handouts.notation.singularities import singularities_lines
     from derive.handouts.notation.text import TextPrinter
     from derive.handouts.notation.workspace import workspace_lines
     from derive.model.inverse.aspects import Aspects
     from derive.model.inverse.reach import Reach
     from derive.model.inverse.solutions import InverseKinematics
+    from derive.model.singularities.singularities import Singularities
 
+    if isinstance(value, Singularities):
+        return singularities_lines(value, name, form, printer)
     notation = replace(Notation.of(robot), digits=digits)
     if isinstance(value, Reach):
         return workspace_lines(value, form, notation)
@@ -232,13 +216,15 @@ def _derivation(robot: Robot, form: str, value: Any, digits: int | None) -> list
 
 
 def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
-    """A matrix by rows, an inverse kinematics or a workspace, aspects by their parts, a scalar as text."""
+    """A matrix by rows, a scalar as text, everything else by its parts."""
     from derive.handouts.notation.aspects import aspects_parts
     from derive.handouts.notation.derivation import derivation_parts
+    from derive.handouts.notation.singularities import singularities_parts
     from derive.handouts.notation.workspace import workspace_parts
     from derive.model.inverse.aspects import Aspects
     from derive.model.inverse.reach import Reach
     from derive.model.inverse.solutions import InverseKinematics
+    from derive.model.singularities.singularities import Singularities
 
     if isinstance(value, InverseKinematics):
         return derivation_parts(value)
@@ -246,6 +232,8 @@ def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
         return workspace_parts(value)
     if isinstance(value, Aspects):
         return aspects_parts(value)
+    if isinstance(value, Singularities):
+        return singularities_parts(value, printer)
     rows = _entries(value, printer)
     return printer(value) if rows is None else rows
 
@@ -269,10 +257,9 @@ def _put_in(
     given = dict(robot.parameters)
     write = partial(number_text, decimals=True, digits=None)
     words = ", ".join(f"{name} = {to_text(value, write)}" for name, value in point.items() if given.get(name) != value)
-    values = [
-        (name, value.at(point) if hasattr(value, "at") else at_point(value, point, name=name, exact=arguments.exact))
-        for name, value in shown
-    ]
+    digits = FLOAT_DIGITS if arguments.format in EXACT_FORMATS else None
+    put_in = partial(at_point, values=point, exact=arguments.exact, digits=digits)
+    values = [(name, value.at(point) if hasattr(value, "at") else put_in(value, name=name)) for name, value in shown]
     return f"at {words or 'the numbers of the file'} (SI units, rad)", values
 
 
@@ -292,12 +279,12 @@ def _printer(robot: Robot, form: str, digits: int | None, values: list[Any], *, 
         return symbolic.doprint, loses
     writers: dict[str, Callable[[float], Any]] = {"text": f"{{:.{digits}g}}".format, "python": repr, "json": float}
     write = writers[form]
-    return lambda value: write(float(value)) if value.is_Rational else symbolic.doprint(value), loses
+    return lambda value: write(float(value)) if value.is_number else symbolic.doprint(value), loses
 
 
 def _list(robot: Robot, form: str) -> None:
     """The quantities that a robot has, each with its indices and what it is."""
-    from derive.model.quantities import REGISTRY
+    from derive.model.quantities import DESCRIBED, REGISTRY
 
     rows = [(row, row.shape_of(robot)) for row in REGISTRY.values() if row.is_of(robot)]
     if form == "json":

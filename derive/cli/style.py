@@ -5,18 +5,19 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import DONE, FAILED, one_line, print_json
 
 DESCRIPTION = """\
 Print the block `style:` of a robot file with which most of some printed formulas come out as they are printed, and as
 comments which do not, and why. The formulas are those of corpus files (a block `robot:` and a list `expected:`), all of
-one book, or are given one by one, in the shorthand of lecture notes or as LaTeX:
+one book, or are given one by one, in the shorthand of lecture notes or as LaTeX.
+
+Formulas without a sum tell nothing. Exit status 0 found, 1 a formula is wrong, 2 a formula that cannot be read.
 
   derive style notes.yaml
   derive style planar-2r-perugia --example 'B[1,2] = Il2 + ml2*l2**2 + ml2*a1*l2*c2 + kr2*Im2'
   derive style planar-2r-perugia --example 'b_{12} = I_{l2} + m_{l2} l_2^2 + m_{l2} a_1 l_2 c_2 + k_{r2} I_{m2}'
-
-Formulas without a sum tell nothing. Exit status 0 found, 1 a formula is wrong, 2 a formula that cannot be read.
 """
 
 FILES = (".tex", ".yaml", ".yml")
@@ -33,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("sources", metavar="ROBOT_OR_CORPUS", nargs="+", help="corpus files; or a robot file or catalogue name")
     formula = "a printed formula of the robot, 'tau[1] = ...', or a .tex file; repeatable"
     add("--example", metavar="E", action="append", help=formula)
-    add("--json", action="store_true", help="machine-readable output")
+    add_shared(parser, "json")
 
 
 def run(arguments: argparse.Namespace) -> int:

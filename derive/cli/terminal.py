@@ -18,7 +18,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import Any, TextIO
 
 from derive.errors import DeriveError, RobotFileWarning
 
@@ -28,6 +28,9 @@ WRONG_INPUT = 2
 INTERNAL_FAULT = 70
 INTERRUPTED = 130
 BROKEN_PIPE = 141
+
+BOLD, RED, YELLOW = 1, 31, 33
+"""Numbers of colours in terminals (ECMA-48)."""
 
 
 def one_line(text: str) -> str:
@@ -53,8 +56,9 @@ def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> 
     """
     lines = [header, *rows] if header else rows
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        print("  ".join(map(str.ljust, line, widths)).rstrip())
+    for place, line in enumerate(lines):
+        text = "  ".join(map(str.ljust, line, widths)).rstrip()
+        print(coloured(text, BOLD, sys.stdout) if header and place == 0 else text)
 
 
 def print_json(value: Any) -> None:
@@ -63,8 +67,7 @@ def print_json(value: Any) -> None:
     Args:
         value: Dicts, lists, texts, numbers.
     """
-    json.dump(value, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
-    print()
+    print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def explain(error: BaseException) -> tuple[str, int]:
@@ -92,12 +95,24 @@ def explain(error: BaseException) -> tuple[str, int]:
 
 
 def print_error(reason: object) -> None:
-    """Print a message on standard error: one line, whatever it quotes.
+    """Print a message on standard error: one line, whatever it quotes."""
+    print(f"derive: {coloured('error:', RED, sys.stderr)} {one_line(str(reason))}", file=sys.stderr)
 
-    Args:
-        reason: The message.
-    """
-    print(f"derive: error: {one_line(str(reason))}", file=sys.stderr)
+
+def error_dict(error: BaseException, message: str, status: int) -> dict[str, Any]:
+    """An error as plain data: message, exit status and kind; place, and the parts of the message, where it has them."""
+    parts = ("found", "allowed", "remedy")
+    found: dict[str, Any] = {"message": message, "status": status, "kind": type(error).__name__}
+    found |= {name: getattr(error, name) for name in parts if getattr(error, name, "")}
+    if (place := getattr(error, "location", None)) is not None:
+        found |= {"file": place.source, "line": place.line, "column": place.column}
+    return found
+
+
+def coloured(text: str, colour: int, stream: TextIO) -> str:
+    """A text in a colour of the terminal; plain in pipes and where nobody wants colours (no-color.org)."""
+    wanted = (stream.isatty() and os.environ.get("TERM") != "dumb") or os.environ.get("FORCE_COLOR")
+    return f"\x1b[{colour}m{text}\x1b[0m" if wanted and not os.environ.get("NO_COLOR") else text
 
 
 @contextmanager
@@ -118,7 +133,7 @@ def remarks_told(*, strict: bool) -> Iterator[None]:
             usual(message, category, *place, **more)
         elif str(message) not in told:
             told.add(str(message))
-            print(f"derive: remark: {one_line(str(message))}", file=sys.stderr)
+            print(f"derive: {coloured('remark:', YELLOW, sys.stderr)} {one_line(str(message))}", file=sys.stderr)
 
     with warnings.catch_warnings():
         warnings.simplefilter("error" if strict else "always", RobotFileWarning)

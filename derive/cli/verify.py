@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from derive.cli.options import add_shared
 from derive.cli.terminal import one_line, positive, print_columns, print_json
 
 DESCRIPTION = """\
@@ -12,6 +13,9 @@ Import the models in DIR/<robot>/ and compare each function with an independent 
 configurations and parameters. Prints the worst relative error of each function; above 1e-9 it is a failure. Of a robot
 that `derive import` made the bound of its pose error is proven again, against the URDF that its file names; where
 nothing is built yet, that alone.
+
+  derive verify my-arm.yaml
+  derive verify puma560-corke --samples 1000 --seed 7
 """
 
 
@@ -22,11 +26,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     add = parser.add_argument
-    add("robot", metavar="ROBOT", help="robot file or catalogue name")
-    add("--out", metavar="DIR", type=Path, default=Path("generated"), help="parent folder (default: generated)")
+    add_shared(parser, "robot")
+    add_shared(parser, "folder", default=Path("generated"), help="parent folder (default: generated)")
     add("--samples", type=positive, default=24, metavar="N", help="random configurations (default 24)")
     add("--seed", type=int, default=0, metavar="S", help="seed of the random numbers (default 0)")
-    add("--json", action="store_true", help="machine-readable output")
+    add_shared(parser, "quiet", "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -48,18 +52,18 @@ def run(arguments: argparse.Namespace) -> int:
     if imported is not None and imported.found is not None and not folder_of(robot, arguments.out).is_dir():
         if arguments.json:
             print_json({"robot": robot.name, "import": imported.as_dict(), "remarks": robot.remarks_as_dicts})
-        else:
+        elif not arguments.quiet:
             print(one_line(str(imported)))
         return 0
-    if imported is not None and not arguments.json:
+    if imported is not None and not (arguments.json or arguments.quiet):
         print(one_line(str(imported)))
     report = verify(robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
     if arguments.json:
         further = {} if imported is None else {"import": imported.as_dict()}
         print_json(report.as_dict() | further | {"remarks": robot.remarks_as_dicts})
-        return 0
-    rows = [(row.target, row.function, str(row.samples), f"{row.worst:.1e}") for row in report.rows]
-    print_columns(rows, ("target", "function", "samples", "worst error"))
-    for reason in report.reasons:
-        print(reason)
+    elif not arguments.quiet:
+        rows = [(row.target, row.function, str(row.samples), f"{row.worst:.1e}") for row in report.rows]
+        print_columns(rows, ("target", "function", "samples", "worst error"))
+        for reason in report.reasons:
+            print(reason)
     return 0

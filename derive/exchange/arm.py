@@ -16,8 +16,22 @@ from math import pi
 from flint import arb
 
 from derive.errors import RobotFileError, near_miss, quoted
-from derive.exchange.space import NOTHING, WORLD, Frame, Line, Point, Real, length, plus, real, times, unit, vector
-from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Urdf, UrdfJoint
+from derive.exchange.space import (
+    NOTHING,
+    WORLD,
+    Frame,
+    Line,
+    Point,
+    Real,
+    exactly,
+    length,
+    plus,
+    real,
+    times,
+    unit,
+    vector,
+)
+from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Triple, Urdf, UrdfJoint
 from derive.mechanics.vectors import cross
 from derive.robot.size_limits import FILE_LIMITS
 
@@ -114,19 +128,27 @@ class Arm:
         return tuple(sum(steps[k:]) + sum(slides[k:]) for k in range(len(steps)))
 
 
-def snapped(angle: Fraction, snap: Fraction) -> Real:
-    """An angle, or the fraction of pi that it was meant for.
-
-    Args:
-        angle: As written [rad].
-        snap: Largest difference [rad].
-    """
-    value = real(angle)
+def _snapped(angle: Real, snap: Fraction) -> Real:
+    """An angle, or the fraction of pi that it was meant for [rad]."""
     for fraction in FRACTIONS:
         near = arb.pi() * round(float(angle) * fraction / pi) / fraction
-        if abs(value - near) <= real(snap):
+        if abs(angle - near) <= real(snap):
             return near
-    return value
+    return angle
+
+
+def snapped(rpy: Triple, snap: Fraction) -> Point:
+    """Roll, pitch and yaw, or the fractions of pi that they were meant for.
+
+    Args:
+        rpy: As written [rad].
+        snap: Largest difference [rad].
+    """
+    roll, pitch, yaw = (_snapped(real(angle), snap) for angle in rpy)
+    if abs(abs(pitch) - arb.pi() / 2) < NOTHING:  # roll and yaw are about one axis
+        sign = 1 if pitch > 0 else -1
+        roll = _snapped(roll - sign * yaw, snap) + sign * yaw
+    return (roll, pitch, yaw)
 
 
 def frame_at(origin: Origin, snap: Fraction) -> Frame:
@@ -136,7 +158,7 @@ def frame_at(origin: Origin, snap: Fraction) -> Frame:
         origin: As in the file.
         snap: See `snapped`.
     """
-    (cr, sr), (cp, sp), (cy, sy) = (_turn(snapped(angle, snap)) for angle in origin.rpy)
+    (cr, sr), (cp, sp), (cy, sy) = map(_turn, snapped(origin.rpy, snap))
     x = (cy * cp, sy * cp, -sp)
     y = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
     z = (cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr)
@@ -231,7 +253,8 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
         found = f"{urdf.source}: no joints lead from {quoted(start)} to {quoted(end)}"
         raise RobotFileError(found, remedy="choose links of one tree")
     steps = [*((joint, True) for joint in up), *((joint, False) for joint in reversed(down))]
-    return _placed_chain(urdf, carrying, (start, end), steps, snap)
+    with exactly(len(urdf.joints)):
+        return _placed_chain(urdf, carrying, (start, end), steps, snap)
 
 
 def joints_between(urdf: Urdf, one: str, other: str) -> list[UrdfJoint]:
@@ -351,7 +374,8 @@ class _Tree:
 
 def _changes(joint: UrdfJoint, snap: Fraction) -> list[float]:
     """How far the angles and the direction of a joint are changed, where they are [rad]."""
-    turned = [float(abs(snapped(angle, snap) - real(angle))) for angle in joint.origin.rpy if angle]
+    pairs = zip(snapped(joint.origin.rpy, snap), joint.origin.rpy, strict=True)
+    turned = [float(abs(angle - real(written))) for angle, written in pairs if written]
     if joint.type in MOVING:
         turned.append(float(length(cross(unit(vector(joint.axis)), _direction(joint, snap))).abs_upper()))
     return [change for change in turned if change > NOTHING]

@@ -7,14 +7,13 @@ Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions, which a
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 from flint import arb
 
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
-from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times
+from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import Convention, Inertia, Joint, Link, Motor
@@ -53,6 +52,33 @@ class Body:
         xx, yy, zz, xy, xz, yz = moments(link.inertia)
         com = (ball(link.com[0]), ball(link.com[1]), ball(link.com[2]))
         return cls(ball(link.mass), com, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+
+    @classmethod
+    def spinning(cls, axis: Point, inertia: Real) -> Body:
+        """An inertia about an axis, without a mass.
+
+        Args:
+            axis: Unit vector.
+            inertia: [kg m^2].
+        """
+        turned = tuple(times(axis, inertia * component) for component in axis)
+        return cls(arb(0), WORLD.origin, (turned[0], turned[1], turned[2]))
+
+    def settled(self, inside: float) -> Body:
+        """The nearest body that exists and is a little inside of the limit, where rounding has left it beyond.
+
+        Its second moments along its principal axes, (A + B - C)/2 and so on, become at least some part of its largest
+        moment: each adds what it lacks to the moments about both other axes.
+
+        Args:
+            inside: The part.
+        """
+        moments, axes = self.principal
+        lack = np.maximum(inside * moments[2] - moments.sum() / 2 + moments, 0)
+        body = self
+        for axis, own in zip((axes.x, axes.y, axes.z), lack, strict=True):
+            body = body + Body.spinning(axis, arb(float(lack.sum() - own)))
+        return replace(body, mass=self.mass if self.mass > 0 else arb(0))
 
     def moved(self, frame: Frame) -> Body:
         """The same body seen from outside.
@@ -120,8 +146,9 @@ class Body:
     def principal(self) -> tuple[Array, Frame]:
         """Principal moments, rising, in floats [kg m^2], and a frame at the centre of mass along their axes."""
         moments, axes = np.linalg.eigh([[float(entry) for entry in row] for row in self.inertia])
-        x, y, _ = (tuple(map(arb, axis)) for axis in axes.T)
-        return moments, Frame(self.com, x, y, cross(x, y))
+        along, beside, _ = (unit((arb(axis[0]), arb(axis[1]), arb(axis[2]))) for axis in axes.T)
+        across = unit(plus(beside, along, -dot(along, beside)))
+        return moments, Frame(self.com, along, across, cross(along, across))
 
     @property
     def is_possible(self) -> bool:
@@ -174,8 +201,7 @@ class Rotor:
     @property
     def carried(self) -> Body:
         """What it adds to the link that carries it, with its inertia about its axis."""
-        turned = tuple(times(self.axis, self.inertia * self.axis[i]) for i in range(3))
-        return replace(self.body, inertia=(turned[0], turned[1], turned[2]))
+        return self.body + Body.spinning(self.axis, self.inertia)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +213,7 @@ class Segment:
         link: As in the robot file, of numbers.
         origin: Frame of the link in that of the one before, at zero.
         dh: Its DH frame in this frame.
-        body: What it weighs in its DH frame, without rotors; None without dynamics.
+        body: What it weighs in its DH frame, as `body_chain` makes it without rotors; None without dynamics.
         rotor: That of this joint.
         end: Where the next joint or the tip is.
     """
@@ -216,22 +242,6 @@ class BodyChain:
     base: Frame
     segments: tuple[Segment, ...]
     tool: Frame
-
-    def body(self, i: int, *, spinning: Collection[int] = ()) -> Body | None:
-        """A link with the rotor that it carries, in its DH frame.
-
-        Args:
-            i: From 0.
-            spinning: Joints whose rotors' inertia is said in another way.
-        """
-        segment = self.segments[i]
-        if segment.body is None or i + 1 == len(self.segments):
-            return segment.body
-        rotor = self.segments[i + 1].rotor
-        if rotor is None:
-            return segment.body
-        carried = rotor.body if i + 1 in spinning else rotor.carried
-        return segment.body + carried.moved(WORLD.seen_from(segment.dh))
 
     @property
     def size(self) -> float:

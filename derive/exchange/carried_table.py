@@ -25,13 +25,13 @@ SAME = 1e-9
 """Poses that differ by less are the same: a URDF's numbers have 17 digits [m, rad]."""
 
 
-def carried_table(urdf: Urdf, arm: Arm, convention: Convention) -> Robot | None:
+def carried_table(urdf: Urdf, arm: Arm, convention: Convention | None) -> Robot | None:
     """The table that a URDF carries.
 
     Args:
         urdf: The file.
         arm: The chain that a table is asked for, without any rounding.
-        convention: Of the table that is asked for.
+        convention: Of the table that is asked for; None for its own.
 
     Returns:
         A robot of numbers; None where there is none, it is of the other convention, or it is not this arm's.
@@ -40,8 +40,8 @@ def carried_table(urdf: Urdf, arm: Arm, convention: Convention) -> Robot | None:
         return None
     try:
         table = Robot.from_text(urdf.table, f"{urdf.source}, dh_table")
-        kinds = [(joint.is_revolute, joint.variable) for joint in table.joints]
-        if table.convention is not convention or kinds != [(a.is_revolute, a.joint.name) for a in arm.axes]:
+        kinds = [(joint.is_revolute, joint.label) for joint in table.joints]
+        if convention not in (None, table.convention) or kinds != [(a.is_revolute, a.joint.name) for a in arm.axes]:
             return None
         certificate = certify(arm, table)
     except DeriveError:
@@ -98,7 +98,7 @@ def with_table(robot: Description, table: Robot) -> Description:
     Returns:
         The robot, whose links are without the rotors.
     """
-    cells = ("variable", "sign", "theta", "d", "a", "alpha")
+    cells = ("variable", "name", "sign", "theta", "d", "a", "alpha")
     joints = tuple(
         replace(joint, limits=_limits(joint, row), **{cell: getattr(row, cell) for cell in cells})
         for joint, row in zip(robot.joints, table.joints, strict=True)

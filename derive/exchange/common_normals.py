@@ -298,6 +298,8 @@ def _angle(a: Point, b: Point, about: Point) -> Real:
 
 def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool, loose: float) -> list[_Candidate]:
     """The frames whose table has the fewest numbers (Viterbi)."""
+    if not all(candidates):
+        raise _lost(arm)
     costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
     back: list[np.ndarray] = []
     for behind, (column, following) in zip(range(len(candidates) - 1, 0, -1), pairwise(candidates), strict=True):
@@ -310,13 +312,18 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
     costs = costs + np.array([_frame_cost(c.frame, arm.end) for c in candidates[-1]])
     at = int(costs.argmin())
     if not np.isfinite(costs[at]):  # two lines have a common normal, but floats may not tell where
-        away = max(arm.axes, key=lambda axis: float(length(axis.line.point)))
-        found = f"joint {quoted(away.joint.name)}: so far from others that floats lose where these are"
-        raise RobotFileError(found, remedy="correct the lengths", location=away.joint.location)
+        raise _lost(arm)
     chosen = [at]
     for choice in reversed(back):
         chosen.append(int(choice[chosen[-1]]))
     return [column[k] for column, k in zip(candidates, reversed(chosen), strict=True)]
+
+
+def _lost(arm: Arm) -> RobotFileError:
+    """What to raise where lengths of an arm have no numbers in common."""
+    away = max(arm.axes, key=lambda axis: float(length(axis.line.point)))
+    found = f"joint {quoted(away.joint.name)}: so far from others that floats lose where these are"
+    return RobotFileError(found, remedy="correct the lengths", location=away.joint.location)
 
 
 def _frame_cost(outer: Frame, inner: Frame) -> float:

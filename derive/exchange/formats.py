@@ -9,10 +9,11 @@ from functools import partial
 from types import MappingProxyType
 
 from derive.errors import DeriveError, near_miss, quoted
-from derive.exchange.body_chain import BodyChain, Segment, body_chain, given
+from derive.exchange.body_chain import BodyChain, Rotor, Segment, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.possible import wants_possible, with_chosen_bodies
+from derive.exchange.rotors import lost_coupling, with_rotors
 from derive.exchange.scripts import csv_text, script_text
 from derive.exchange.space import NOTHING, exactly
 from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, written_bodies
@@ -64,6 +65,7 @@ class Form:
         remarks: What else its program takes otherwise of an arm, as sentences.
         reverses: Whether all that its program computes is right where a variable counts against its axis.
         has_rotors: Whether rotors are bodies of their own.
+        says: Whether it says how a rotor turns, else than by links and armature; None for a format that never does.
     """
 
     program: str
@@ -72,6 +74,7 @@ class Form:
     remarks: Callable[[BodyChain], Iterable[str]] = lambda arm: ()
     reverses: bool = True
     has_rotors: bool = False
+    says: Callable[[Rotor], bool] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,22 +111,27 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
         )
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
     form = FORMS[to]
-    numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia)
+    numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
         arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
-        remarks = (*changes, *_remarks(arm, form, reversed_joints))
+        written = arm
+        if not form.has_rotors:
+            written, changes = with_rotors(arm, form.says, inertia)
+        remarks = (*changes, *_remarks(arm, written, form, reversed_joints))
         head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
-        text = form.write(arm, [re.sub("-(?=-)", "- ", line) for line in head])
+        text = form.write(written, [re.sub("-(?=-)", "- ", line) for line in head])
     return Exported(text, remarks)
 
 
-def _remarks(arm: BodyChain, form: Form, reversed_joints: Sequence[str]) -> Iterator[str]:
+def _remarks(arm: BodyChain, written: BodyChain, form: Form, reversed_joints: Sequence[str]) -> Iterator[str]:
     """What is not in the file, as sentences."""
     for key in form.lacks:
         words, has = GIVEN[key]
-        if joints := [segment.joint.variable for segment in arm.segments if has(segment)]:
-            yield f"{form.program} cannot say {words} of {', '.join(joints)}"
+        if joints := [segment.joint.variable for segment in written.segments if has(segment)]:
+            lost = lost_coupling(arm.robot, written, form.says) if key == "coupling that varies" and form.says else 0.0
+            size = f"; where accelerations are up to 1, they differ by up to {lost:.2g} without it" if lost else ""
+            yield f"{form.program} cannot say {words} of {', '.join(joints)}{size}"
     rotors = [] if form.has_rotors else [segment.rotor for segment in arm.segments[1:] if segment.rotor is not None]
     if any(abs(part) > NOTHING for rotor in rotors for part in (rotor.body.mass, rotor.inertia)):
         yield "rotors are part of the links that carry them, as far as they do not spin"
@@ -132,7 +140,10 @@ def _remarks(arm: BodyChain, form: Form, reversed_joints: Sequence[str]) -> Iter
             f"{form.program} takes reversed joints for poses alone: the axes of {', '.join(reversed_joints)} are "
             "turned around, by pi in the alpha on either side"
         )
-    yield from form.remarks(arm)
+    pairs = zip(arm.segments, written.segments, strict=True)
+    if divided := [one.joint.variable for one, other in pairs if one.rotor is not None and other.rotor is None]:
+        yield f"the rotor of {', '.join(divided)} is divided between the links beside the joint, and its armature"
+    yield from form.remarks(written)
 
 
 def _remarks_of_mujoco(arm: BodyChain) -> Iterator[str]:
@@ -186,7 +197,7 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
 FORMS: Mapping[str, Form] = MappingProxyType(
     {
         "urdf": Form("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
-        "mjcf": Form("MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco),
+        "mjcf": Form("MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco, says=coupled_by_tendon),
         "rtb": Form(
             "DHRobot",
             ("speed", "torque", "coupling"),

@@ -50,7 +50,7 @@ class ImportOptions:
     """How an arm of a URDF is wanted.
 
     Attributes:
-        convention: ``standard`` or ``modified``.
+        convention: ``standard`` or ``modified``; None for that of the table that the URDF carries, else standard.
         snap: Angles closer to simple fractions of pi are taken for them [rad].
         name: Of the robot, or what the names of all arms begin with; None for that of the URDF.
         inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
@@ -60,7 +60,7 @@ class ImportOptions:
         folder: Where the robot file will be: it names the URDF from there.
     """
 
-    convention: str = Convention.STANDARD
+    convention: str | None = None
     snap: str | float | Fraction = SNAP
     name: str | None = None
     inertia: str = "given"
@@ -76,7 +76,7 @@ AS_USUAL = ImportOptions()
 class ImportKeywords(TypedDict, total=False):
     """`ImportOptions` as keywords of a function."""
 
-    convention: str
+    convention: str | None
     snap: str | float
     name: str | None
     inertia: str
@@ -157,7 +157,8 @@ def import_urdf(
         RobotFileError: There is no such chain, a joint of it has no place in a table, or poses would move too far.
         DeriveError: An option that does not exist, or no possible bodies.
     """
-    convention, snap = convention_named(options.convention), snap_of(options.snap)
+    convention = None if options.convention is None else convention_named(options.convention)
+    snap = snap_of(options.snap)
     with exactly():
         written = arm_of(urdf, base, tip, Fraction(0))
         if not wants_possible(options.inertia):
@@ -255,13 +256,13 @@ class _Chain:
     Attributes:
         urdf: The file.
         written: The chain with all angles as they are written.
-        convention: Of the tables.
+        convention: Of the tables; None for that of the table which the URDF carries, else standard.
         name: Of the robot; None for that of the URDF.
     """
 
     urdf: Urdf
     written: Arm
-    convention: Convention
+    convention: Convention | None
     name: str | None
 
     def understood(self, snap: Fraction) -> tuple[_Table, list[str]]:
@@ -299,7 +300,7 @@ class _Chain:
     def _table(self, snap: Fraction, cut: CutOff = ()) -> _Table:
         """By common normals; where angles are cut off, all such angles of the robot are read as they were meant."""
         arm = arm_of(as_meant(self.urdf) if cut else self.urdf, self.written.base, self.written.tip, snap)
-        placement = place(arm, self.convention, float(snap))
+        placement = place(arm, self.convention or Convention.STANDARD, float(snap))
         description = self._described(arm, placement, snap)
         meanings = (float(abs(meant(angle) - angle)) for _, angle in cut)
         changes = (*arm.snaps, *placement.turned, *meanings)
@@ -396,6 +397,10 @@ def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
                 yield f"joint {joint.name}: negative {kind} {float(value):g}"
         if not axis.is_revolute and axis.limits is None:
             yield f"joint {joint.name}: a slide without limits, proven for 1 m to either side"
+    for key in ("effort", "velocity"):
+        bounds = [(axis.joint.name, getattr(axis.joint, key)) for axis in arm.axes]
+        if none := [name for name, most in bounds if most is not None and most <= 0]:
+            yield f"joint {', '.join(none)}: {key} of 0 or less is taken as none"
     if arm.held:
         yield f"held at zero: {', '.join(arm.held)}"
     if urdf.unread:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from derive.errors import Location, RobotFileError, TargetError, quoted
-from derive.exchange.urdf import ZEROS, Origin, Urdf, UrdfBody, UrdfJoint
+from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
+from derive.exchange.body_chain import roll_pitch_yaw
+from derive.exchange.space import WORLD, Frame, decimal, exactly, vector
+from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.urdf_grammar import look
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -31,12 +34,17 @@ MOST_DIGITS = 400
 GREATEST = 60
 """Power of ten beyond which a number is no length and no mass; what is as small is zero."""
 
-READ = {
-    "robot": {"link", "joint", "dh_table"},
-    "link": {"inertial"},
-    "joint": {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"},
-}
-"""The elements within each that an arm is made of."""
+VERSIONS = ("1.0", "1.1", "1.2")
+"""Of URDF; a file that says none is of the first."""
+
+ONE = Fraction(1, 10**6)
+"""How far the squared length of a quaternion may be from 1 without a word."""
+
+MOST_ROOTS = 8
+"""Of those that are named."""
+
+ANGLE_DIGITS = 70
+"""Of the roll, pitch and yaw of a quaternion."""
 
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _DECLARATION = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
@@ -68,7 +76,10 @@ def read_urdf(data: bytes, source: str) -> Urdf:
             remedy="give a URDF; a xacro file is read where its name ends with .xacro",
             location=Location(source, root.sourceline or 1),
         )
-    reader = _Reader(source)
+    reader = _Reader(source, root.get("version", VERSIONS[0]))
+    if reader.version not in VERSIONS:
+        found = f"version {quoted(reader.version)} of URDF"
+        raise reader.refused(root, found, 'write version="1.0", or leave it out', f"allowed: {', '.join(VERSIONS)}")
     elements = list(root.iterchildren("link", "joint"))
     if len(elements) > MOST_ELEMENTS:
         found = f"{len(elements)} links and joints"
@@ -91,19 +102,27 @@ def read_urdf(data: bytes, source: str) -> Urdf:
         joints[joint.name] = joint
     if not bodies:
         raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
+    if not root.get("name"):
+        reader.note(root, "a robot without a name, which other programs refuse")
+    unread: Counter[str] = Counter()
+    for element in (root, *elements):
+        look(element, unread, reader.note, reader.refused)
+    notes += (*reader.notes, *_roots(bodies, joints.values()))
     notes += tuple(f"{fault} (line {joint.location.line})" for joint in joints.values() if (fault := joint.fault))
     points = [f"{quoted(name)} (line {body.location.line})" for name, body in bodies.items() if body and body.is_point]
     notes += (f"inertial without inertia, a mass at a point: link {', '.join(points)}",) if points else ()
     table = root.findtext("dh_table", "").strip()
-    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, _unread(root, elements), source, table)
+    kinds = tuple(name for name, _ in unread.most_common())
+    return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, kinds, source, table)
 
 
-def _unread(root: etree._Element, elements: Iterable[etree._Element]) -> tuple[str, ...]:
-    """Names of elements that nothing reads, the most frequent first."""
-    found: Counter[str] = Counter()
-    for parent in (root, *elements):
-        found.update(str(child.tag) for child in parent if child.tag not in READ[parent.tag])
-    return tuple(quoted(name)[1:-1] for name, _ in found.most_common())
+def _roots(links: Iterable[str], joints: Iterable[UrdfJoint]) -> tuple[str, ...]:
+    """What to say of a file with several trees."""
+    carried = {joint.child for joint in joints}
+    roots = [quoted(link) for link in links if link not in carried]
+    said = f"{len(roots)} links hang on no joint: {', '.join(roots[:MOST_ROOTS])}"
+    more = ", ..." if len(roots) > MOST_ROOTS else ""
+    return (f"{said}{more}; other programs refuse such a file",) if len(roots) > 1 else ()
 
 
 def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
@@ -111,8 +130,7 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
     try:
         from lxml import etree
     except ImportError:
-        remedy = "pip install 'derive-robot[exchange]'"
-        raise TargetError("reading URDF needs lxml, which is not installed", remedy=remedy) from None
+        raise TargetError("reading URDF needs lxml, which is not installed", remedy=install_extra("exchange")) from None
     if len(data) > MOST_BYTES:
         found = f"{source} has {len(data)} bytes"
         raise RobotFileError(found, allowed=f"allowed: at most {MOST_BYTES}", remedy="give the URDF without meshes")
@@ -181,9 +199,22 @@ class _Reader:
 
     Attributes:
         source: File name for messages.
+        version: Of URDF.
+        notes: What was read though it is not in order, as sentences.
     """
 
     source: str
+    version: str
+    notes: list[str] = field(default_factory=list)
+
+    def note(self, element: etree._Element, said: str) -> None:
+        """Remark on an element.
+
+        Args:
+            element: Where it was found.
+            said: What.
+        """
+        self.notes.append(f"{said} (line {element.sourceline or 1})")
 
     def place(self, element: etree._Element) -> Location:
         """Where an element is.
@@ -278,8 +309,35 @@ class _Reader:
         child = element.find("origin")
         if child is None:
             return Origin()
-        xyz, rpy = (self.numbers(child, key, 3) or ZEROS for key in ("xyz", "rpy"))
-        return Origin((xyz[0], xyz[1], xyz[2]), (rpy[0], rpy[1], rpy[2]))
+        xyz, rpy = (self.numbers(child, key, 3) for key in ("xyz", "rpy"))
+        x, y, z = xyz or ZEROS
+        if child.get("quat_xyzw") is not None:
+            return Origin((x, y, z), self._angles(child))
+        roll, pitch, yaw = rpy or ZEROS
+        return Origin((x, y, z), (roll, pitch, yaw))
+
+    def _angles(self, origin: etree._Element) -> Triple:
+        """Roll, pitch and yaw of a quaternion, which counts by its direction."""
+        if self.version == VERSIONS[0]:
+            remedy = 'write <robot version="1.1">, or rpy'
+            raise self.refused(origin, "origin: quat_xyzw, which URDF 1.0 does not have", remedy)
+        if origin.get("rpy") is not None:
+            raise self.refused(origin, "origin: both rpy and quat_xyzw", "leave one out")
+        x, y, z, w = self.numbers(origin, "quat_xyzw", 4) or ()
+        square = x * x + y * y + z * z + w * w
+        if not square:
+            raise self.refused(origin, "origin, quat_xyzw: a quaternion of length 0", "write 0 0 0 1 for no rotation")
+        if abs(square - 1) > ONE:
+            self.note(origin, f"a quaternion of length {float(square) ** 0.5:.6g} is taken with length 1")
+        columns = (
+            (w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)),
+            (2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)),
+            (2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z),
+        )
+        with exactly():
+            axes = (vector([entry / square for entry in column]) for column in columns)
+            roll, pitch, yaw = (decimal(angle, ANGLE_DIGITS) for angle in roll_pitch_yaw(Frame(WORLD.origin, *axes)))
+        return roll, pitch, yaw
 
     def body(self, element: etree._Element) -> UrdfBody | None:
         """What a link weighs.
@@ -300,6 +358,9 @@ class _Reader:
         keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
         moments = [self.number(tensor, key) if tensor is not None else None for key in keys]
         entries = tuple(moment or Fraction(0) for moment in moments)
+        missing = [key for key, moment in zip(keys, moments, strict=True) if moment is None]
+        if tensor is not None and missing:
+            self.note(tensor, f"inertia without {', '.join(missing)}, taken as 0")
         return UrdfBody(value, self.origin(inertial), entries, self.place(inertial), tensor is None)
 
     def joint(self, element: etree._Element, links: Mapping[str, object]) -> UrdfJoint:
@@ -319,12 +380,17 @@ class _Reader:
                 raise self.refused(element, found, f'write <{end} link="..."/> with the name of a link')
             ends[end] = link
         axis = element.find("axis")
-        direction = (None if axis is None else self.numbers(axis, "xyz", 3)) or (Fraction(1), Fraction(0), Fraction(0))
+        usual = (Fraction(1), Fraction(0), Fraction(0))
+        direction = usual if axis is None else self.numbers(axis, "xyz", 3) or ZEROS
         limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
         lower, upper, effort, velocity = (
             None if limit is None else self.number(limit, key, infinite=True)
             for key in ("lower", "upper", "effort", "velocity")
         )
+        if kind in ("revolute", "prismatic") and lower is None and upper is None:
+            self.note(
+                element, f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
+            )
         damping, friction = (
             None if dynamics is None else self.number(dynamics, key) for key in ("damping", "friction")
         )

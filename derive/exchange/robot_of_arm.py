@@ -93,7 +93,17 @@ def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
         limits,
         speed,
         torque,
+        "" if (name := joint_name(of_file.name)) == f"q{i}" else name,
     )
+
+
+def joint_name(name: str) -> str:
+    """A joint's name as a robot file may have it: on one line, and not too long.
+
+    Args:
+        name: As in the URDF.
+    """
+    return (name if name.isprintable() else quoted(name, len(name))[1:-1])[: FILE_LIMITS.title_length]
 
 
 def angle(value: Real, snap: Fraction) -> Expression:

@@ -15,7 +15,7 @@ from derive.exchange.numeric import angle_text, text, texts
 from derive.exchange.space import NOTHING, Frame, Real
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO
-from derive.targets.escape import matlab_package
+from derive.targets.escape import matlab_package, matlab_string, one_line
 from derive.targets.templating import render
 
 EARTH, UPWARDS = "0, 0, -9.81", "0; 0; 9.81"
@@ -79,6 +79,8 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
     return {
         **cells,
         "variable": joint.variable,
+        "label": joint.label,
+        "comment": one_line(joint.name),
         "revolute": joint.is_revolute,
         "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
         "limits": _listed(map(ball, joint.limits)) if joint.limits else "",
@@ -88,7 +90,7 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
 
 
 def _body(arm: BodyChain, i: int) -> dict[str, Any] | None:
-    body = arm.body(i)
+    body = arm.segments[i].body
     if body is None:
         return None
     origin = (arb(0), arb(0), arb(0))
@@ -131,10 +133,10 @@ def _parts(arm: BodyChain) -> Iterator[dict[str, Any]]:
         moved = [line.format(row["offset"]) for line in (SPIN if row["revolute"] else SHIFT)] if row["offset"] else None
         beside = (row["d"], "0") if row["revolute"] else ("0", row["theta"])
         if moved and not modified:
-            yield _part(f"offset{i + 1}", f"{row['variable']}-offset", frame=moved, spaced=True)
+            yield _part(f"offset{i + 1}", f"{row['label']}-offset", frame=moved, spaced=True)
         yield _part(
             f"turned{i + 1}" if moved and modified else link,
-            row["variable"],
+            row["label"],
             "revolute" if row["revolute"] else "prismatic",
             cells=", ".join((row["a"], row["alpha"], *beside)),
             order="mdh" if modified else "dh",
@@ -144,7 +146,7 @@ def _parts(arm: BodyChain) -> Iterator[dict[str, Any]]:
             spaced=modified or not moved,
         )
         if moved and modified:
-            yield _part(link, f"{row['variable']}-offset", frame=moved, mass=row["body"])
+            yield _part(link, f"{row['label']}-offset", frame=moved, mass=row["body"])
     if not is_world(arm.tool):
         yield _part("tool", "tool-joint", frame=_matrix(arm.tool), spaced=True)
 
@@ -152,7 +154,7 @@ def _parts(arm: BodyChain) -> Iterator[dict[str, Any]]:
 def _part(body: str, joint: str, type: str = "fixed", **more: Any) -> dict[str, Any]:
     """A body and the joint that it hangs on."""
     nothing = {"frame": None, "flip": False, "limits": "", "mass": None, "spaced": False}
-    return nothing | {"body": body, "joint": joint, "type": type} | more
+    return nothing | {"body": body, "joint": matlab_string(joint), "type": type} | more
 
 
 def csv_text(arm: BodyChain, head: list[str]) -> str:
@@ -179,7 +181,7 @@ def csv_text(arm: BodyChain, head: list[str]) -> str:
 def _csv_row(arm: BodyChain, i: int) -> dict[str, str]:
     """Every number that the robot file gives for a joint and its link."""
     joint, link = arm.segments[i].joint, arm.segments[i].link
-    row = {"convention": arm.robot.convention.value, "joint": joint.variable, "type": joint.type.value}
+    row = {"convention": arm.robot.convention.value, "joint": joint.label, "type": joint.type.value}
     row["sign"] = str(joint.sign)
     cells: dict[str, Any] = {key: getattr(joint, key) for key in ("theta", "d", "a", "alpha")}
     cells |= dict(zip(("lower", "upper"), joint.limits or (None, None), strict=True))

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from derive.errors import DeriveError, TargetError
+from derive.errors import DeriveError, TargetError, install_extra
 
 Array = npt.NDArray[Any]
 
@@ -80,7 +80,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
         from scipy import sparse
     except ImportError:
         found = "finding bodies that exist needs clarabel and SciPy, which are not installed"
-        raise TargetError(found, remedy="pip install 'derive-robot[exchange]'") from None
+        raise TargetError(found, remedy=install_extra("exchange")) from None
     kinds = {
         Cone.NOT_NEGATIVE: clarabel.NonnegativeConeT,
         Cone.LONGEST_FIRST: clarabel.SecondOrderConeT,

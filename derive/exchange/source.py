@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
 
-from derive.errors import Location, RobotFileError, TargetError, quoted
+from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
 from derive.exchange.certificate import Certificate
 from derive.exchange.read_urdf import MOST_BYTES, read_urdf
 from derive.exchange.urdf import Urdf
@@ -160,8 +160,8 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
     try:
         import xacrodoc
     except ImportError:
-        remedy = "pip install 'derive-robot[exchange]'"
-        raise TargetError("reading xacro needs xacrodoc, which is not installed", remedy=remedy) from None
+        found = "reading xacro needs xacrodoc, which is not installed"
+        raise TargetError(found, remedy=install_extra("exchange")) from None
     said = io.StringIO()
     xacrodoc.packages.reset()
     folders = [str(Path(text).resolve()) for text in packages if "=" not in text]

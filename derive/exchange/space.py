@@ -33,9 +33,13 @@ NOTHING = 1e-40
 
 
 @contextmanager
-def exactly() -> Iterator[None]:
-    """Balls of `BITS` bits."""
-    before, ctx.prec = ctx.prec, BITS
+def exactly(steps: int = 0) -> Iterator[None]:
+    """Balls of `BITS` bits, and of one more for each frame in another: a turn makes balls up to sqrt(3) times wider.
+
+    Args:
+        steps: How many frames stand in each other.
+    """
+    before, ctx.prec = ctx.prec, BITS + steps
     try:
         yield
     finally:

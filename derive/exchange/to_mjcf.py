@@ -20,7 +20,7 @@ from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.space import NOTHING, WORLD, Frame, times
 from derive.exchange.to_urdf import THICKNESS, rod
-from derive.robot.body_remarks import ROUNDING
+from derive.targets.escape import xml_text
 from derive.targets.templating import render
 
 DENSITY = 1000
@@ -28,6 +28,9 @@ DENSITY = 1000
 
 LEAST = 1e-15
 """Of masses and principal moments in the file: MuJoCo takes no less [kg, kg m^2]; and what is no distance [m]."""
+
+BESIDE = 2.9
+"""Sum of the cosines of the angles between the axes of two frames that are almost one."""
 
 MOST_JOINTS = 6
 """Of a body in MuJoCo."""
@@ -48,7 +51,6 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     """
     gravity, end = arm.robot.gravity, arm.segments[-1].dh.then(arm.tool)
     radius = THICKNESS * arm.size
-    spinning = _spinning(arm)
     bodies = [_body(arm, written, radius) for written in written_bodies(arm)]
     margins = ["  " * (depth + 2) for depth in range(len(bodies))]
     return render(
@@ -62,7 +64,7 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
         joints=[joint for body in bodies for joint in body["joints"]],
         threads=[body["first"] for body in bodies if body["first"] and body["first"]["thread"]],
         tool={"pos": texts(end.origin), "quat": _turn(end)},
-        rotors=[_tendon(arm, i, rotor) for i, rotor in spinning.items()],
+        rotors=[_tendon(arm, i, s.rotor) for i, s in enumerate(arm.segments) if s.rotor and coupled_by_tendon(s.rotor)],
         radius=f"{radius:.3g}",
         thick=f"{1.4 * radius:.3g}",
         half=f"{1.5 * radius:.3g}",
@@ -76,12 +78,6 @@ def coupled_by_tendon(rotor: Rotor) -> bool:
         rotor: Of a joint.
     """
     return rotor.is_coupled and rotor.drag is not None
-
-
-def _spinning(arm: BodyChain) -> dict[int, Rotor]:
-    """The rotors that are tendons, by joint."""
-    rotors = ((i, segment.rotor) for i, segment in enumerate(arm.segments))
-    return {i: rotor for i, rotor in rotors if rotor is not None and coupled_by_tendon(rotor)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,9 +116,7 @@ def _weights(arm: BodyChain) -> list[Body]:
     A link that MuJoCo would refuse, but that looks the same however a joint beside it turns, such as a point on the
     axis, is weighed with the link beyond: with the next one, or with that before.
     """
-    spinning = _spinning(arm)
-    given = (arm.body(i, spinning=spinning) for i in range(len(arm.segments)))
-    bodies = [body.moved(s.dh) for body, s in zip(given, arm.segments, strict=True) if body is not None]
+    bodies = [s.body.moved(s.dh) for s in arm.segments if s.body is not None]
     joints = range(1, len(bodies))
     for onwards, joint in (*((True, k) for k in joints), *((False, k) for k in reversed(joints))):
         link, beyond = (joint - 1, joint) if onwards else (joint, joint - 1)
@@ -150,7 +144,7 @@ def _turn(frame: Frame) -> str:
 
 def _tendon(arm: BodyChain, i: int, rotor: Rotor) -> dict[str, Any]:
     """The inertia of a rotor along drag[0] qd_1 + ... + ratio qd_i."""
-    names = [segment.joint.variable for segment in arm.segments[: i + 1]]
+    names = [xml_text(segment.joint.label) for segment in arm.segments[: i + 1]]
     factors = [*map(repr, rotor.drag or ()), text(rotor.ratio)]
     coefficients = [(name, factor) for name, factor in zip(names, factors, strict=True) if abs(float(factor)) > 1e-15]
     return {"name": f"rotor_{names[-1]}", "armature": text(rotor.inertia), "joints": coefficients}
@@ -197,7 +191,7 @@ def _joint(arm: BodyChain, i: int, axis: Frame) -> dict[str, Any]:
         "frictionloss": _unless_zero(ball(link.coulomb)),
     }
     return {
-        "name": joint.variable,
+        "name": xml_text(joint.label),
         "type": "hinge" if joint.is_revolute else "slide",
         "options": {key: value for key, value in options.items() if value},
         "force": None if joint.torque is None else text(ball(joint.torque)),
@@ -214,13 +208,17 @@ def is_too_thin(body: Body) -> bool:
 
 
 def _inertial(body: Body) -> dict[str, str]:
-    """Mass, place and tensor; principal moments where those of the entries might be refused for their last digits."""
+    """Mass, place and tensor by its principal moments: MuJoCo does not see that axes are turned by less than 1e-6.
+
+    Neither in a tensor nor in a frame beside that of the body, so that such axes change places.
+    """
     (a, b, c), axes = body.principal
-    slack = float(ROUNDING) * c
-    if not body.is_possible or (body.mass >= LEAST and a > max(LEAST, slack) and a + b > c + slack):
+    if not body.is_possible:
         return {"mass": text(body.mass), "pos": texts(body.com), "fullinertia": texts(body.entries)}
     a, b = max(a, LEAST), max(b, LEAST)
-    moments = (a, b, min(max(c, LEAST), a + b))
+    moments = [a, b, min(max(c, LEAST), a + b)]
+    if axes.x[0] + axes.y[1] + axes.z[2] > BESIDE:
+        moments, axes = [*moments[1:], moments[0]], Frame(axes.origin, axes.y, axes.z, axes.x)
     mass = text(body.mass) if body.mass >= LEAST else repr(LEAST)
     tensor = " ".join(repr(float(moment)) for moment in moments)
     return {"mass": mass, "pos": texts(body.com), "quat": _turn(axes), "diaginertia": tensor}

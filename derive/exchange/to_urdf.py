@@ -12,6 +12,7 @@ from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.space import Frame, Point, length
 from derive.exchange.urdf import SLIDE, UNLIMITED
+from derive.targets.escape import xml_text
 from derive.targets.templating import render
 
 ROOT = "base_link"
@@ -34,12 +35,14 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
     n = len(arm.segments)
     named = [f"link{i}" for i in range(1, n + 1)]
     root = ROOT if is_world(arm.base) else "link0"
-    joints = [] if root == ROOT else [_fixed("base-joint", ROOT, root, arm.base)]
+    taken = {segment.joint.label for segment in arm.segments}
+    base, flange, tool = (name + "_" * (name in taken) for name in ("base-joint", "flange-joint", "tool-joint"))
+    joints = [] if root == ROOT else [_fixed(base, ROOT, root, arm.base)]
     for i, segment in enumerate(arm.segments):
         joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
     last = arm.segments[-1].dh
-    joints.append(_fixed("flange-joint", named[-1], "flange", last))
-    joints.append(_fixed("tool-joint", "flange", TIP, arm.tool))
+    joints.append(_fixed(flange, named[-1], "flange", last))
+    joints.append(_fixed(tool, "flange", TIP, arm.tool))
     radius = THICKNESS * arm.size
     frames: list[dict[str, Any]] = [
         {"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root, "flange", TIP))
@@ -79,7 +82,7 @@ def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
         bounds[key] = str(UNLIMITED) if cell is None else text(ball(cell))
     dynamics = {"damping": text(ball(link.viscous)), "friction": text(ball(link.coulomb))}
     return {
-        "name": joint.variable,
+        "name": xml_text(joint.label),
         "type": kind,
         "parent": parent,
         "child": child,
@@ -92,7 +95,8 @@ def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
 
 def _link(arm: BodyChain, i: int, name: str, radius: float) -> dict[str, Any]:
     """What moves with a joint, in the joint's frame."""
-    segment, body, inertial = arm.segments[i], arm.body(i), None
+    segment, inertial = arm.segments[i], None
+    body = segment.body
     if body is not None:
         body = body.moved(segment.dh)
         entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)

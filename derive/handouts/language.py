@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from derive.errors import TargetError, listed, near_miss, quoted
+from derive.errors import TargetError, install_extra, listed, near_miss, quoted
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,7 @@ def _read(folder: Traversable, code: str, language: str) -> Text:
         from babel.messages.pofile import PoFileError, read_po
         from babel.numbers import get_decimal_symbol
     except ImportError:
-        raise TargetError(
-            f"the language {quoted(language)} needs Babel", remedy="pip install 'derive-robot[handout]'"
-        ) from None
+        raise TargetError(f"the language {quoted(language)} needs Babel", remedy=install_extra("handout")) from None
     try:
         with (folder / f"{code}{_SUFFIX}").open("rb") as file:
             messages = read_po(file, abort_invalid=True)

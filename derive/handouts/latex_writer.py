@@ -40,7 +40,9 @@ _OPEN = "%"
 
 
 _TABLE_FOLLOWS = "\\nopagebreak"
-"""Between a paragraph and the table that it announces."""
+"""Between a paragraph and what it announces."""
+
+_NO_SECTION_BREAK = "\\makeatletter\\global\\@secpenalty=10000 \\makeatother\n"
 
 
 def latex(document: Document, text: Text) -> str:
@@ -64,7 +66,7 @@ def latex(document: Document, text: Text) -> str:
         if is_short and sections:
             sections[-1]["blocks"] = _held(sections[-1]["blocks"])
         sections.append({"title": latex_words(part.title), "blocks": _joined(part.blocks, text), "stays": is_short})
-    return latex_template("document.tex.jinja").render(
+    source = latex_template("document.tex.jinja").render(
         name=document.name,
         version=document.version,
         digest=document.digest,
@@ -77,14 +79,26 @@ def latex(document: Document, text: Text) -> str:
         figure_preamble=PREAMBLE.rstrip(),
         sections=sections,
     )
+    before, display, rest = source.rpartition(_DISPLAY)
+    if _DISPLAY not in before:
+        return source
+    before, _, last_but_one = before.rpartition(_DISPLAY)
+    held = _with_next(_DISPLAY + last_but_one)  # so that no matrix is alone on the last page
+    return f"{before}{_NO_SECTION_BREAK}{held}{display}{rest}"
 
 
 def _held(blocks: list[str]) -> list[str]:
     """A section behind whose last display no page ends, so that a sentence in a section of its own is never alone."""
     before, display, last = "\n".join(blocks).rpartition(_DISPLAY)
-    is_long = "\\\\\n" in last.partition(_DISPLAY_END)[0]
-    held = "" if is_long or not display else "\\postdisplaypenalty=10000 \\interdisplaylinepenalty=10000 "
-    return [f"{before}{held}{display}{last}"]
+    return [before + _with_next(display + last)]
+
+
+def _with_next(source: str) -> str:
+    """A display behind which no page ends, and what follows it; one that is broken itself stays as it is."""
+    display, end, rest = source.partition(_DISPLAY_END)
+    if not end or "\\\\\n" in display:
+        return source
+    return f"\\begingroup\\postdisplaypenalty=10000 \\interdisplaylinepenalty=10000\n{display}{end}\n\\endgroup{rest}"
 
 
 # -- templates
@@ -158,12 +172,17 @@ def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[
     written: list[str] = []
     for block in blocks:
         source = _written(block, text)
+        if not source:  # a result of which only an exercise and a page say more
+            continue
         is_display = source.startswith(_DISPLAY)
         if is_display and not is_open:  # the group ends with the display: a note behind it leaves the paragraph open
             first, rest = source.split(_DISPLAY_END, 1)
             source = f"\\begingroup\\abovedisplayskip=0pt\n{first}{_DISPLAY_END}\n\\endgroup{rest}"
         elif is_open and not is_display:
-            source = f"{_TABLE_FOLLOWS if isinstance(block, Table) else ''}\\par\n{source}"
+            if isinstance(block, Table) and block.long and written:
+                written[-1] = f"\\tableroom\n{written[-1]}"
+            announced = isinstance(block, Table) or (written and written[-1].endswith(f":{_OPEN}"))
+            source = f"{_TABLE_FOLLOWS if announced else ''}\\par\n{source}"
         written.append(source)
         is_open = source.endswith(_OPEN)
     return [*written, "\\par"] if is_open else written
@@ -177,6 +196,7 @@ def _written(block: Block, _: Text) -> str:
         case Rows(lines, landscape):
             return _macro("rows", displays=displays(lines), landscape=landscape)
         case Formula():
+            named = displays(block.named)
             sentences = {
                 "named": latex_words(_("With the abbreviations")),
                 "entries": latex_words(_("the entries are as follows.")),
@@ -184,7 +204,7 @@ def _written(block: Block, _: Text) -> str:
             }
             return _macro(
                 "formula",
-                named=displays(block.named),
+                named=[*named[:-1], *map(_with_next, named[-1:])],
                 rows=[_written(rows, _) for rows in block.rows if rows.lines],
                 omitted=displays(block.omitted),
                 note=latex_words(block.note),

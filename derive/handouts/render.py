@@ -61,6 +61,11 @@ class Addition:
     figure: Callable[[Context], Viewer]
 
 
+def sheet_names(robot: Robot, *, exercise_sheets: bool) -> tuple[str, ...]:
+    """Names of a handout's files, without their endings."""
+    return (f"{robot.name}-exercise", f"{robot.name}-solutions") if exercise_sheets else (robot.name,)
+
+
 def handout_files(
     robot: Robot,
     options: HandoutOptions,
@@ -94,16 +99,13 @@ def handout_files(
     if addition is not None:
         whole = replace(whole, sections=(*whole.sections, addition.section(context)))
     paper = within(whole, options.pages, context.text)
-    sheets: dict[str, Callable[[Document], Document]] = {robot.name: lambda sheet: sheet}
+    makers: list[Callable[[Document], Document]] = [lambda sheet: sheet]
     if exercise_sheets:
-        sheets = {
-            f"{robot.name}-exercise": lambda sheet: exercise(sheet, context.text),
-            f"{robot.name}-solutions": lambda sheet: solutions(sheet, context.text),
-        }
+        makers = [lambda sheet: exercise(sheet, context.text), lambda sheet: solutions(sheet, context.text)]
     files: dict[str, bytes] = {}
     pages: dict[str, int] = {}
     shortened = paper is not whole
-    for name, made_from in sheets.items():
+    for name, made_from in zip(sheet_names(robot, exercise_sheets=exercise_sheets), makers, strict=True):
         tex = latex(made_from(paper), context.text) if {Format.TEX, Format.PDF}.intersection(formats) else ""
         printed: dict[str, bytes] = {}
         if Format.PDF in formats:

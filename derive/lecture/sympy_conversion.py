@@ -116,7 +116,7 @@ def expression_from_sympy(expression: Any) -> Expression:
 
     Args:
         expression: Sums, products, powers with whole or half exponents, sin, cos, tan (and their reciprocals), sqrt,
-            atan2 and sign of symbols, rationals, floats and pi.
+            atan2, sign and absolute values of symbols, rationals, floats and pi.
 
     Returns:
         The tree; subexpressions that SymPy shares are shared in it too.
@@ -153,6 +153,8 @@ def _tree(e: Any, known: dict[Any, Expression]) -> Expression:
         found = multiply(*(_tree(part, known) for part in e.args))
     elif e.is_Pow:
         found = _power(e, known)
+    elif isinstance(e, sympy.Abs):
+        found = Call("sqrt", (power(_tree(e.args[0], known), 2),))
     else:
         name = getattr(e.func, "__name__", "")
         if name not in _PLAIN and name not in _RECIPROCAL:

@@ -15,22 +15,23 @@ from collections.abc import Sequence
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import along_axes, axis, origin, to_child, to_parent
-from derive.mechanics.vectors import S, add, cross, dot, scale
+from derive.mechanics.vectors import S, Vector, add, cross, dot, scale
 
 
-def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S) -> S:
-    """T = qd^T B qd / 2.
+def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S, base: tuple[Vector[S], Vector[S]] | None = None) -> S:
+    """T = qd^T B qd / 2, on a base that stands.
 
     Args:
         chain: The arm, in base parameters or not.
         qd: Joint velocities, n entries.
         half: The scalar 1/2.
+        base: Velocity and angular velocity of frame 0 in its own axes; None where it stands.
 
     Returns:
         The energy [J].
     """
     twice, once = chain.zero, chain.zero
-    velocity = omega = chain.null
+    velocity, omega = base or (chain.null, chain.null)
     for i, (joint, rate) in enumerate(zip(chain.joints, along_axes(chain, qd), strict=True)):
         once = once + joint.coupling * rate * dot(axis(joint), omega)
         twice = twice + joint.armature * (rate * rate)

@@ -224,6 +224,17 @@ def inverse_dynamics(
     Returns:
         B qdd + C qd + g, n entries [N m or N].
     """
+    return torques_and_wrench(chain, qd, qdd, choices, base)[0]
+
+
+def torques_and_wrench(
+    chain: Chain[S],
+    qd: Sequence[S],
+    qdd: Sequence[S],
+    choices: Sequence[FrameChoice] = (),
+    base: LinkMotion[S] | None = None,
+) -> tuple[list[S], Wrench[S]]:
+    """The same, and force and moment (at the origin of frame 0, in its axes) by which the base moves the arm."""
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     motions = link_motions(chain, rates, accelerations, choices, base)
     torques: list[S] = []
@@ -240,7 +251,7 @@ def inverse_dynamics(
         torques.append(torque if joint.sign > 0 else -torque)
         force, moment = wrench_to_parent(joint, (force, moment))
         moment = add(moment, rotor_moment(joint, before.omega, rates[i], accelerations[i]))
-    return torques[::-1]
+    return torques[::-1], (force, moment)
 
 
 def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = False) -> Wrench[S]:

@@ -6,7 +6,7 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache, cached_property
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
 import sympy
 
@@ -16,20 +16,30 @@ from derive.errors import QuantityError
 from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
-from derive.model.inverse.aspects import Aspects, find_aspects
-from derive.model.inverse.in_numbers import parameter_numbers
-from derive.model.inverse.reach import Reach, find_reach
-from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
 from derive.model.kinematics import Kinematics
 from derive.model.long_chain import LongChain
 from derive.model.matrices import columns_matrix, frame_matrix, symbol_roles
-from derive.model.singularities.determinant import Singularities, find_singularities
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction, Style, choice_named
 
+if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of the time in which `derive show` prints T
+    from derive.model.inverse.aspects import Aspects
+    from derive.model.inverse.reach import Reach
+    from derive.model.inverse.solutions import InverseKinematics
+    from derive.model.singularities.singularities import Singularities
+
 STYLELESS = ("domain", "kinematics", "dynamics", "inertia_limit", "christoffel_limit")
 """Attributes of a model that are the same in every style."""
+
+MADE_AGAIN = (
+    *("domain", "kinematics", "form", "_long", "jacobian_columns", "_write"),
+    *("dynamics", "dynamic_form", "standard_set", "base_set", "inverse", "workspace", "aspects"),
+)
+"""Attributes of a model that hold FLINT's polynomials or functions, and are not pickled."""
+
+ITSELF = ("robot", "style", "q", "qd", "qdd", "_view")
+"""Attributes of every model."""
 
 SHORT_ROOT = 4
 """Most terms under the roots of the orientation angles that are worth simplifying."""
@@ -67,6 +77,12 @@ class KinematicModel:
         self.q = tuple(sympy.Symbol(v) for v in variables)
         self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
         self.qdd = tuple(sympy.Symbol(acceleration_name(v)) for v in variables)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The robot and the closed forms that were derived; SymPy compares nested ones of long arms for hours."""
+        is_long = "_long" in vars(self) and self._is_long
+        named = vars(self).items()
+        return {name: value for name, value in named if name in ITSELF or not (is_long or name in MADE_AGAIN)}
 
     def with_style(self, style: Style) -> Self:
         """The same model written in another style; what does not depend on it is not derived again.
@@ -232,7 +248,7 @@ class KinematicModel:
         return sympy.ImmutableMatrix(angles)
 
     def _length(self, *places: tuple[int, int]) -> Expr:
-        """Square root of the sum of squares of two entries of R, simplified where they are short."""
+        """Square root of the sum of squares of two entries of R, simplified where they are short: ``abs(s5)``."""
         plain = sympy.Add(*(self.R[i, j] ** 2 for i, j in places))
         if self._is_long:
             return sympy.sqrt(plain)
@@ -240,7 +256,10 @@ class KinematicModel:
         if sum(map(len, entries)) > SHORT_ROOT:
             return sympy.sqrt(plain)
         square = self.form.kinematic(entries[0] * entries[0] + entries[1] * entries[1])
-        return sympy.sqrt(min(plain, square, key=lambda e: e.count_ops()))
+        shorter = min(plain, square, key=lambda e: e.count_ops())
+        root = sympy.Mul(*(base ** (exponent / 2) for base, exponent in shorter.as_powers_dict().items()))
+        is_square = not shorter.is_number and all(exponent % 2 == 0 for exponent in shorter.as_powers_dict().values())
+        return sympy.Abs(root) if is_square else sympy.sqrt(shorter)
 
     # -- Jacobians
 
@@ -337,14 +356,15 @@ class KinematicModel:
 
         Args:
             rows: Rows of J from 1; by default those that are not zero everywhere if they are as many as the columns,
-                such as 1, 2, 6 of an arm of three joints in the plane, else the first.
+                such as 1, 2, 6 of an arm of three joints in the plane, else the first of two or three joints.
             columns: Columns of J from 1; default all.
 
         Returns:
             The determinant in the lecture form.
 
         Raises:
-            QuantityError: The block is not square, or the arm is too long for a closed form.
+            QuantityError: The block is not square, no rows are named and none are natural, or the arm is too long for
+                a closed form.
         """
         columns = tuple(range(1, self.n + 1)) if columns is None else tuple(columns)
         linear, angular = self.jacobian_columns
@@ -352,6 +372,12 @@ class KinematicModel:
         if rows is None:
             moving = [row for row in range(1, 7) if any(column[row - 1] for column in entries)]
             rows = moving if len(moving) == len(columns) else range(1, min(len(columns), 6) + 1)
+            if len(rows) in (4, 5) and len(moving) > len(rows):
+                raise QuantityError(
+                    f"det J of {self.robot.name}, which moves in {len(moving)} coordinates by {len(rows)} joints",
+                    allowed="allowed: a determinant of named rows",
+                    remedy="ask for singularities, or for a task such as detJ_rows[1,2,3,6]",
+                )
         inside = all(1 <= r <= 6 for r in rows) and all(1 <= c <= self.n for c in columns)
         if len(rows) != len(columns) or not inside:
             raise QuantityError(
@@ -364,26 +390,35 @@ class KinematicModel:
 
     @cached_property
     def singularities(self) -> Singularities:
-        """Where J loses rank: the determinant of a square block, its factors and their zeros.
+        """Where J loses rank: the zeros of the determinant of a task in factors, or of all minors.
 
         With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., Robotics, section
         3.3).
         """
+        from derive.model.singularities.determinant import find_singularities
+
         return find_singularities(self.robot, self.style)
 
     @cached_property
     def inverse(self) -> InverseKinematics:
         """How the joint variables follow from the pose, every branch, for the task of the robot file."""
+        from derive.model.inverse.solutions import inverse_kinematics
+
         return inverse_kinematics(self.robot, self.style)
 
     @cached_property
     def workspace(self) -> Reach:
         """What the arm reaches if no joint has limits, by the square roots of its inverse kinematics."""
+        from derive.model.inverse.reach import find_reach
+
         return find_reach(self.robot, self.style, self.inverse)
 
     @cached_property
     def aspects(self) -> Aspects:
         """The sets of configurations without a singularity, and whether the arm changes posture within one of them."""
+        from derive.model.inverse.aspects import find_aspects
+        from derive.model.inverse.in_numbers import parameter_numbers
+
         numbers = parameter_numbers(self.robot, random.Random(12))
         return find_aspects(
             self.workspace.inverse, self.singularities, {str(symbol): float(x) for symbol, x in numbers.items()}

@@ -8,10 +8,11 @@ from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal
-from derive.model.inverse.solutions import InverseKinematics
 from derive.model.point import at_point
+from derive.model.quantities import DESCRIBED
 from derive.model.quantity_names import evaluate, parse
 from derive.robot.cells import typed_point
+from derive.robot.rounding import DIGITS
 
 
 class Model(DynamicModel):
@@ -59,12 +60,12 @@ class Model(DynamicModel):
             name: As `derive show` takes it, for instance ``T[1,4]`` or ``christoffel[1,1,2]``.
 
         Returns:
-            The matrix or expression.
+            The matrix or expression; of ``workspace`` and ``aspects`` what describes them.
 
         Raises:
             QuantityError: No such quantity or entry.
         """
-        return evaluate(self, name)
+        return getattr(self, name) if name in DESCRIBED else evaluate(self, name)
 
     def at(
         self,
@@ -75,6 +76,7 @@ class Model(DynamicModel):
         qdd: Sequence[float | str] = (),
         values: Mapping[str, float | str] | None = None,
         exact: bool = False,
+        digits: int | None = DIGITS,
     ) -> Expr:
         """A quantity in numbers, as ``derive show --at`` prints it; for many points generated functions are faster.
 
@@ -83,12 +85,14 @@ class Model(DynamicModel):
             q: Joint values, numbers or cells such as ``"pi/4"``, in the units of the robot file.
             qd: Velocities, in these units per second.
             qdd: Accelerations, likewise.
-            values: Numbers by name: parameters [SI units], single joints, rates. Parameters that the file gives a
-                number have it.
+            values: Numbers by name: symbols as under ``parameters:``, single joints, rates. Symbols that the file gives
+                a number have it.
             exact: Whether roots and pi stay what they are.
+            digits: Significant digits of the numbers where symbols stay; None for thirty.
 
         Returns:
-            The matrix or expression; symbols without a number stay. Numbers are rationals of thirty digits.
+            The matrix or expression, its numbers rationals of thirty digits. Symbols without a number stay, and
+            the numbers are then decimals of ``digits``, as ``derive show --at`` prints them.
 
         Raises:
             DeriveError: Not one value per joint, a name that the robot has not, or a value that is no number.
@@ -97,10 +101,10 @@ class Model(DynamicModel):
         orders = [",".join(map(str, order)) for order in (q, qd, qdd)]
         named = [f"{name}={value}" for name, value in (values or {}).items()]
         point = typed_point(self.robot, [*filter(None, orders[:1]), *named], *orders[1:])
-        found = self.quantity(quantity)
-        if isinstance(found, InverseKinematics):
+        found = evaluate(self, quantity)
+        if "inverse" in vars(self) and found is self.inverse:
             return found.at(point)
-        return at_point(found, point, name=quantity, exact=exact)
+        return at_point(found, point, name=quantity, exact=exact, digits=digits)
 
     def equal(self, quantity: str, expression: object) -> bool:
         """Whether an expression equals a scalar quantity identically.

@@ -16,6 +16,7 @@ import sympy
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import Expression
+from derive.robot.rounding import shown
 
 Real = Any
 """A number of mpmath, which comes without types."""
@@ -45,7 +46,12 @@ _FUNCTIONS: Mapping[Any, Callable[..., Real]] = {
 
 
 def at_point(
-    expression: Expr, values: Mapping[str, Expression], *, name: str = "the quantity", exact: bool = False
+    expression: Expr,
+    values: Mapping[str, Expression],
+    *,
+    name: str = "the quantity",
+    exact: bool = False,
+    digits: int | None = None,
 ) -> Expr:
     """An expression or matrix with numbers put in.
 
@@ -54,6 +60,7 @@ def at_point(
         values: Constant expressions by name [SI units, rad].
         name: What it is, for messages.
         exact: Whether roots and pi stay what they are: ``sqrt(2)/2``.
+        digits: Significant digits of the numbers where symbols stay; None for thirty.
 
     Returns:
         The expression; a rational of thirty digits where every symbol has a number, unless it is wanted exactly.
@@ -70,11 +77,25 @@ def at_point(
     with mpmath.workdps(DIGITS):
         try:
             known = {symbol: value_of(value, {}) for symbol, value in put_in.items()}
-            if hasattr(expression, "applyfunc"):
-                return expression.applyfunc(lambda entry: written(value_of(entry, known)))
-            return written(value_of(expression, known))
+            found = _for_each_entry(expression, lambda entry: written(value_of(entry, known)))
         except (ArithmeticError, ValueError):
             raise QuantityError(f"{name} has no finite real value here", remedy="choose another point") from None
+    is_rounded = digits is not None and found.free_symbols
+    return _for_each_entry(found, lambda entry: _rounded(entry, digits)) if is_rounded else found
+
+
+def _for_each_entry(value: Expr, change: Callable[[Expr], Expr]) -> Expr:
+    return value.applyfunc(change) if hasattr(value, "applyfunc") else change(value)
+
+
+def _rounded(e: Expr, digits: int | None) -> Expr:
+    """Numbers in so many digits, as they are shown; exponents stay."""
+    if e.is_Rational:
+        value = shown(Fraction(int(e.p), int(e.q)), decimals=True, digits=digits)
+        return sympy.Rational(value) if isinstance(value, Fraction) else sympy.Float(str(value), digits)
+    if e.is_Pow:
+        return e.func(_rounded(e.base, digits), e.exp)
+    return e.func(*(_rounded(part, digits) for part in e.args)) if e.args else e
 
 
 def value_of(e: Expr, known: dict[Expr, Any]) -> Any:

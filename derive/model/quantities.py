@@ -124,13 +124,15 @@ def _reduced_block(model: DynamicModel) -> Matrix:
 def _rank(model: DynamicModel) -> Expr:
     found = model.singularities
     if found.determinant is None:
-        raise QuantityError(f"singularities of {model.robot.name}: {found.outcome.value}", allowed="shorter arms")
+        what = f"one determinant that decides the rank of the {found.shape[0]}x{found.shape[1]} Jacobian"
+        allowed = "allowed: arms of six joints, or with a task of as many coordinates as joints"
+        raise QuantityError(f"{what} of {model.robot.name}", allowed=allowed, remedy="leave the point out")
     return found.determinant
 
 
 _END = "end effector in the world; T[i] frame i there; T[i,j] frame j in frame i"
-_DETERMINANT = "determinant of J; of fewer than six joints, of the rows that move or the first"
-_DECIDES = "determinant that decides the rank of J, in factors"
+_DETERMINANT = "determinant of J; of fewer than six joints, of the rows that move, or of the position"
+_DECIDES = "where J loses rank: its determinant for a task in factors, or the zeros of all minors"
 _ROWS = "determinant of as many rows of J as joints, such as detJ_rows[1,2,6]"
 _J_11, _J_12 = "rows 1-3, columns 1-3 of J", "rows 1-3, the other columns of J"
 _J_21, _J_22 = "rows 4-6, columns 1-3 of J", "rows 4-6, the other columns of J"
@@ -145,7 +147,7 @@ _KINEMATIC = (
     Quantity("A", r"\mathbf{A}_i^{i-1}", "4x4", "", "DH transform of row i", (1,), function="link_transforms"),
     Quantity(
         "T", r"\mathbf{T}", "4x4", "", _END, (0, 1, 2), _frame,
-        ("fkine", "fk", "forward kinematics", "direct kinematics", "pose", "transform", "H"),
+        ("fkine", "fk", "forward kinematics", "direct kinematics", "pose", "transform", "frame", "H"),
         function="forward_kinematics",
     ),
     Quantity(
@@ -174,12 +176,12 @@ _KINEMATIC = (
     ),
     Quantity(
         "J_rpy", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for roll, pitch, yaw", (0,),
-        lambda m: m.J_analytic("rpy"), ("analytic jacobian", "J_A"),
+        lambda m: m.J_analytic("rpy"), ("analytic jacobian", "J_analytic", "J_A"),
         function="analytic_jacobian_rpy",
     ),
     Quantity(
         "J_zyz", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for Euler ZYZ", (0,),
-        lambda m: m.J_analytic("zyz"), ("analytic jacobian", "J_A"),
+        lambda m: m.J_analytic("zyz"), ("analytic jacobian", "J_analytic", "J_A"),
         function="analytic_jacobian_zyz",
     ),
     Quantity(
@@ -243,7 +245,7 @@ _KINEMATIC = (
     ),
     Quantity(
         "singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank,
-        ("singularity", "singular configurations"), range(2, 7),
+        ("singularity", "singular configurations"), range(2, ANY.stop),
     ),
     Quantity(
         "inverse", r"\mathbf{q}(\mathbf{T})", "nxs", "", _INVERSE,
@@ -257,12 +259,13 @@ _DYNAMIC = (
     Quantity("Jv_motor", r"\mathbf{J}_v^{m_i}", "3xn", "", "velocity of rotor i", (1,)),
     Quantity("Jw_motor", r"\mathbf{J}_w^{m_i}", "3xn", "", "angular velocity of rotor i", (1,)),
     Quantity(
-        "kinetic", r"\mathcal{T}", "", "J", "kinetic energy", (0,), lambda m: m.energy.kinetic, ("kinetic energy", "K"),
+        "kinetic", r"\mathcal{T}", "", "J", "kinetic energy", (0,), lambda m: m.energy.kinetic,
+        ("kinetic energy", "energy", "K"),
         function="kinetic_energy",
     ),
     Quantity(
         "potential", r"\mathcal{U}", "", "J", "potential energy", (0,), lambda m: m.energy.potential,
-        ("potential energy", "U", "P", "V"),
+        ("potential energy", "energy", "U", "P", "V"),
         function="potential_energy",
     ),
     Quantity(
@@ -327,3 +330,9 @@ _DYNAMIC = (
 
 REGISTRY = {quantity.name: quantity for quantity in (*_KINEMATIC, *_DYNAMIC)}
 """Every quantity that can be asked for by name, in the order of lists."""
+
+DESCRIBED = {
+    "workspace": "where the arm reaches, in formulas, if no joint has limits",
+    "aspects": "sets of configurations without a singularity; whether the arm is cuspidal",
+}
+"""What is described by sentences, and has no entries: attributes of the model."""

@@ -11,10 +11,11 @@ from pathlib import Path
 from derive.errors import UnknownRobotError, near_miss, quoted
 from derive.robot.description import Joint
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import names
+from derive.robot.expression import names, number
 from derive.robot.load import file_bytes, is_there
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.robot.units import in_symbol_units
 
 _FOLDER = files("derive.motion") / "plans"
 _SUFFIX = ".yaml"
@@ -91,8 +92,10 @@ def new_plan_text(name: str, robot: Robot, source: str) -> str:
     """
     numbers = parameter_values(robot)
     missing = [symbol for symbol in free_symbols(robot) if symbol not in numbers]
-    chosen = ", ".join(f"{symbol}: {9.81 if symbol == 'g' else 1}" for symbol in missing)
-    values = f"values: {{{chosen}}}   # SI units\n" if missing else ""
+    typed = {symbol: in_symbol_units(robot, symbol, number("9.81" if symbol == "g" else 1)) for symbol in missing}
+    chosen = ", ".join(f"{symbol}: {evaluate(value, {}):.6g}" for symbol, value in typed.items())
+    units = "units of the robot file" if robot.units.parameters else "SI units"
+    values = f"values: {{{chosen}}}   # {units}\n" if missing else ""
     known = {**dict.fromkeys(missing, 1.0), **{symbol: float(value) for symbol, value in numbers.items()}}
     ends = [_stride(robot, joint, known) for joint in robot.joints]
     home, away = (", ".join(f"{value:.6g}" for value in column) for column in zip(*ends, strict=True))

@@ -1,4 +1,4 @@
-"""A motion as generated code: ``motion.h`` and ``motion.c`` in C99, ``motion_casadi.py``; verified, then written.
+"""A motion as generated code: ``motion.h`` and ``motion.c`` in C99, ``motion_casadi.py``; all verified.
 
     NAME_motion(t, q, qd, qdd)          C
     q, qd, qdd = motion(t)              CasADi, differentiable
@@ -26,7 +26,6 @@ from derive.motion.motion import Motion
 from derive.motion.profile import AnyPiece
 from derive.programs.program import joint_lines
 from derive.programs.tape.tape import BRANCHING_NAMES, FUNCTION_NAMES, Op
-from derive.publish.atomic_folder import write_files
 from derive.targets.compiler import Command, compile_shared, find_compiler
 from derive.targets.escape import c_comment, c_prefix, python_docstring, python_string
 from derive.targets.kernel import PYTHON, C, Language, wrapped
@@ -36,7 +35,7 @@ from derive.verification.tolerance import FLOOR, TINY, TOLERANCE, relative_error
 from derive.verification.verify import REMEDY
 from derive.version import __version__
 
-HEADER, CODE, MODULE = "motion.h", "motion.c", "motion_casadi.py"
+FILES = HEADER, CODE, MODULE = "motion.h", "motion.c", "motion_casadi.py"
 
 TIMES = 200
 """Random times at which generated code is compared with Python, beside all at which a piece begins or ends."""
@@ -60,42 +59,38 @@ _CASADI = with_names(PYTHON, _CASADI_NAMES)
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
-    """What was written, and how far it is from Python's values.
+class VerifiedCode:
+    """The files, and how far their values are from Python's.
 
     Attributes:
-        paths: The files.
+        files: Contents by name.
         worst: Largest relative error of position, velocity and acceleration.
         left_out: Files that were not verified since there is no C compiler.
     """
 
-    paths: tuple[Path, ...]
+    files: Mapping[str, bytes]
     worst: float
     left_out: tuple[str, ...]
 
 
-def write_code(motion: Motion, folder: Path, *, name: str | None = None, force: bool = False) -> Written:
-    """Generate the code of a motion, verify it, and write it as a whole or not at all.
+def verified_code(motion: Motion, name: str | None = None) -> VerifiedCode:
+    """Generate the code of a motion and verify it.
 
     Args:
         motion: The motion.
-        folder: Where to; made if there is none.
         name: What stands before ``_motion`` in C; None for the name of the robot.
-        force: Whether to overwrite files that derive did not write.
 
     Returns:
-        What was written.
+        The files that may be written.
 
     Raises:
-        VerificationError: The code differs from Python's values; nothing is written.
-        OutputError: A file is there that derive did not write, or the system refused to write.
+        VerificationError: The code differs from Python's values.
         QuantityError: More pieces than code can hold.
     """
     code = MotionCode(motion, c_prefix(name or motion.plan.robot.name))
     texts, compiler = code.texts, find_compiler()
     worst = verify_code(motion, texts, code.prefix, compiler)
-    paths = write_files({file: text.encode() for file, text in texts.items()}, folder, force=force)
-    return Written(tuple(paths), worst, () if compiler else (CODE,))
+    return VerifiedCode({file: text.encode() for file, text in texts.items()}, worst, () if compiler else (CODE,))
 
 
 @dataclass(frozen=True)
@@ -163,8 +158,9 @@ class MotionCode:
             "docstring_title": python_docstring(title),
             "version": __version__,
             "digest": plan.digest,
-            "joint_lines": tuple(map(c_comment, joint_lines(plan.robot))),
-            "joint_names": ", ".join(python_string(joint.variable) for joint in plan.robot.joints),
+            "joint_lines": joint_lines(plan.robot, c_comment),
+            "docstring_joint_lines": joint_lines(plan.robot, python_docstring),
+            "joint_names": ", ".join(python_string(joint.label) for joint in plan.robot.joints),
             "segments": tuple(
                 f"{c_comment(segment.name)}: {float(segment.start):.6g} s to "
                 f"{float(segment.start + segment.duration):.6g} s"

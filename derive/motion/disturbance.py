@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from derive.errors import listed, near_miss, quoted
+from derive.errors import Location, RobotFileError, listed, near_miss, quoted
 from derive.motion.plan_cells import PlanCells
 from derive.robot.document import Document, KeyPath, YamlMapping
+from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, to_text
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
@@ -83,3 +85,13 @@ def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[
             raise document.error((*path, "end"), text, "allowed: an end after the start, neither below zero")
         found.append(Disturbance(variables.index(name), torque, start, end))
     return tuple(found)
+
+
+def check_starts(
+    disturbances: Iterable[Disturbance], places: Mapping[str, Location], values: Mapping[str, float], duration: float
+) -> None:
+    """Refuse a disturbance that begins when the motion has ended [s]."""
+    for k, each in enumerate(disturbances):
+        if (start := evaluate(each.start, values)) >= duration:
+            found = f"a disturbance from {start:.6g} s on, and the motion ends after {duration:.6g} s"
+            raise RobotFileError(found, remedy="leave it out", location=places[f"disturbance, {k}"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots
@@ -12,6 +13,9 @@ from derive.motion.hermite import Array, Piece, power_coefficients
 from derive.motion.profile import AnyPiece, Cosine, Curve
 
 _U = Symbol("u", real=True)
+
+_KEPT = 256
+"""Peaks that are kept: joints of one motion often move alike, and a table asks for the same ones again."""
 
 _SAMPLES = 2001
 """Times at which formulas are looked at."""
@@ -60,9 +64,14 @@ def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
     Returns:
         The peak; zero at the start where nothing moves.
     """
-    found: Peak | None = None
     if any(isinstance(piece, Piece) and not piece.is_exact for piece in pieces):
         return numeric_peak(pieces, order)
+    return _exact_peak(pieces, order)
+
+
+@lru_cache(_KEPT)
+def _exact_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
+    found: Peak | None = None
     for piece in pieces:
         for candidate in _candidates(piece, order):
             if found is None or abs(float(candidate.value)) > abs(float(found.value)) * (1 + 1e-12):
@@ -88,7 +97,10 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
         np.polyder(power_coefficients(row, piece.k, length), order) / length**order
         for row, piece, length in zip(numbers, polynomials, lengths, strict=True)
     ]
-    found = np.array([[np.polyval(row, u) for u in _PLACES] for row in rows])
+    found = np.zeros((len(rows), len(_PLACES)))
+    for width in {row.size for row in rows}:
+        alike = [i for i, row in enumerate(rows) if row.size == width]
+        found[alike] = np.polyval(np.array([rows[i] for i in alike]).T[:, :, None], np.array(_PLACES))
     at = np.abs(found).argmax(axis=1)
     value, place = found[np.arange(len(rows)), at], np.array(_PLACES)[at]
     for i in np.flatnonzero(np.abs(value) > _NEAR * np.abs(value).max()):
@@ -156,6 +168,9 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
         low, high = times[[max(at - 1, 0)]], times[[min(at + 1, _SAMPLES - 1)]]
         (when,), _ = refined(lambda places: np.abs(piece.sampled(places, order)), low, high)
         yield Peak(Float(float(piece.sampled(np.array([when]), order)[0])), Float(when), False)
+        return
+    if piece.values[0] == piece.values[1] and not any(piece.values[0][1:]):  # it stands
+        yield Peak(Integer(0), piece.start, True)
         return
     derivative = piece.in_unit_time()
     for _ in range(order):

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from derive.errors import QuantityError
+from derive.errors import QuantityError, install_extra
 from derive.motion.hermite import Array, Indices
 from derive.motion.paths import VALUES, Nodes
 from derive.motion.trajectory import Trajectory
@@ -247,8 +247,8 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
         from toppra.algorithm import TOPPRA
         from toppra.constraint import LinearConstraint
     except ImportError:
-        remedy = "pip install 'derive-robot[motion]'"
-        raise QuantityError("the fastest motion needs toppra, which is not installed", remedy=remedy) from None
+        found = "the fastest motion needs toppra, which is not installed"
+        raise QuantityError(found, remedy=install_extra("motion")) from None
     logging.getLogger("toppra").addHandler(logging.NullHandler())
     rows = LinearConstraint()
     rows.identical = True

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from derive.errors import OutputError, TargetError
+from derive.errors import OutputError, TargetError, install_extra, pip_install
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
 from derive.handouts.figure.planar import view_along
@@ -57,7 +57,7 @@ def require_pillow() -> Any:
         TargetError: It is not installed.
     """
     if find_spec("PIL") is None:
-        raise TargetError("films need Pillow, which is not installed", remedy="pip install 'derive-robot[motion]'")
+        raise TargetError("films need Pillow, which is not installed", remedy=install_extra("motion"))
     import PIL
 
     return PIL
@@ -75,7 +75,7 @@ def ffmpeg() -> str:
         import imageio_ffmpeg
 
         return str(imageio_ffmpeg.get_ffmpeg_exe())
-    remedy = "install ffmpeg, or pip install imageio-ffmpeg; --gif needs neither"
+    remedy = f"install ffmpeg, or {pip_install('imageio-ffmpeg')}; --gif needs neither"
     raise TargetError("MP4 needs ffmpeg, which was not found", remedy=remedy)
 
 

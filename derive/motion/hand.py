@@ -7,29 +7,27 @@ from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
 from math import isfinite, nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 from sympy import Expr, Float, Integer, Symbol, sstr
 
 from derive.errors import QuantityError, RobotFileError, quoted
-from derive.model.inverse.postures import postures
-from derive.model.inverse.solve import solve
-from derive.model.kinematic_model import KinematicModel
-from derive.motion.fastest import FastestMotion, Torques
 from derive.motion.functions import Functions
-from derive.motion.hand_spline import spline_way
 from derive.motion.hermite import Array, Piece
 from derive.motion.limits import Limits
 from derive.motion.paths import UNIFORM, grid_of, one_second, smooth_path
-from derive.motion.plan import Plan, Step
-from derive.motion.points import Point, Vector
+from derive.motion.plan import Plan
+from derive.motion.points import Point, Step, Vector
 from derive.motion.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector
 from derive.motion.profile import ZERO
-from derive.motion.singular import vanishing_factor
 from derive.motion.trajectory import ONE, Corner, Joints, Trajectory
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
+
+if TYPE_CHECKING:  # inverse kinematics and closed forms, which take long to import, are for hands that are led
+    from derive.motion.fastest import Torques
 
 MET = 1e-9
 """Largest difference, relative, of both sides of a condition that holds."""
@@ -68,11 +66,7 @@ class Hand:
         return Limits(*bounds)
 
     def exact(self, value: Expression) -> Expr:
-        """A cell with the numbers of its symbols.
-
-        Args:
-            value: The cell.
-        """
+        """A cell with the numbers of its symbols."""
         return self._exact((value,))[0]
 
     @cached_property
@@ -99,7 +93,7 @@ class Hand:
         if point.q is not None:
             return self._exact(point.q)
         start = np.zeros(self._plan.robot.n) if before is None else np.array(before, dtype=float)
-        pose, branches = self._pose(point), self._branches(point) if point.branch else ()
+        pose, branches = self._pose(point), self.branches.get(name, ())
         found = self._functions.nearest(pose, start, branches)
         if not np.isfinite(found).all():
             remedy = f"derive show {self._plan.robot.source} inverse says what a pose must satisfy"
@@ -112,16 +106,31 @@ class Hand:
             raise RobotFileError(found_text, remedy=remedy, location=point.location)
         return tuple(map(Float, found))
 
-    def _branches(self, point: Point) -> tuple[int, ...]:
-        """The solutions whose names have all words of a point's branch."""
+    @cached_property
+    def branches(self) -> Mapping[str, tuple[int, ...]]:
+        """The solutions on which the points are that name a branch.
+
+        Raises:
+            RobotFileError: The arm has no such branch.
+        """
+        return {name: self._branches(point) for name, point in self._plan.points.items() if point.branch}
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        """Of the solutions, where there are several."""
+        from derive.model.inverse.postures import postures
+        from derive.model.inverse.solve import solve
+
         robot = self._plan.robot
         names = postures(robot, solve(robot)).names if self._functions.branches > 1 else ()
-        wanted = _words(point.branch)
-        found = tuple(k for k, name in enumerate(names) if wanted <= _words(name or f"#{k + 1}"))
+        return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
+
+    def _branches(self, point: Point) -> tuple[int, ...]:
+        """The solutions whose names have all words of a point's branch."""
+        robot, names, wanted = self._plan.robot, self._names, _words(point.branch)
+        found = tuple(k for k, name in enumerate(names) if wanted <= _words(name))
         if not found:
-            allowed = (
-                f"allowed: {'; '.join(name or f'#{k + 1}' for k, name in enumerate(names))}; or some of these words"
-            )
+            allowed = f"allowed: {'; '.join(names)}; or some of these words"
             said = f"point {point.name}: no branch {quoted(point.branch)} of {robot.name}"
             if not names:
                 said, allowed = f"{said}, whose solutions have no names", ""
@@ -174,6 +183,8 @@ class Hand:
         else:
             joints = self._followed(step, way, q, float(start), unit)
         self._check_arrival(step, joints)
+        if step.through in self.branches:
+            self._check_branch(step, step.through, joints)
         return joints
 
     def _followed(self, step: Step, way: Way, q: Array, start: float, unit: Trajectory) -> Joints:
@@ -208,6 +219,8 @@ class Hand:
         """
         q = np.array(before, dtype=float)
         local = [time - times[0] for time in times]
+        from derive.motion.hand_spline import spline_way
+
         way = spline_way(local, self._poses(run, q))
         follower = self._follower(run[0])
         for count in NODES:
@@ -223,15 +236,7 @@ class Hand:
         return found
 
     def distances(self, run: Sequence[Step], before: Corner) -> list[float]:
-        """How far the end effector goes from point to point.
-
-        Args:
-            run: Segments.
-            before: Joint variables at their start.
-
-        Returns:
-            Lengths [m], or where it only turns angles [rad].
-        """
+        """How far the end effector goes from point to point [m], or where it only turns [rad]."""
         pairs = list(pairwise(self._poses(run, np.array(before, dtype=float))))
         ways = [float(np.linalg.norm(b[:3, 3] - a[:3, 3])) for a, b in pairs]
         turns = [float(np.linalg.norm(rotation_vector(b[:3, :3] @ a[:3, :3].T))) for a, b in pairs]
@@ -243,6 +248,8 @@ class Hand:
         return [self._functions("forward_kinematics", q), *ends]
 
     def _follower(self, step: Step) -> Follower:
+        from derive.motion.singular import vanishing_factor
+
         rows = sorted({row for word in self._plan.robot.inverse.task for row in ROWS.get(word, ROWS["orientation"])})
         return Follower(
             self._functions, tuple(rows), step.location, partial(vanishing_factor, self._plan.robot, self._values)
@@ -256,6 +263,38 @@ class Hand:
             found = f"the way to {step.to} ends in another posture of the arm than {step.to} has"
             remedy = f"give {step.to} as a pose, or go there by joints"
             raise RobotFileError(found, remedy=remedy, location=step.location)
+        if step.to in self.branches:
+            self._check_branch(step, step.to, joints)
+
+    def _check_branch(self, step: Step, name: str, joints: Joints) -> None:
+        """Where the way comes to a point, the arm is on the branch of that."""
+        tracks = [[piece for piece in track if isinstance(piece, Piece)] for track in joints]
+        rows = [[*(float(piece.values[0][0]) for piece in track), float(track[-1].values[1][0])] for track in tracks]
+        q, point, follower = np.array(rows).T, self._plan.points[name], self._follower(step)
+        off = self._functions("forward_kinematics", q)[:, :3, 3] - self._pose(point)[:3, 3]
+        found = self._branch_at(q[-1 if name == step.to else int((off**2).sum(axis=1).argmin())])
+        if found in self.branches[name]:
+            return
+        nearest = int(np.argmin([follower.regularity(row) for row in q]))
+        factor = follower.factor(q[nearest])
+        said = "outside its limits" if found is None else f"on branch {quoted(self._names[found], 80)}"
+        raise RobotFileError(
+            f"the way to {step.to} comes to {name} {said}, not {quoted(point.branch, 80)}: no singular configuration, "
+            f"where that could change, is on it; nearest to one it is after {nearest / (len(q) - 1):.0%} of it"
+            + (f", by {factor}" if factor else ""),
+            remedy="start the way on that branch, or go there by joints",
+            location=step.location,
+        )
+
+    def _branch_at(self, q: Array) -> int | None:
+        """On which solution the arm is; None where that is outside its limits."""
+        pose = self._functions("forward_kinematics", q)
+        turns = [joint.is_revolute for joint in self._plan.robot.joints]
+        for k in range(len(self._names)):
+            off = self._functions.nearest(pose, q, (k,)) - q
+            if np.abs(np.where(turns, np.sin(off / 2), off)).max() <= ARRIVED:
+                return k
+        return None
 
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
         """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0.
@@ -271,6 +310,8 @@ class Hand:
         Raises:
             RobotFileError: Nothing limits the motion, none keeps to the limits, or toppra is not installed.
         """
+        from derive.motion.fastest import FastestMotion
+
         step = run[0]
         if self._plan.base is not None and any(self._plan.torque):
             remedy = "leave out torque: or base:"
@@ -325,6 +366,8 @@ def why_not(robot: Robot, pose: Array, values: Mapping[str, float]) -> str:
     Returns:
         Words that follow "does not reach it"; nothing where the conditions of the formulas do not say it.
     """
+    from derive.model.kinematic_model import KinematicModel
+
     found = KinematicModel(robot).inverse
     known: dict[Expr, Expr] = {Symbol(name): Float(value) for name, value in values.items()}
     known |= {found.pose[i, j]: Float(pose[i, j]) for i in range(3) for j in range(4)}

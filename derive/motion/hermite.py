@@ -26,6 +26,9 @@ Indices = NDArray[np.intp]
 
 Flags = NDArray[np.bool_]
 
+MOST_PRINTED = 8
+"""Pieces of a joint in a segment that are printed."""
+
 ORDERS = 4
 """Position and its derivatives up to the jerk."""
 
@@ -74,6 +77,8 @@ class Piece:
         start: Time of its first end [s].
         duration: Its length [s], positive.
         values: Position, velocity, ... at the first end, then at the second; as many at both.
+
+    Of many pieces in floats, none of which is printed, these are Python's: SymPy's take a hundred times as long.
     """
 
     start: Expr
@@ -93,7 +98,8 @@ class Piece:
     @property
     def is_exact(self) -> bool:
         """Whether no float is in it."""
-        return not any(value.has(Float) for value in (self.start, self.duration, *self.values[0], *self.values[1]))
+        numbers = (self.start, self.duration, *self.values[0], *self.values[1])
+        return not any(isinstance(value, float) or value.has(Float) for value in numbers)
 
     @property
     def middle(self) -> float:
@@ -110,6 +116,11 @@ class Piece:
             scale = value * self.duration**i / factorial(i)
             total += sum((Rational(c) * scale * u**power for power, c in enumerate(row)), Integer(0))
         return Poly(expand(total), u, domain="EX")
+
+
+def symbolic(value: Expr) -> Expr:
+    """A float of Python's as one of SymPy's, zero as a whole number; anything else as it is."""
+    return (Float(value) if value else Integer(0)) if isinstance(value, float) else value
 
 
 def power_coefficients(numbers: Array, k: int, duration: float) -> Array:

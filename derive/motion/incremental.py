@@ -2,12 +2,13 @@
 
 Near a singular configuration J^+ is damped: a small singular value s counts as s/(s^2 + d^2), with d growing from zero
 as it falls, and other directions are left alone (Nakamura and Hanafusa, 1986; Chiaverini, 1997; Siciliano et al.,
-Robotics, 2009, 3.5.2).
+Robotics, 2009, 3.5.2). Where corrections stop all the same, as on a line through the axis of a joint, which J^+ cannot
+leave, they begin anew aside of it, down the square of the distance (Levenberg and Marquardt).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,7 +19,9 @@ from derive.motion.functions import Functions
 from derive.motion.hand_curve import kinematics_alone
 from derive.motion.hermite import Array
 from derive.motion.motion import Motion
-from derive.motion.singular import usual_rank, vanishing_factor
+from derive.motion.poses import rotation_vector
+from derive.motion.singular import all_directions, usual_rank, vanishing_factor
+from derive.robot.inverse_options import FREEDOMS
 from derive.robot.robot import Robot
 
 NEAR = 0.05
@@ -34,6 +37,13 @@ CORRECTIONS = 50
 """Most corrections at the end."""
 
 
+ANEW = 12
+"""How often corrections begin anew, farther and farther aside, where they stop short of the target."""
+
+DESCENTS = 200
+"""Most steps of each of these."""
+
+
 @dataclass(frozen=True, slots=True)
 class Increments:
     """A displacement of the hand in small steps.
@@ -41,11 +51,14 @@ class Increments:
     Attributes:
         q: Joint variables after each step, the start first, (steps + 1, n).
         error: Distance from the target after the last step, before any correction [m].
-        corrections: Steps of J^+ towards the target after that.
+        corrections: Steps towards the target after that.
         closed: Distance from the target then [m].
         damped: How many steps were damped.
-        factor: The factor of det J that was smallest where the arm came nearest to a singular configuration, also while
-            it was corrected; empty where it came near none.
+        factor: What vanishes at the singularity that was nearest where the arm came nearest to one, also while it was
+            corrected; empty where it came near none.
+        turn: Angle to the target's orientation before any correction [rad]; None where the arm is not free to turn.
+        turned: That angle after the corrections.
+        anew: How often corrections began anew, aside of where those with J^+ stop.
     """
 
     q: Array
@@ -54,6 +67,14 @@ class Increments:
     closed: float
     damped: int
     factor: str
+    turn: float | None = None
+    turned: float = 0.0
+    anew: int = 0
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the hand is at the target, to 1e-9 m and rad."""
+        return max(self.closed, self.turned) <= 1e-9
 
 
 class Walker:
@@ -75,52 +96,97 @@ class Walker:
         Args:
             q: Joint variables, (n,).
         """
-        return self._functions("forward_kinematics", q)[:3, 3]
+        return self.pose(q)[:3, 3]
+
+    def pose(self, q: Array) -> Array:
+        """The pose of the hand, (4, 4)."""
+        return self._functions("forward_kinematics", q)
 
     def walk(self, q: Array, target: Array, steps: int) -> Increments:
         """Along the straight line to a target, each step from where the line should be.
 
         Args:
             q: Joint variables at the start, (n,).
-            target: Where the hand goes, (3,) [m].
+            target: Where the hand goes, (3,) [m], or its pose, (4, 4).
             steps: How many displacements.
 
         Returns:
             The way, and how well it ends: the error before correction falls with the length of a step.
         """
-        way = target - self.place(q)
-        rows, damped, worst = [q], 0, (np.inf, q)
+        way = self._off(target, q)
+        rows, near = [q], []
         for _ in range(steps):
-            inverse, ratio = self._pseudoinverse(q)
-            damped += ratio < NEAR
-            worst = min(worst, (ratio, q), key=lambda pair: pair[0])
+            inverse, ratio = self._pseudoinverse(q, way.size)
+            near.append((ratio, q))
             q = q + inverse @ (way / steps)
             rows.append(q)
-        error, corrections = float(np.linalg.norm(target - self.place(q))), 0
-        left = error
-        while left > CLOSED * (1 + float(np.linalg.norm(way))) and corrections < CORRECTIONS:
-            inverse, ratio = self._pseudoinverse(q, left)
-            worst = min(worst, (ratio, q), key=lambda pair: pair[0])
-            q = q + inverse @ (target - self.place(q))
-            left, corrections = float(np.linalg.norm(target - self.place(q))), corrections + 1
+        damped, first = sum(ratio < NEAR for ratio, _ in near), self._off(target, q)
+        bound, off, corrections = CLOSED * (1 + float(np.linalg.norm(way))), first, 0
+        while (left := float(np.linalg.norm(off))) > bound and corrections < CORRECTIONS:
+            inverse, ratio = self._pseudoinverse(q, way.size, left)
+            near.append((ratio, q))
+            q = q + inverse @ off
+            off, corrections = self._off(target, q), corrections + 1
+        q, more, anew = self._anew(q, target, bound) if left > 1e-9 else (q, 0, 0)
+        worst = min(near, key=lambda pair: pair[0], default=(np.inf, q))
         factor = vanishing_factor(self._robot, self._values, worst[1]) if worst[0] < NEAR else ""
-        return Increments(np.array([*rows[:-1], q]), error, corrections, left, int(damped), factor)
+        errors = (first[:3], first[3:], self._off(target, q)[:3], self._off(target, q)[3:])
+        error, turn, closed, turned = (float(np.linalg.norm(each)) for each in errors)
+        sizes = error, corrections + more, closed, damped, factor, turn if way.size > 3 else None, turned, anew
+        return Increments(np.array([*rows[:-1], q]), *sizes)
 
-    def _pseudoinverse(self, q: Array, most: float = np.inf) -> tuple[Array, float]:
-        """J^+ of the hand's position, damped near singular configurations, and how near one is.
+    def _anew(self, q: Array, target: Array, bound: float) -> tuple[Array, int, int]:
+        """From farther and farther aside to the target, in how many steps and attempts; none where no one arrives."""
+        random = np.random.default_rng(0)
+        for attempt in range(1, ANEW + 1):
+            aside = q + random.normal(scale=2.0 ** (attempt - 10), size=q.size)
+            found, steps = self._descended(aside, target, bound)
+            if np.linalg.norm(self._off(target, found)) <= 1e-9:
+                return found, steps, attempt
+        return q, 0, 0
+
+    def _off(self, target: Array, q: Array) -> Array:
+        """From the hand to the target: the way [m], and where the arm is free to turn and a pose is wanted the turn."""
+        pose = self.pose(q)
+        if target.ndim == 1 or not self._turns:
+            return np.asarray((target[:3, 3] if target.ndim > 1 else target) - pose[:3, 3])
+        return np.concatenate([target[:3, 3] - pose[:3, 3], rotation_vector(target[:3, :3] @ pose[:3, :3].T)])
+
+    def _descended(self, q: Array, target: Array, bound: float) -> tuple[Array, int]:
+        """Down the square of the distance (Levenberg and Marquardt), and in how many steps; stops at its minima."""
+        off, damping, steps = self._off(target, q), 1e-2, 0
+        while (left := float(np.linalg.norm(off))) > bound and steps < DESCENTS:
+            jacobian = self._functions("jacobian", q)[: off.size]
+            square = jacobian.T @ jacobian + damping * left * np.eye(q.size)
+            there = q + np.linalg.solve(square, jacobian.T @ off)
+            later, steps = self._off(target, there), steps + 1
+            nearer = np.linalg.norm(later) < left
+            damping *= 0.2 if nearer else 8.0
+            q, off = (there, later) if nearer else (q, off)
+        return q, steps
+
+    def _pseudoinverse(self, q: Array, rows: int, most: float = np.inf) -> tuple[Array, float]:
+        """J^+ of the first rows, damped near singular configurations, and how near one is.
 
         Corrections damp by no more than the distance that is left: they converge faster and faster where J is regular.
         """
-        left, values, right = np.linalg.svd(self._functions("jacobian", q)[:3], full_matrices=False)
-        kept = slice(0, self._rank)
+        left, values, right = np.linalg.svd(self._functions("jacobian", q)[:rows], full_matrices=False)
+        kept = slice(0, self._ranks[rows])
         ratios = values[kept] / (values[0] or 1.0)
         squared = np.minimum(DAMPING**2 * np.maximum(1 - (ratios / NEAR) ** 2, 0) * values[0] ** 2, most**2)
         gains = values[kept] / (values[kept] ** 2 + squared)
-        return np.asarray(right[kept].T @ (gains[:, None] * left[:, kept].T)), float(ratios[-1]) if self._rank else 1.0
+        return np.asarray(right[kept].T @ (gains[:, None] * left[:, kept].T)), float(ratios[-1]) if kept.stop else 1.0
 
     @cached_property
-    def _rank(self) -> int:
-        return usual_rank(self._functions, range(3))
+    def _ranks(self) -> Mapping[int, int]:
+        """Of the first rows of J."""
+        return {rows: usual_rank(self._functions, range(rows)) for rows in (3, 6)}
+
+    @cached_property
+    def _turns(self) -> bool:
+        """Whether the hand goes on a line and turns as it likes: its directions are everywhere the same."""
+        asked = not FREEDOMS.keys().isdisjoint(self._robot.inverse.task)
+        return asked and self._ranks[6] > self._ranks[3] and self._ranks[6] == all_directions(self._functions)
 
 
 def increments_of(motion: Motion, steps: int) -> list[Increments]:
@@ -136,29 +202,45 @@ def increments_of(motion: Motion, steps: int) -> list[Increments]:
     Raises:
         QuantityError: The base moves, or there is no path.
     """
-    if motion.base is not None or not motion.plan.steps:
+    if motion.base is not None:
+        raise QuantityError("increments of an arm whose base moves", allowed="a base that stands")
+    if not motion.plan.steps:
         raise QuantityError("increments go from point to point of a path", remedy="write points: and path:")
     walker, found = Walker(motion.plan.robot, motion.values), []
     for segment in motion.trajectory.segments:
         start, end = (motion(float(t))[0] for t in (segment.start, segment.start + segment.duration))
-        found.append(walker.walk(start, walker.place(end), steps))
+        found.append(walker.walk(start, walker.pose(end), steps))
     return found
 
 
-def printed_increments(motion: Motion, steps: int) -> Iterator[str]:
+def printed_increments(motion: Motion, steps: int, found: Sequence[Increments] = ()) -> Iterator[str]:
     """How well incremental inverse kinematics does.
 
     Args:
         motion: Of a path.
         steps: Displacements of each segment.
+        found: Where they lead, if that is known.
 
     Yields:
         A line for each segment: the errors before correction with these steps and with twice as many, and after.
     """
-    pairs = zip(motion.trajectory.segments, increments_of(motion, steps), increments_of(motion, 2 * steps), strict=True)
-    for segment, ours, finer in pairs:
-        errors = f"{ours.error:.3g} m after {steps} steps, {finer.error:.3g} m after {2 * steps}"
-        closed = "closed to 1e-9 m" if ours.closed <= 1e-9 else f"not closed: {ours.closed:.3g} m left"
+    pairs = zip(found or increments_of(motion, steps), increments_of(motion, 2 * steps), strict=True)
+    for segment, (ours, finer) in zip(motion.trajectory.segments, pairs, strict=True):
+        first, second = (_size(each.error, each.turn) for each in (ours, finer))
+        free, left = ours.turn is not None, _size(ours.closed, None if ours.turn is None else ours.turned)
+        closed = f"closed to 1e-9 m{' and rad' * free}" if ours.is_closed else f"not closed: {left} left"
+        aside = f", in attempt {ours.anew + 1}, aside of where J^+ stops" if ours.anew else ""
         near = f"; damped in {ours.damped} steps, near {ours.factor} = 0" if ours.damped else ""
         near = near or (f"; ends near {ours.factor} = 0" if ours.factor else "")
-        yield f"{segment.name}: {errors}; {closed} by {ours.corrections} corrections{near}"
+        errors = f"{first} after {steps} steps, {second} after {2 * steps}"
+        yield f"{segment.name}: {errors}; {closed} by {ours.corrections} corrections{aside}{near}"
+
+
+def _size(distance: float, angle: float | None) -> str:
+    return f"{distance:.3g} m" + ("" if angle is None else f" and {angle:.3g} rad")
+
+
+def not_closed(motion: Motion, found: Sequence[Increments]) -> str:
+    """Which targets increments stop short of; nothing where they reach all."""
+    names = [s.name for s, each in zip(motion.trajectory.segments, found, strict=True) if not each.is_closed]
+    return f"increments do not close on the target of {', '.join(names)}; go through a point aside" if names else ""

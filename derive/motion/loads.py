@@ -44,16 +44,18 @@ class SegmentPeaks:
         speeds: Largest velocities, exact where the profile allows.
         accelerations: Largest accelerations.
         loads: Torques; empty where the robot has no dynamics.
+        base: Power of a base that moves, as the torque at a speed of one; None where it stands.
     """
 
     segment: Segment
     speeds: tuple[Peak, ...]
     accelerations: tuple[Peak, ...]
     loads: tuple[Load, ...]
+    base: Load | None = None
 
     @property
     def work(self) -> float:
-        """Of all joints [J]."""
+        """Of all joints, the integral of tau qd [J]."""
         return float(sum(load.work for load in self.loads))
 
 

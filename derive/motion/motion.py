@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from textwrap import shorten
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,24 +17,27 @@ from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.base_torques import BaseTorques
 from derive.motion.bodies import Body
+from derive.motion.disturbance import check_starts
 from derive.motion.formulas_of_time import followed
 from derive.motion.functions import Functions
 from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array, Indices
 from derive.motion.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
 from derive.motion.moving_base import PATHS, BaseCurve
-from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes
+from derive.motion.plan import Plan, load_plan, plan_from_bytes
 from derive.motion.plan_cells import TIME as TIME_NAME
 from derive.motion.plan_data import plan_text, waypoints
+from derive.motion.points import Step
 from derive.motion.recording import read_recording
 from derive.motion.segments import trajectory_of
-from derive.motion.simulation import Run, simulate
-from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of
 from derive.motion.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
+
+if TYPE_CHECKING:  # simulations are imported where there is one
+    from derive.motion.simulation import Run
 
 MOST_SAMPLES = 1_000_000
 """Of a motion: a thousand seconds at a kilohertz."""
@@ -49,6 +52,10 @@ class Motion:
     """
 
     plan: Plan
+
+    def __getstate__(self) -> dict[str, Plan]:
+        """The plan; what follows from it holds compiled code, and is made again."""
+        return {"plan": self.plan}
 
     @classmethod
     def load(cls, path: str | Path) -> Motion:
@@ -81,7 +88,11 @@ class Motion:
         """
         motion = cls(plan)
         motion._samples_in(motion.duration)
-        motion._period()
+        check_starts(plan.disturbances, plan.places, motion.values, motion.duration)
+        if plan.control.period is not None:
+            from derive.motion.stages import period_of
+
+            period_of(plan, motion.values, motion.duration)
         if motion.base is not None:
             motion.base(np.zeros(1), 0)
         return motion
@@ -148,12 +159,11 @@ class Motion:
             return read_recording(self.plan.recording, self.plan.robot)
         if self.plan.curves:
             (duration,) = self._exact((self.plan.duration,))
-            formulas = [
-                self._followed(formula, f"curves, {name}", float(duration))
-                for name, formula in self.plan.curves.items()
-            ]
-            return curves_of(formulas, duration)
-        return trajectory_of(self.plan, Hand(self.plan, self.values, self._exact, self._loaded))
+            curves = self.plan.curves.items()
+            return curves_of([self._followed(f, f"curves, {name}", float(duration)) for name, f in curves], duration)
+        hand = Hand(self.plan, self.values, self._exact, self._loaded)
+        _ = hand.branches  # also of points that the path does not have
+        return trajectory_of(self.plan, hand)
 
     @cached_property
     def base(self) -> BaseCurve | None:
@@ -213,9 +223,7 @@ class Motion:
         times = np.asarray(t, dtype=float)
         robot = replace(self.plan.robot, links=(), gravity=None)
         arm = Functions(robot, frozenset({"forward_kinematics"}), self.values)("forward_kinematics", self(times)[0])
-        if self.base is None:
-            return arm
-        return np.asarray(self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm)
+        return arm if self.base is None else self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm
 
     @property
     def times(self) -> Array:
@@ -225,27 +233,21 @@ class Motion:
             RobotFileError: There are more than `MOST_SAMPLES`.
         """
         sample, count = self._samples_in(self.duration)
-        times: Array = np.append(np.arange(count) * sample, self.duration)
-        return times
+        return np.append(np.arange(count) * sample, self.duration)
 
     @property
     def sample(self) -> float:
         """Time between two samples [s]."""
-        return self._number(self.plan.sample)
+        return evaluate(self.plan.sample, self.values)
 
     def _samples_in(self, duration: float) -> tuple[float, int]:
-        """Time between two samples [s], and how many times it fits into a duration, the last one rounded up.
-
-        Raises:
-            RobotFileError: So many that they are hardly meant.
-        """
+        """Time between two samples [s], and how many times it fits into a duration, the last one rounded up."""
         sample, robot = self.sample, self.plan.robot
         count = duration / sample
         if count > MOST_SAMPLES:
             size = count * 8 * (1 + (4 if robot.has_dynamics else 3) * robot.n) / 1e9
             found = f"{count:.4g} samples of {duration:.6g} s, {size:.3g} GB"
-            allowed = f"allowed: at most {MOST_SAMPLES} samples"
-            remedy = f"write sample: {duration / 1000:.2g} [s]"
+            allowed, remedy = f"allowed: at most {MOST_SAMPLES} samples", f"write sample: {duration / 1000:.2g} [s]"
             raise RobotFileError(found, allowed=allowed, remedy=remedy, location=self.plan.places["sample"])
         return sample, int(np.ceil(count - 1e-9))
 
@@ -266,20 +268,23 @@ class Motion:
         q, qd, qdd = self.trajectory(times)
         tau = self._loaded(index, q, qd, qdd)
         added = self.base_torques
-        return tau if added is None else tau + self._added(added, times, index, q, qd)
+        return tau if added is None else tau + self._with_payloads(added, times, index, q, qd)
 
     @property
     def base_torques(self) -> BaseTorques | None:
         """What the motion of the base adds to the torques; None where it stands."""
         return None if self.base is None else BaseTorques(self.plan.robot, self.values, self.base, self.duration)
 
-    def _added(self, torques: BaseTorques, t: Array, index: Indices, q: Array, qd: Array) -> Array:
-        """What the motion of the base adds in steps by their index, (...)."""
-        found, payloads = np.zeros_like(q), [step.payload for step in self.plan.steps] or [None]
+    def _with_payloads(self, function: Callable[..., Array], t: Array, index: Indices, *states: Array) -> Array:
+        """A function of times, states, (..., n), and what is carried, in steps by their index, (...)."""
+        payloads = [step.payload for step in self.plan.steps] or [None]
+        found: Array | None = None
         for payload in dict.fromkeys(payloads):
             here = np.isin(index, [i for i, other in enumerate(payloads) if other == payload])
-            found[here] = torques(t[here], q[here], qd[here], payload)
-        return found
+            some = function(t[here], *(state[here] for state in states), payload)
+            found = np.zeros((*t.shape, *some.shape[1:])) if found is None else found
+            found[here] = some
+        return np.asarray(found)
 
     def _loaded(self, index: Indices, q: Array, qd: Array, qdd: Array) -> Array:
         """Torques on a base that stands, in steps by their index, (...), with what these carry."""
@@ -311,8 +316,11 @@ class Motion:
     def peaks(self) -> tuple[SegmentPeaks, ...]:
         """Largest speeds, accelerations and torques, segment by segment."""
         return tuple(
-            SegmentPeaks(segment, segment.peaks(1), segment.peaks(2), self._loads(segment))
+            SegmentPeaks(
+                segment, segment.peaks(1), segment.peaks(2), found[: self.plan.robot.n], *found[self.plan.robot.n :]
+            )
             for segment in self.trajectory.segments
+            for found in (self._loads(segment),)
         )
 
     @cached_property
@@ -339,7 +347,8 @@ class Motion:
         }
         within = np.arange(LEAST_INTERVALS) / LEAST_INTERVALS
         places = [float(segment.start) + float(segment.duration) * within for segment in self.trajectory.segments]
-        times = np.unique(np.concatenate([self.times, *places]))
+        times = np.sort(np.concatenate([self.times, *places]))
+        times = times[np.diff(times, prepend=-1.0) > 0]  # np.unique would import numpy.ma
         return exceeded(times, {what: function(times) for what, function in limited.items()}, self.bounds, limited)
 
     def violations_of(self, run: Run) -> tuple[Violation, ...]:
@@ -368,9 +377,6 @@ class Motion:
             values["torque"] = self.torques(self.times)
         return values
 
-    def _number(self, value: Expression) -> float:
-        return evaluate(value, self.values)
-
     def simulate(self, *, calls: float | None = None) -> Run:
         """The arm under the plan's control law, from the start of the motion, at the times of the samples.
 
@@ -384,31 +390,29 @@ class Motion:
         Raises:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
+        from derive.motion.simulation import simulate
+        from derive.motion.stages import period_of, stages_of
+
         self._check_dynamics()
         plan, trajectory = self.plan, self.trajectory
         stages = stages_of(plan, trajectory, self.values, calls, self.base_torques)
         start, sticks = trajectory(0.0)[:2], plan.friction == "exact"
-        return simulate(stages, start, self.times, self._period(), sticks=sticks, jumps=trajectory.jumps)
-
-    def _period(self) -> float | None:
-        """Time between two looks of the controller [s]; None for a continuous one, infinite without control."""
-        control = self.plan.control
-        if control.law == "none":
-            return float(np.inf)
-        period = None if control.period is None else self._number(control.period)
-        if period is not None and self.duration / period > MOST_SAMPLES:
-            found = f"control, period: {self.duration / period:.4g} samples of the controller in {self.duration:.6g} s"
-            allowed, remedy = f"allowed: at most {MOST_SAMPLES}", f"write period: {self.duration / 1e4:.2g} [s]"
-            raise RobotFileError(found, allowed=allowed, remedy=remedy, location=self.plan.places["period"])
-        return period
+        period = period_of(plan, self.values, self.duration)
+        return simulate(stages, start, self.times, period, sticks=sticks, jumps=trajectory.jumps)
 
     def _loads(self, segment: Segment) -> tuple[Load, ...]:
+        """Of each joint, and at last of a base that moves."""
         if not self.has_torques:
             return ()
         count = self._samples_in(float(segment.duration))[1]
 
         def _state(times: Array) -> tuple[Array, Array]:
-            return self.torques(times), self.trajectory(times)[1]
+            tau, (q, qd, qdd), base = self.torques(times), self.trajectory(times), self.base_torques
+            if base is None:
+                return tau, qd
+            power = self._with_payloads(base.power, times, self.trajectory.segment_at(times), q, qd, qdd)[..., None]
+            # the base is one more drive, of speed one
+            return np.append(tau, power, axis=-1), np.append(qd, np.ones_like(power), axis=-1)
 
         end = float(segment.start + segment.duration)
         corners = segment.corners if len(segment.corners) <= LEAST_INTERVALS else ()

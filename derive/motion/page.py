@@ -21,12 +21,12 @@ from derive.handouts.parts.plan import (
     plan_sheet,
 )
 from derive.handouts.pdf import compile_latex
-from derive.motion.hermite import basis
+from derive.motion.hermite import MOST_PRINTED, basis
 from derive.motion.loads import SegmentPeaks
 from derive.motion.motion import Motion
 from derive.motion.plane import motion_normal
 from derive.motion.playback import playback
-from derive.motion.polynomials import MOST_PIECES, formula
+from derive.motion.polynomials import formula
 from derive.motion.profile import VALUES
 from derive.motion.simulation import Run
 from derive.motion.trajectory import Segment
@@ -161,7 +161,7 @@ def _load(peaks: SegmentPeaks, joint: int) -> tuple[float | None, ...]:
 
 def _pieces(segment: Segment, joint: int) -> tuple[PlannedPiece, ...]:
     pieces = segment.joints[joint]
-    if len(pieces) > MOST_PIECES:
+    if len(pieces) > MOST_PRINTED:
         return ()
     return tuple(
         PlannedPiece(piece.start - segment.start, piece.end - segment.start, formula(piece, segment))

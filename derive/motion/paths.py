@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from sympy import Expr, Float
 
-from derive.motion.hermite import Array, Piece, joined, sampled
+from derive.motion.hermite import MOST_PRINTED, Array, Piece, joined, sampled, symbolic
 from derive.motion.profile import ZERO
 from derive.motion.trajectory import ONE, Corner, Joints, Segment, Trajectory
 
@@ -108,16 +108,18 @@ class Nodes:
             last: Index of the last one.
             exact: Positions at some nodes.
         """
-        times = [Float(t) if t else ZERO for t in self.times[first : last + 1]]
+        number: Callable[[float], Expr] = Float if last - first <= MOST_PRINTED else float
+        zero = number(0) if number is float else ZERO
+        times = [number(t) if t else zero for t in self.times[first : last + 1]]
 
         def _end(node: int, end: int, j: int) -> tuple[Expr, ...]:
             q, *rates = self.ends[node - end, end, :, j]
-            return (exact[node][j] if node in exact else Float(q), *(Float(rate) if rate else ZERO for rate in rates))
+            return (exact[node][j] if node in exact else number(q), *(number(rate) if rate else zero for rate in rates))
 
         def _track(j: int) -> tuple[Piece, ...]:
             if not self.ends[first:last, :, 1:, j].any():
-                stands = _end(first, 0, j)
-                return (Piece(times[0], times[-1] - times[0], (stands, stands)),)
+                stands = (*map(symbolic, _end(first, 0, j)),)
+                return (Piece(symbolic(times[0]), symbolic(times[-1] - times[0]), (stands, stands)),)
             pairs = ((i, i + 1) for i in range(first, last))
             values = ((_end(i, 0, j), _end(k, 1, j)) for i, k in pairs)
             return tuple(Piece(a, b - a, ends) for (a, b), ends in zip(pairwise(times), values, strict=True))

@@ -11,11 +11,14 @@ from pathlib import Path
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
 from derive.motion.catalogue import plan_bytes
 from derive.motion.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
+from derive.motion.ineffective import check_effects
+from derive.motion.load_remarks import remarks_on_loads
 from derive.motion.moving_base import PATHS, MovingBase, read_base
 from derive.motion.plan_cells import PlanCells, Read
 from derive.motion.plan_schema import PlanFile
-from derive.motion.points import Payload, Point, Pose, Vector
+from derive.motion.points import Payload, Point, Pose, Step, Vector
 from derive.motion.profile import Profile
+from derive.robot.description import Remark
 from derive.robot.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
 from derive.robot.expression import ONE, ZERO, Expression, names, number, substitute
 from derive.robot.load import catalogue_names
@@ -24,45 +27,6 @@ from derive.robot.schema import check_structure
 
 Most = tuple[Expression | None, ...]
 """The largest value of each joint; None where nothing limits it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One segment of the path.
-
-    Attributes:
-        to: Name of the point at its end.
-        time: Its length [s]; None where limits decide.
-        profile: How the arm goes.
-        stops: Whether it stands at the end.
-        cruise: Trapezoid: top speed as a multiple of distance by time; None for the usual one.
-        straight: Whether the end effector moves on a line.
-        through: Point of an arc in space; empty for none.
-        by_hand: Whether the end effector moves on a spline in space, through this point and those beside it.
-        payload: What the tool carries.
-        location: Where it stands in the plan.
-    """
-
-    to: str
-    time: Expression | None
-    profile: Profile
-    stops: bool
-    cruise: Expression | None
-    straight: bool
-    through: str
-    by_hand: bool
-    payload: Payload | None
-    location: Location
-
-    @property
-    def in_space(self) -> bool:
-        """Whether the end effector moves on a line or an arc."""
-        return self.straight or bool(self.through)
-
-    @property
-    def follows(self) -> bool:
-        """Whether the joints follow the end effector."""
-        return self.in_space or self.by_hand
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +73,7 @@ class Plan:
         disturbances: What pushes joints in a simulation.
         source: Name of the file, for messages.
         digest: SHA-256 of its bytes.
+        remarks: On its robot, on the numbers that it gives it, and on its loads.
     """
 
     robot: Robot
@@ -133,6 +98,7 @@ class Plan:
     disturbances: tuple[Disturbance, ...]
     source: str
     digest: str
+    remarks: tuple[Remark, ...] = ()
 
 
 def load_plan(path: str | Path) -> Plan:
@@ -173,7 +139,12 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
     document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
     check_structure(document, PlanFile)
     plan = _Reader(document, _robot(document, data)).read()
-    return replace(plan, robot=_with_values(plan.robot, plan.values))
+    robot = _with_values(plan.robot, plan.values)
+    carried: dict[KeyPath, Payload | None] = {("plant", PAYLOAD): plan.plant_payload}
+    carried |= {("path", k, "payload"): step.payload for k, step in enumerate(plan.steps, 1)}
+    loads = {path: body for path, body in carried.items() if body}
+    remarks = remarks_on_loads(document, robot, (plan.values, plan.plant), loads)
+    return replace(plan, robot=robot, remarks=(*plan.robot.remarks, *remarks))
 
 
 def _with_values(robot: Robot, values: Mapping[str, Expression]) -> Robot:
@@ -218,9 +189,6 @@ class _Reader:
         curves = self._curves()
         recorded = document.scalar(("recorded",))
         given = [key for key, has in (("path", count), ("curves", curves), ("recorded", recorded)) if has]
-        if document.text("spline") == "hand" and not any(step.by_hand for step in steps):
-            remedy = "write profile: spline, or leave spline: out"
-            raise document.error(("spline",), "hand, and no profile is spline", remedy=remedy)
         if len(given) != 1:
             found = "neither path nor curves nor recorded" if not given else f"both {given[0]} and {given[1]}"
             place: KeyPath = (given[1],) if given else ()
@@ -228,6 +196,7 @@ class _Reader:
         if document.find(("time",)) is not None and not curves:
             remedy = "write the time of each segment: {to: A, time: 3}" if count else "remove it"
             raise document.error(("time",), f"a time beside {given[0]}", "allowed: beside curves", remedy)
+        check_effects(document, self._robot, given[0], points, steps)
         plan = self._plan(points, start, steps, curves, recorded)
         numbers.check_used()
         return plan
@@ -245,6 +214,7 @@ class _Reader:
         places: dict[str, KeyPath] = {"robot": ("robot",), "sample": (long,), "period": ("control", "period")}
         places |= {f"curves, {name}": ("curves", name) for name in curves}
         places |= {f"base, {name}": path for name, path in PATHS.items()}
+        places |= {f"disturbance, {k}": ("disturbance", k) for k in range(document.length(("disturbance",)))}
         return Plan(
             robot=self._robot,
             title=document.text("title"),
@@ -287,7 +257,10 @@ class _Reader:
         path: KeyPath = ("points", name)
         location = self._document.key_location(path)
         if isinstance(self._document.find(path), YamlMapping):
-            return Point(name, None, self._pose((*path, "pose")), self._document.text(*path, "branch"), location)
+            branch = self._document.scalar((*path, "branch"))
+            if branch and not branch.text.strip(" ,"):
+                raise self._document.error((*path, "branch"), "found nothing", remedy="leave it out for the nearest")
+            return Point(name, None, self._pose((*path, "pose")), branch.text if branch else "", location)
         q = self._numbers.of_joints(path)
         self._check_limits(path, q)
         return Point(name, q, None, "", location)
@@ -342,7 +315,7 @@ class _Reader:
         document = self._document
         time = (*path, "time")
         through = document.text(*path, "through")
-        if through and through not in points:
+        if document.scalar((*path, "through")) and through not in points:
             remedy = near_miss(through, points)
             allowed = f"allowed: {listed(tuple(points))}"
             raise document.error((*path, "through"), f"unknown point {quoted(through)}", allowed, remedy)
@@ -351,7 +324,7 @@ class _Reader:
             raise document.error((*path, "through"), "both line and through", "allowed: one of the two", "remove one")
         cruise = (*path, "cruise")
         profile = Profile(document.text(*path, "profile") or document.text("profile") or Profile.QUINTIC)
-        passes = "pass" if profile is Profile.SPLINE else document.text("via")
+        passes = document.text("via") or ("pass" if profile is Profile.SPLINE else "stop")
         if profile is not Profile.TRAPEZOIDAL and document.scalar(cruise):
             remedy = "leave it out, or write profile: trapezoidal"
             raise document.error(cruise, f"a cruise of a {profile} motion", "allowed: of a trapezoid", remedy)
@@ -362,7 +335,7 @@ class _Reader:
             to=self._target(path, points),
             time=self._numbers.positive(time, ONE) if document.scalar(time) else None,
             profile=profile,
-            stops=(document.text(*path, "via") or passes or "stop") == "stop",
+            stops=(document.text(*path, "via") or passes) == "stop",
             cruise=self._numbers.plain(cruise) if document.scalar(cruise) else None,
             straight=straight,
             through=through,

@@ -46,7 +46,7 @@ class PlanCells:
         if name == TIME or any(joint.variable == name for joint in self._robot.joints):
             what = "the time" if name == TIME else "a joint variable"
             raise self._document.error(path, f"{name} is {what}", "allowed: symbols of the robot and of formulas")
-        return self._with_numbers(path, self.cells.plain(path), parameter_values(self._robot))
+        return self._with_numbers(path, self.cells.symbol(path, self._robot, name), parameter_values(self._robot))
 
     @cached_property
     def numbers(self) -> Mapping[str, Fraction | float]:

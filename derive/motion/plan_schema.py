@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, WithJsonSchema
-
-from derive.robot.schema import FORMS, Cell, RobotFile, Strict, Vector3, without_null
+from derive.robot.schema import FORMS, Cell, RobotFile, Vector3, without_null
+from derive.robot.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, model_of
 
 ProfileName = Literal["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline", "fastest"]
 Via = Literal["stop", "pass"]
@@ -139,5 +138,5 @@ class PlanFile(Strict):
 
 def plan_json_schema() -> dict[str, Any]:
     """JSON Schema of a motion plan, for editors."""
-    plan = without_null(PlanFile.model_json_schema(ref_template="#/$defs/{model}"))
+    plan = without_null(model_of(PlanFile).model_json_schema(ref_template="#/$defs/{model}"))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **plan, "title": "derive motion plan"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import ceil
 from typing import Any
 
@@ -21,8 +21,8 @@ WIDTH = 460.0
 ROW = 105.0
 """Height of a row of panels [pt]."""
 
-MOST_PLACES = 4000
-"""Times at which a line is drawn; more are not told apart."""
+PLACES = 2000
+"""Times at which a line is drawn, however far samples are apart; more are not told apart."""
 
 AXIS = 25.0
 """Room for the name of an axis, its ticks, and the distances between them [pt]; the numbers of a y axis are beside."""
@@ -42,14 +42,26 @@ SHORT = 4
 LEGEND = 8
 """Joints in a line of the legend."""
 
-MARKED = 8
-"""Joints up to which peaks have their numbers beside them."""
-
 Mark = tuple[int, float, float]
 """A joint, and the time and the value of its peak."""
 
+Curves = tuple[Array, Array]
+"""Times, and the values of all joints at them."""
+
 LEAST = 0.02
-"""Peaks below this part of the largest one have no number beside them."""
+"""Peaks below this part of the largest one are not marked."""
+
+CONSTANT = 1e-6
+"""By which part of itself a curve without a peak varies at most."""
+
+CLEAR = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3}
+"""What is behind a number, so that curves do not strike it through."""
+
+SMALL = 1e-4
+"""Largest number of a panel below which those beside its axis are written with powers of ten."""
+
+LETTER, HEIGHT, BESIDE = 4.7, 7.0, 3.0
+"""Of a number beside a peak: width of a letter, height, and distance [pt]."""
 
 COLORS = ("#1b4f9c", "#c2571a", "#2d7d46", "#8a3a8f", "#a8861a", "#4d5560", "#b0304a", "#23808f")
 """Of joints, told apart with colour-blind eyes and on grey paper."""
@@ -73,6 +85,12 @@ ROWS = (
 )
 """What is drawn from the top, with the units of revolute and of prismatic joints."""
 
+ERROR = ("error", "rad", "m")
+"""What happens less what is wanted, of simulations, which have no accelerations."""
+
+REFERENCE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.7}
+"""How what is wanted is drawn beside what happens."""
+
 
 def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
     """The plot as the contents of a file.
@@ -95,20 +113,30 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
         height = ROW * count + 40.0
         figure = Figure(figsize=(WIDTH / POINTS_PER_INCH, height / POINTS_PER_INCH))
         panels = figure.subplots(count, len(kinds), squeeze=False, sharex=True)
-        wanted, simulated = _wanted(motion), _simulated(run)
+        wanted, rows = _wanted(motion), list(ROWS)
+        drawn = wanted if run is None else _happened(motion, run)
+        if run is not None:
+            rows[2] = ERROR
         violations = motion.violations if run is None else motion.violations_of(run)
-        limits = motion.near_bounds(run), violations
+        limits, marks = (motion.near_bounds(run), violations), {}
         for column, kind in enumerate(kinds):
             joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is kind]
             for row in range(count):
-                _panel(panels[row][column], motion, row, joints, wanted, simulated, limits)
+                axes, curves = panels[row][column], [(times, values[row]) for times, values in (drawn, wanted)]
+                with_reference = run is not None and rows[row] is not ERROR
+                _panel(axes, motion, rows[row], joints, curves[: 1 + with_reference], limits)
+                marks[axes] = _peaks(motion, row, joints, curves[0], happened=run is not None)
             panels[-1][column].set_xlabel("time [s]")
             _name_points(panels[0][column], motion)
         lines = [line for axes in panels[0] for line in axes.get_lines() if not line.get_label().startswith("_")]
         lines.sort(key=lambda line: line.get_gid())
+        if run is not None:
+            lines += panels[0][0].plot([], [], color="0.3", label="reference", **REFERENCE)
         labels = [line.get_label() for line in lines]
         figure.legend(lines, labels, loc="lower center", ncols=min(LEGEND, len(labels)), frameon=False)
         _arrange(panels, height, below=AXIS + LINE * (0.5 + ceil(len(labels) / LEGEND)))
+        for axes, found in marks.items():
+            _mark(axes, found)
         title = f"{robot.name}: {motion.plan.title or motion.plan.source}"
         return figure_bytes(figure, suffix, title)
 
@@ -146,59 +174,64 @@ def _numbers_of(axis: Any) -> list[str]:
 
 
 def _wanted(motion: Motion) -> tuple[Array, list[Array]]:
-    """Times and q, qd, qdd and tau at them."""
-    times = motion.times
-    if times.size > MOST_PLACES:
-        times = np.linspace(0.0, motion.duration, MOST_PLACES)
+    """Times, also on both sides of where segments meet, and q, qd, qdd and tau at them."""
+    edges = [float(segment.start) for segment in motion.trajectory.segments[1:]] + list(motion.trajectory.jumps)
+    even = np.linspace(0.0, motion.duration, PLACES)
+    times = np.unique(np.concatenate([even, edges, np.nextafter(edges, 0.0)]))
     values = list(motion(times))
     return times, [*values, motion.torques(times)] if motion.has_torques else values
 
 
-def _simulated(run: Run | None) -> tuple[Array, list[Array | None]]:
-    """Times and q, qd, nothing and tau at them."""
-    if run is None:
-        return np.zeros(0), [None] * len(ROWS)
-    some = slice(None, None, 1 + run.t.size // MOST_PLACES)
-    return run.t[some], [run.q[some], run.qd[some], None, run.tau[some]]
+def _happened(motion: Motion, run: Run) -> tuple[Array, list[Array]]:
+    """Times and q, qd, error and tau at them; between rows the error goes on by its rate, and what is held stays."""
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+
+    (q, qd, _), times = motion(run.t), run.t
+    if not 1 < times.size < PLACES:
+        return times, [run.q, run.qd, run.q - q, run.tau]
+    times = np.union1d(times, np.linspace(times[0], times[-1], PLACES))
+    error, (q, qd, _) = CubicHermiteSpline(run.t, run.q - q, run.qd - qd), motion(times)
+    held = motion.plan.control.law == "none" or motion.plan.control.period is not None
+    tau = run.tau[np.searchsorted(run.t, times)] if held else PchipInterpolator(run.t, run.tau)(times)
+    return times, [q + error(times), qd + error(times, 1), error(times), tau]
 
 
 def _panel(
     axes: Any,
     motion: Motion,
-    row: int,
+    quantity: tuple[str, str, str],
     joints: Sequence[int],
-    wanted: tuple[Array, list[Array]],
-    simulated: tuple[Array, list[Array | None]],
+    curves: Sequence[Curves],
     limits: tuple[Bounds, Sequence[Violation]],
 ) -> None:
-    """One quantity of the joints of one kind."""
+    """One quantity of the joints of one kind: what is wanted, or happens, and dashed what is wanted then."""
     robot = motion.plan.robot
     notation = Notation.of(robot, robot.handout.notation)
-    name, of_angle, of_slide = ROWS[row]
+    name, of_angle, of_slide = quantity
     revolute = robot.joints[joints[0]].is_revolute
     axes.set_ylabel(f"{'force' if name == 'torque' and not revolute else name} [{of_angle if revolute else of_slide}]")
     marked = [item for item in limits[1] if item.what == name]
+    (times, values), *references = curves
     for j in joints:
         latex = notation.glyph(robot.joints[j].variable).box.tex.strip()
-        times, values = wanted[0], wanted[1][row]
         look: dict[str, Any] = {"color": COLORS[j % len(COLORS)]}
-        if (happened := simulated[1][row]) is not None:
-            axes.plot(times, values[:, j], linestyle=(0, (4, 2)), linewidth=0.7, **look)
-            times, values = simulated[0], happened
+        for when, wanted in references:
+            axes.plot(when, wanted[:, j], **REFERENCE, **look)
         axes.plot(times, values[:, j], label=f"${latex}$", gid=f"joint-{j + 1:02d}", **look)
+        if not any(item.joint == j for item in marked):
+            continue
         low, high = (bound[j] for bound in motion.bounds[name])
-        if (beyond := (values[:, j] > high) | (values[:, j] < low)).any() and any(item.joint == j for item in marked):
-            axes.plot(times, np.where(beyond, values[:, j], np.nan), color=BEYOND, linewidth=5.0, alpha=0.3, zorder=1)
+        beyond = np.where((values[:, j] > high) | (values[:, j] < low), values[:, j], np.nan)
+        axes.plot(times, beyond, color=BEYOND, linewidth=5.0, alpha=0.3, zorder=1)
     _draw_limits(axes, limits[0], name, joints)
     for item in marked:
         if item.joint in joints:
             axes.plot([item.time], [item.value], marker="o", markersize=7.0, fillstyle="none", color=BEYOND)
     for segment in motion.trajectory.segments[1:]:
         axes.axvline(float(segment.start), color="0.8", linewidth=0.5, zorder=0)
-    if row:
-        marks = _wanted_peaks(motion, row, joints) if simulated[1][row] is None else _peaks(simulated, row, joints)
-        _mark(axes, motion.duration, [mark for mark in marks if mark[2]], told=len(joints) <= MARKED)
-    axes.margins(x=0.01, y=0.18)
+    axes.margins(x=0.01, y=0.2)
+    if not SMALL <= max(map(abs, axes.get_ylim())) < 1 / SMALL:
+        axes.yaxis.set_major_formatter("{x:.2g}")  # else a common power of ten stands above, in the next panel
     axes.grid(visible=True, axis="y", color="0.92", linewidth=0.4)
     axes.set_axisbelow(True)
     axes.tick_params(width=0.5, length=2.5)
@@ -212,51 +245,67 @@ def _draw_limits(axes: Any, near: Bounds, name: str, joints: Sequence[int]) -> N
                 axes.axhline(bound[j], color=COLORS[j % len(COLORS)], linestyle=(0, (1, 2)), linewidth=0.8, zorder=0.5)
 
 
-def _mark(axes: Any, duration: float, marks: Sequence[Mark], *, told: bool) -> None:
-    """Dots at peaks, and their numbers where these do not cover each other; none at what is next to nothing."""
+def _mark(axes: Any, marks: Sequence[Mark]) -> None:
+    """Dots at peaks, and numbers where these fit into the panel and cover no other; of what is next to nothing none."""
     largest = max((abs(value) for _, _, value in marks), default=0.0)
-    taken: list[tuple[float, float]] = []
-    for j, time, value in sorted(marks, key=lambda mark: -abs(mark[2])):
-        color = COLORS[j % len(COLORS)]
+    seen = sorted((mark for mark in marks if abs(mark[2]) > LEAST * largest), key=lambda mark: -abs(mark[2]))
+    scale = POINTS_PER_INCH / axes.figure.dpi  # points per pixel
+
+    def _placed(places: Any) -> Array:
+        return np.asarray((axes.transData.transform(places) - axes.bbox.min) * scale)
+
+    curves = np.concatenate([_placed(line.get_xydata()) for line in axes.get_lines()])
+    room, dots = np.array(axes.bbox.size) * scale, [_placed((time, value)) for _, time, value in seen]
+    said: set[tuple[object, ...]] = set()
+    taken = [(dot - 2.0, dot + 2.0) for dot in dots]
+    for (j, time, value), dot in zip(seen, dots, strict=True):
+        color, text = COLORS[j % len(COLORS)], f"{value:.4g}".replace("-", "\N{MINUS SIGN}")
         axes.plot([time], [value], marker="o", markersize=3.0, color=color)
-        at = time / duration, value / largest
-        if not told or abs(value) < LEAST * largest or at in taken:
-            continue
-        crowded = any(abs(at[0] - x) < 0.25 and abs(at[1] - y) < 0.3 for x, y in taken)
-        taken.append(at)
-        left, up = at[0] > 0.8 or (crowded and at[0] > 0.2), value > 0
-        axes.annotate(
-            f"{value:.4g}".replace("-", "\N{MINUS SIGN}"),
-            (time, value),
-            (-4 if left else 4, 3 if up else -3),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            va="bottom" if up else "top",
-            fontsize=7,
-            color=color,
-        )
+        size, best = np.array([LETTER * len(text), HEIGHT]), np.inf
+        ups = (BESIDE, -BESIDE - HEIGHT) if value > 0 else (-BESIDE - HEIGHT, BESIDE)
+        for up in (*ups, -HEIGHT / 2):
+            for right in (BESIDE, -BESIDE - size[0]):
+                low = dot + np.array([right, up])
+                high = low + size
+                free = not any((low < b).all() and (a < high).all() for a, b in taken)
+                crossed = int(((curves > low) & (curves < high)).all(axis=1).sum())
+                if free and crossed < best and (low >= 1).all() and (high <= room - 1).all():
+                    best, place = crossed, low
+        if best < np.inf and (text, *dot.round()) not in said:
+            said.add((text, *dot.round()))
+            taken.append((place, place + size))
+            look: dict[str, Any] = {
+                "textcoords": "offset points",
+                "fontsize": 7,
+                "color": color,
+                "va": "bottom",
+                "bbox": CLEAR,
+            }
+            axes.annotate(text, (time, value), place - dot, **look)
 
 
-def _wanted_peaks(motion: Motion, row: int, joints: Sequence[int]) -> Iterator[Mark]:
-    """The largest magnitudes over the whole motion, exact where the motion has them so."""
-    for j in joints:
-        found = []
-        for peaks in motion.peaks:
-            if row == len(ROWS) - 1:
-                found.append((peaks.loads[j].time, peaks.loads[j].peak))
-            else:
-                peak = (peaks.speeds, peaks.accelerations)[row - 1][j]
-                found.append((float(peak.time), float(peak.value)))
-        yield (j, *max(found, key=lambda pair: abs(pair[1])))
+def _wanted_peaks(motion: Motion, row: int, j: int) -> Mark:
+    """The largest magnitude over the whole motion, exact where the motion has it so."""
+    found = []
+    for peaks in motion.peaks:
+        if row == len(ROWS) - 1:
+            found.append((peaks.loads[j].time, peaks.loads[j].peak))
+        else:
+            peak = (peaks.speeds, peaks.accelerations)[row - 1][j]
+            found.append((float(peak.time), float(peak.value)))
+    return (j, *max(found, key=lambda pair: abs(pair[1])))
 
 
-def _peaks(simulated: tuple[Array, list[Array | None]], row: int, joints: Sequence[int]) -> Iterator[Mark]:
-    """The largest magnitudes of what happened."""
-    values = simulated[1][row]
-    assert values is not None
-    for j in joints:
-        at = int(np.abs(values[:, j]).argmax())
-        yield j, float(simulated[0][at]), float(values[at, j])
+def _peaks(motion: Motion, row: int, joints: Sequence[int], curves: Curves, *, happened: bool) -> list[Mark]:
+    """The largest magnitudes of curves that are not constant."""
+    times, values = curves
+    marks = []
+    for j in joints if row else ():
+        track = values[:, j]
+        at = int(np.abs(track).argmax())
+        if np.ptp(track) > CONSTANT * abs(track[at]):
+            marks.append((j, float(times[at]), float(track[at])) if happened else _wanted_peaks(motion, row, j))
+    return marks
 
 
 def _name_points(axes: Any, motion: Motion) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from sympy import Expr, Float, Poly, Symbol, cos, expand, latex, pi, sstr
 
+from derive.motion.hermite import MOST_PRINTED
 from derive.motion.motion import Motion
 from derive.motion.profile import AnyPiece, Cosine, Curve
 from derive.motion.trajectory import Segment
@@ -19,9 +20,6 @@ DIGITS = 12
 
 ROUNDING = 1e-12
 """What a coefficient is, relative to the largest one, where it is nothing but rounding."""
-
-MOST_PIECES = 8
-"""Of a joint in a segment that are printed."""
 
 
 def formula(piece: AnyPiece, segment: Segment) -> Expr:
@@ -64,7 +62,7 @@ def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     for segment in motion.trajectory.segments:
         heading, lines = f"{segment.name}, 0 <= t <= {_time(segment.duration)} s", []
         for joint, pieces in zip(joints, segment.joints, strict=True):
-            if len(pieces) > MOST_PIECES:
+            if len(pieces) > MOST_PRINTED:
                 said = f"{joint.variable}: {len(pieces)} polynomials between places on the way"
                 lines.append(rf"  &\text{{{latex_text(said)}}}" if as_latex else f"  {said}")
                 continue

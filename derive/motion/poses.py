@@ -248,10 +248,14 @@ class Follower:
     def _rank(self) -> int:
         return usual_rank(self.functions, self.rows)
 
+    def regularity(self, q: Array) -> float:
+        """The smallest singular value of J in what the task asks for, relative to the largest."""
+        values = np.linalg.svd(self.functions("jacobian", q)[list(self.rows)], compute_uv=False)
+        return float(values[self._rank - 1] / values[0]) if self._rank else 1.0
+
     def _regular(self, q: Array, after: float) -> Array:
         jacobian: Array = self.functions("jacobian", q)[list(self.rows)]
-        values = np.linalg.svd(jacobian, compute_uv=False)
-        if self._rank and values[self._rank - 1] <= SINGULAR * values[0]:
+        if self.regularity(q) <= SINGULAR:
             when = f"leads through a singular configuration {after:.4g} s after its start"
             where = when if after else "starts at a singular configuration"
             factor = self.factor(q)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from sympy import Float
 
-from derive.errors import Location, RobotFileError, TargetError, listed, quoted
+from derive.errors import Location, RobotFileError, TargetError, install_extra, listed, quoted
 from derive.motion.hermite import Array, joined
 from derive.motion.trajectory import Segment, Trajectory
 from derive.robot.load import file_bytes
@@ -84,7 +84,7 @@ def _spline_rates(times: Array, q: Array) -> Array:
         from scipy.interpolate import CubicSpline
     except ImportError:
         found = "rates of a recorded motion need scipy, which is not installed"
-        raise TargetError(found, remedy="pip install 'derive-robot[motion]'") from None
+        raise TargetError(found, remedy=install_extra("motion")) from None
     return np.asarray(CubicSpline(times, q)(times, 1))
 
 

@@ -10,9 +10,10 @@ from sympy import Expr
 
 from derive.errors import RobotFileError
 from derive.motion.extremes import numeric_peak
-from derive.motion.hermite import Piece, joined
+from derive.motion.hermite import Piece, joined, symbolic
 from derive.motion.limits import MOST_CRUISE, Limits, placed, proportions, rounded_up, trapezoid_peaks
-from derive.motion.plan import Plan, Step
+from derive.motion.plan import Plan
+from derive.motion.points import Step
 from derive.motion.profile import (
     CRUISE,
     UNIT_PEAKS,
@@ -134,7 +135,7 @@ def _runs(steps: Sequence[Step]) -> list[list[Step]]:
 def _last(piece: AnyPiece) -> Expr:
     """Where a piece ends."""
     assert not isinstance(piece, Curve), "curves have no points"
-    return piece.values[1][0]
+    return symbolic(piece.values[1][0])
 
 
 Timed = tuple[list[Expr], list[Joints]]
@@ -147,7 +148,7 @@ def _run(arm: Arm, run: Sequence[Step], first: int, corners: Sequence[Corner], s
     if step.profile is Profile.FASTEST:
         found = arm.fastest(run, first, corners)
         joints: list[Joints] = [tuple(_moved(track, start, ONE) for track in pieces) for pieces in found]
-        return [start, *(pieces[0][-1].end for pieces in joints)], joints
+        return [start, *(symbolic(pieces[0][-1].end) for pieces in joints)], joints
     if step.in_space:
         return _in_space(arm, step, corners[0], start)
     if step.by_hand:

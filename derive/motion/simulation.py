@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -25,12 +25,13 @@ class Run:
         q: Joint variables, (samples, n).
         qd: Velocities, (samples, n).
         tau: Torques of the motors, (samples, n).
-        energy: Kinetic and potential energy [J], (samples,).
-        work: Of the motors and disturbances up to then, and what bodies brought that were taken up [J], (samples,).
-        brought: What of this work bodies brought that were taken up, less what those took that were put down [J],
-            (samples,).
+        energy: Kinetic and potential energy [J], (samples,); in the world where the base moves.
+        work: Of the motors up to then, the integral of tau qd [J], (samples,).
+        brought: What bodies brought that were taken up, less what those took that were put down [J], (samples,).
         lost: To friction up to then [J], (samples,).
         divergence: Where it was given up, with the samples up to then; None where the end was reached.
+        pushed: Work of the disturbances up to then [J], (samples,).
+        base: Work up to then of the force and moment by which a moving base holds the arm [J], (samples,).
     """
 
     t: Array
@@ -42,6 +43,8 @@ class Run:
     brought: Array
     lost: Array
     divergence: Divergence | None
+    pushed: Array = field(default_factory=lambda: np.zeros(1))
+    base: Array = field(default_factory=lambda: np.zeros(1))
 
     @property
     def reached(self) -> bool:
@@ -50,8 +53,9 @@ class Run:
 
     @property
     def energy_error(self) -> float:
-        """The largest gap in the ledger [J]: energy at the start and work, less losses, less energy now."""
-        return float(np.abs(self.energy[0] + self.work - self.lost - self.energy).max())
+        """The largest gap in the ledger [J]: energy at the start and all work, less losses, less energy now."""
+        given = self.work + self.brought + self.pushed + self.base
+        return float(np.abs(self.energy[0] + given - self.lost - self.energy).max())
 
 
 @dataclass(frozen=True)
@@ -95,14 +99,19 @@ def simulate(
     n = start[0].size
     begins = [stage.start for stage in stages]
     edges = _edges(times, [*begins, *jumps] if period is None else begins, period)
-    state, stage, brought, divergence = np.concatenate([*start, [0.0, 0.0]]), stages[0], 0.0, None
+    stage, brought, pushed, divergence = stages[0], 0.0, np.zeros(1), None
+    state = np.concatenate([*start, np.zeros(2 if stage.plant.base is None else 3)])
     held = stage.law(float(times[0]), *start)
-    parts = [_Part(times[:1], state[None], held[None], stage.plant, 0.0)]
+    parts = [_Part(times[:1], state[None], held[None], stage.plant, brought, pushed)]
     for (a, looks), (b, _) in pairwise(edges):
         now = [other for other in stages if other.start <= a + SAME][-1]
         if now is not stage:
-            before, state = state, _taken_up(state, stage.plant, now.plant)
-            brought, stage = brought + float(state[2 * n] - before[2 * n]), now
+            # what is taken up or put down has the speed of the hand then
+            heavier, lighter = (
+                plant.energy(state[None, :n], state[None, n : 2 * n], np.array([a]))[0]
+                for plant in (now.plant, stage.plant)
+            )
+            brought, stage = brought + float(heavier - lighter), now
         if looks:
             held = stage.law(a, state[:n], state[n : 2 * n])
         law = _before(stage.law, b) if period is None else _holding(held)
@@ -115,22 +124,25 @@ def simulate(
             rows, divergence = step(stage.plant, law, state, (a, b), wanted)
         kept = rows[: inside.size]
         tau = [law(float(t), row[:n], row[n : 2 * n]) for t, row in zip(inside, kept, strict=False)]
-        parts.append(_Part(inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant, brought))
+        pushes = pushed[-1] + (rows[:, :n] - state[:n]) @ stage.plant.push
+        part = inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant, brought, pushes[: len(kept)]
+        parts.append(_Part(*part))
         if divergence is not None:
             break
-        state = rows[-1]
+        state, pushed = rows[-1], pushes
     return _run(parts, divergence)
 
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Samples between two edges: times, states, torques, the arm, and what bodies brought [J]."""
+    """Samples between two edges: times, states, torques, the arm, what bodies brought and the work of pushes [J]."""
 
     t: Array
     states: Array
     tau: Array
     plant: Plant
     brought: float
+    pushed: Array
 
 
 def _edges(times: Array, begins: Sequence[float], period: float | None) -> list[tuple[float, bool]]:
@@ -158,15 +170,6 @@ def _holding(held: Array) -> Law:
     return lambda *_: held
 
 
-def _taken_up(state: Array, before: Plant, after: Plant) -> Array:
-    """The state with the energy of what is taken up or put down entered as work; its speed is that of the hand."""
-    n = before.coulomb.size
-    q, qd = state[:n], state[n : 2 * n]
-    brought = np.zeros_like(state)
-    brought[2 * n] = after.energy(q, qd) - before.energy(q, qd)
-    return state + brought
-
-
 def _run(parts: Sequence[_Part], divergence: Divergence | None) -> Run:
     n = parts[0].tau.shape[1]
     states = np.concatenate([part.states for part in parts])
@@ -176,15 +179,19 @@ def _run(parts: Sequence[_Part], divergence: Divergence | None) -> Run:
     ):  # one call for all samples of a plant
         first, *others = same
         rows = np.concatenate([first.states, *(part.states for part in others)])
-        energies.append(first.plant.energy(rows[:, :n], rows[:, n : 2 * n]))
+        when = np.concatenate([first.t, *(part.t for part in others)])
+        energies.append(first.plant.energy(rows[:, :n], rows[:, n : 2 * n], when))
+    pushed = np.concatenate([part.pushed for part in parts])
     return Run(
         t=np.concatenate([part.t for part in parts]),
         q=states[:, :n].copy(),
         qd=states[:, n : 2 * n].copy(),
         tau=np.concatenate([part.tau for part in parts]),
         energy=np.concatenate(energies),
-        work=states[:, 2 * n],
+        work=states[:, 2 * n] - pushed,
         brought=np.concatenate([np.full(len(part.t), part.brought) for part in parts]),
         lost=states[:, 2 * n + 1],
         divergence=divergence,
+        pushed=pushed,
+        base=states[:, 2 * n + 2] if states.shape[1] > 2 * n + 2 else np.zeros(len(states)),
     )

@@ -1,17 +1,23 @@
-"""Where an arm loses a direction of its end effector, and which factor of det J vanishes there."""
+"""Where an arm loses a direction of its end effector, and which of its singularities that is."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from sympy import Expr, Symbol, sstr
+from sympy import Symbol, sstr
 
 from derive.errors import DeriveError
-from derive.model.kinematic_model import KinematicModel
 from derive.motion.functions import Functions
 from derive.motion.hermite import Array
 from derive.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from derive.model.singularities.conditions import Condition
+
+NEAR = 0.25
+"""Of what a factor is elsewhere: below it a singularity is near."""
 
 PROBES = 8
 """Configurations at which the rank of J is looked at."""
@@ -28,8 +34,14 @@ def usual_rank(functions: Functions, rows: Sequence[int]) -> int:
     return max(int(np.linalg.matrix_rank(functions("jacobian", q)[list(rows)], tol=1e-9)) for q in places)
 
 
+def all_directions(functions: Functions) -> int:
+    """How many directions the twists of the end effector have over all configurations."""
+    places = np.random.default_rng(0).uniform(-1, 1, (PROBES, functions.n))
+    return int(np.linalg.matrix_rank(np.hstack([functions("jacobian", q) for q in places]), tol=1e-9))
+
+
 def vanishing_factor(robot: Robot, values: Mapping[str, float], q: Array) -> str:
-    """The factor of det J that is nearest to zero.
+    """What vanishes at the singularity that is nearest: a factor of det J, or factors that are zero together.
 
     Args:
         robot: The arm.
@@ -37,17 +49,23 @@ def vanishing_factor(robot: Robot, values: Mapping[str, float], q: Array) -> str
         q: Joint variables, (n,).
 
     Returns:
-        The formula; nothing where the arm has no such factor.
+        The formula, to be followed by ``= 0``; nothing where no singularity of the arm is near.
     """
-    numbers = {Symbol(name): value for name, value in values.items()}
-    numbers |= {Symbol(joint.variable): float(v) for joint, v in zip(robot.joints, q, strict=True)}
+    from derive.model.kinematic_model import KinematicModel  # closed forms are needed for this message alone
+
     try:
-        factors = KinematicModel(robot).singularities.factors
+        families = KinematicModel(robot).singularities.families
     except DeriveError:
         return ""
+    numbers = {Symbol(name): value for name, value in values.items()}
+    variables = [Symbol(joint.variable) for joint in robot.joints]
+    places = [q, *np.random.default_rng(0).uniform(-3, 3, (PROBES, len(q)))]
 
-    def _size(factor: Expr) -> float:
-        return abs(float(factor.subs(numbers)))
+    def _size(family: tuple[Condition, ...]) -> float:
+        """How near it is, as a part of how far it is elsewhere."""
+        at = [numbers | dict(zip(variables, map(float, place), strict=True)) for place in places]
+        here, *elsewhere = ([abs(float(c.expression.subs(known))) for c in family] for known in at)
+        return max(float(size / max(sizes)) for size, sizes in zip(here, zip(*elsewhere, strict=True), strict=True))
 
-    moving = [factor.expression for factor in factors if factor.condition is not None]
-    return sstr(min(moving, key=_size)) if moving else ""
+    nearest = min(families, key=_size, default=())
+    return " = 0 and ".join(sstr(c.expression) for c in nearest) if nearest and _size(nearest) < NEAR else ""

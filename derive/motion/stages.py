@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from derive.errors import RobotFileError
 from derive.motion.base_torques import BaseTorques
 from derive.motion.bodies import Body, OpenLink
 from derive.motion.control import NEEDS, Controller, looked_up
@@ -22,6 +23,9 @@ from derive.robot.expression import ZERO
 
 RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}
 """Calls of a simulated second, about, by how friction is treated."""
+
+MOST_LOOKS = 1_000_000
+"""Of a sampled controller."""
 
 CALLS_PER_LOOK = 30.0
 """Calls from one look of a sampled controller to the next, about."""
@@ -89,13 +93,26 @@ def stages_of(
             if evaluate(each.start, values) <= start < evaluate(each.end, values):
                 push[each.joint] += evaluate(each.torque, values)
         actual = _numbers(true, (carried, plan.plant_payload))
-        inertial = replace(added, values=true).single(carried, plan.plant_payload) if added else None
+        base = replace(added, values=true).carrying(carried, plan.plant_payload) if added else None
         steps = held.given(actual) if held else None
-        plant = Plant(functions.given(actual), viscous, coulomb, push, steps, inertial)
+        plant = Plant(functions.given(actual), viscous, coulomb, push, steps, base)
         model = functions.given(_numbers(values, (carried,))) if NEEDS[control.law] else None
         known_inertial = added.single(carried) if added else None
         stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model, known_inertial)))
     return stages
+
+
+def period_of(plan: Plan, values: Mapping[str, float], duration: float) -> float | None:
+    """Time between two looks of the controller [s]; None for a continuous one, infinite without control."""
+    control = plan.control
+    if control.law == "none":
+        return float(np.inf)
+    period = None if control.period is None else evaluate(control.period, values)
+    if period is not None and duration / period > MOST_LOOKS:
+        found = f"control, period: {duration / period:.4g} samples of the controller in {duration:.6g} s"
+        allowed, remedy = f"allowed: at most {MOST_LOOKS}", f"write period: {duration / 1e4:.2g} [s]"
+        raise RobotFileError(found, allowed=allowed, remedy=remedy, location=plan.places["period"])
+    return period
 
 
 def _changes(plan: Plan, trajectory: Trajectory, values: Mapping[str, float]) -> list[float]:

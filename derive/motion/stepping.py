@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.errors import TargetError
+from derive.errors import TargetError, install_extra
+from derive.motion.base_torques import BaseTorques
 from derive.motion.functions import Functions
 from derive.motion.hermite import Array
 
@@ -47,7 +48,7 @@ class Plant:
         coulomb: Coefficients of dry friction, which they do not.
         push: What acts on the joints besides motors and friction [N m or N].
         held: Its steps in C while the motors hold their torques; None where that is not worth a compiler.
-        inertial: What the motion of the base adds to the torques; None where it stands.
+        base: What the motion of the base adds to the torques, and its work; None where it stands.
     """
 
     functions: Functions
@@ -55,25 +56,24 @@ class Plant:
     coulomb: Array
     push: Array
     held: Held | None = None
-    inertial: Law | None = None
+    base: BaseTorques | None = None
 
-    def pushed(self, t: float, q: Array, qd: Array) -> Array:
-        """What acts on the joints besides motors and friction, the motion of the base included [N m or N].
+    def felt(self, driven: Array, t: float, q: Array, qd: Array) -> Array:
+        """What accelerates joints that motors and pushes drive: less what the motion of the base takes [N m or N]."""
+        return driven if self.base is None else driven - np.array(self.base.at(t, q).added(qd.tolist()))
 
-        Args:
-            t: Time [s].
-            q: Joint variables, (n,).
-            qd: Velocities, (n,).
-        """
-        return self.push if self.inertial is None else self.push - self.inertial(t, q, qd)
+    def ledger(
+        self, driven: Array, friction: Array, t: float, q: Array, rates: tuple[Array, Array]
+    ) -> tuple[float, ...]:
+        """Power of motors and pushes, what friction takes, and the power of a base that moves [W], by qd and qdd."""
+        qd, qdd = rates
+        found = float(driven @ qd), float((friction + self.viscous * qd) @ qd)
+        return found if self.base is None else (*found, self.base.at(t, q).power(qd.tolist(), qdd.tolist()))
 
-    def energy(self, q: Array, qd: Array) -> Array:
-        """Kinetic and potential energy [J].
-
-        Args:
-            q: (..., n).
-            qd: (..., n).
-        """
+    def energy(self, q: Array, qd: Array, t: float | Array = 0.0) -> Array:
+        """Kinetic and potential energy [J], (...); where the base moves that in the world, at times (...)."""
+        if self.base is not None:
+            return self.base.energy(np.asarray(t), q, qd)
         return self.functions("kinetic_energy", q, qd) + self.functions("potential_energy", q)
 
 
@@ -100,7 +100,8 @@ class Divergence:
 Steps = tuple[Array, Divergence | None]
 """States at the times that are wanted, and where it ended earlier.
 
-A state holds positions, velocities, the work of motors and pushes, and what friction took, in one vector.
+A state holds positions, velocities, the work of motors and pushes, what friction took, and the work of a base that
+moves, in one vector.
 """
 
 Held = Callable[[Plant, Array, Array, tuple[float, float], Array], Steps]
@@ -137,7 +138,7 @@ def integrated(
         from scipy.integrate import solve_ivp
     except ImportError:
         found = "simulations need scipy, which is not installed"
-        raise TargetError(found, remedy="pip install 'derive-robot[motion]'") from None
+        raise TargetError(found, remedy=install_extra("motion")) from None
 
     n = (state.size - 2) // 2
 
@@ -182,19 +183,19 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
         A row for each time.
     """
     n = plant.coulomb.size
-    dry, viscous = plant.coulomb, plant.viscous
-    frozen, rough, nothing = np.zeros_like(state), bool(dry.any()), np.zeros(n)
+    dry, frozen, nothing = plant.coulomb, np.zeros_like(state), np.zeros(n)
+    rough = bool(dry.any())
 
     def _rates(t: float, state: Array) -> Array:
         q, qd = state[:n], state[n : 2 * n]
         if not qd @ qd < 4 * n * DIVERGED**2:
             return frozen
-        tau = law(t, q, qd) + plant.pushed(t, q, qd)
+        driven = law(t, q, qd) + plant.push
         slip = dry * np.tanh(qd / STICTION_SPEED) if rough else nothing
         rates = np.empty_like(state)
         rates[:n] = qd
-        rates[n : 2 * n] = plant.functions("forward_dynamics", q, qd, tau - slip)
-        rates[-2], rates[-1] = tau @ qd, (slip + viscous * qd) @ qd
+        rates[n : 2 * n] = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - slip)
+        rates[2 * n :] = plant.ledger(driven, slip, t, q, (qd, rates[n : 2 * n]))
         return rates
 
     method = "LSODA" if rough else solver(_rates, state, span)
@@ -216,7 +217,7 @@ def solver(rates: Callable[[float, Array], Array], state: Array, span: tuple[flo
 
 def _fastest_decay(rates: Callable[[float, Array], Array], t: float, state: Array) -> float:
     """The largest eigenvalue of the linear motion about a state, in magnitude [1/s]."""
-    count = state.size - 2
+    count = (state.size - 2) // 2 * 2
     columns = []
     for k in range(count):
         aside = np.zeros_like(state)

@@ -64,7 +64,9 @@ class Contact:
         dry = plant.coulomb
         way, open_ = np.where(dry > 0, np.sign(qd), 0.0), (dry > 0) & (qd == 0)
         if open_.any():
-            free = plant.functions("forward_dynamics", q, qd, law(t, q, qd) + plant.pushed(t, q, qd) - dry * way)
+            free = plant.functions(
+                "forward_dynamics", q, qd, plant.felt(law(t, q, qd) + plant.push, t, q, qd) - dry * way
+            )
             held = _complementary(_mobility(plant, q), free, np.where(open_, dry, 0.0))[1]
             way = np.where(open_ & (np.abs(held) >= dry), np.sign(held), way)
         for _ in range(4 * dry.size):
@@ -110,15 +112,15 @@ class Contact:
             Torques of motors and pushes, accelerations, and dry friction: f sign(qd) of joints that slip, what it takes
             to hold those that stand, (n,) each.
         """
-        plant, tau = self.plant, self.law(t, q, qd) + self.plant.pushed(t, q, qd)
+        plant, driven = self.plant, self.law(t, q, qd) + self.plant.push
         friction = self.slip
-        qdd = plant.functions("forward_dynamics", q, qd, tau - friction)
+        qdd = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - friction)
         if self.any_stands:
             inertia, (both, alone) = plant.functions("inertia_matrix", q), self._apart
             pull = inertia @ qdd
             qdd = np.asarray(np.linalg.solve(inertia * both + alone, np.where(self.stands, 0.0, pull)), dtype=float)
             friction = friction + np.where(self.stands, pull - inertia @ qdd, 0.0)
-        return tau, qdd, friction
+        return driven, qdd, friction
 
     def rates(self, t: float, state: Array) -> Array:
         """Derivatives of a state by time.
@@ -130,9 +132,9 @@ class Contact:
         n, rates = self.way.size, np.zeros_like(state)
         qd = state[n : 2 * n]
         if qd @ qd < 4 * n * DIVERGED**2:
-            tau, qdd, friction = self.forces(t, state[:n], qd)
+            driven, qdd, friction = self.forces(t, state[:n], qd)
             rates[:n], rates[n : 2 * n] = qd, qdd
-            rates[-2], rates[-1] = tau @ qd, (friction + self.plant.viscous * qd) @ qd
+            rates[2 * n :] = self.plant.ledger(driven, friction, t, state[:n], (qd, qdd))
         return rates
 
     def margin(self, t: float, state: Array) -> float:
@@ -226,23 +228,22 @@ def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], tim
         A row for each time.
     """
     n, t = plant.coulomb.size, span[0]
-    q, qd, (work, lost) = state[:n], state[n : 2 * n], map(float, state[2 * n :])
+    q, qd, done = state[:n], state[n : 2 * n], state[2 * n :]
     rows: list[Array] = []
     for wanted in times:
         steps = max(int(np.ceil((wanted - t) / STEP - 1e-9)), 1)
         h = float(wanted - t) / steps
         for _ in range(steps):
-            tau = law(t, q, qd) + plant.pushed(t, q, qd)
-            free = qd + h * plant.functions("forward_dynamics", q, qd, tau)
+            driven = law(t, q, qd) + plant.push
+            free = qd + h * plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd))
             after, impulse = _complementary(_mobility(plant, q), free, h * plant.coulomb)
-            mean = (qd + after) / 2
-            work += h * float(tau @ mean)
-            lost += float((impulse + h * plant.viscous * mean) @ mean)
+            rates = (qd + after) / 2, (after - qd) / h
+            done = done + h * np.array(plant.ledger(driven, impulse / h, t, q, rates))
             q, qd, t = q + h * after, after, t + h
             if not np.all(np.abs(qd) < DIVERGED):
                 return np.array(rows).reshape(-1, state.size), Divergence(t, q, qd)
         t = float(wanted)
-        rows.append(np.concatenate([q, qd, [work, lost]]))
+        rows.append(np.concatenate([q, qd, done]))
     return np.array(rows), None
 
 

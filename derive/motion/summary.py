@@ -49,7 +49,9 @@ def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
             joints[joint.variable] |= {"power": load.power, "work": load.work}
     segment = peaks.segment
     found: dict[str, Any] = {"name": segment.name, "start": float(segment.start), "duration": float(segment.duration)}
-    return {**found, **({"work": peaks.work} if peaks.loads else {}), "joints": joints}
+    works = {"work": peaks.work} if peaks.loads else {}
+    works |= {"base_work": peaks.base.work} if peaks.base else {}
+    return {**found, **works, "joints": joints}
 
 
 def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str, Any]]:
@@ -82,6 +84,8 @@ def _simulation(motion: Motion, run: Run) -> dict[str, Any]:
         "end": {"q": run.q[-1].tolist(), "qd": run.qd[-1].tolist()},
         "work": float(run.work[-1]),
         "brought": float(run.brought[-1]),
+        "pushed": float(run.pushed[-1]),
+        "base_work": float(run.base[-1]),
         "lost": float(run.lost[-1]),
         "energy_error": run.energy_error,
         "violations": _violations(motion.plan.robot, motion.violations_of(run)),

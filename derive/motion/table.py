@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,16 +12,21 @@ from derive.motion.extremes import Peak
 from derive.motion.hermite import Array
 from derive.motion.loads import SegmentPeaks
 from derive.motion.motion import Motion
-from derive.motion.simulation import Run
 from derive.motion.violations import ROUNDING
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
-HEADER = ("segment", "time", "peak speed", "peak acceleration", "peak torque", "work")
+if TYPE_CHECKING:
+    from derive.motion.simulation import Run
+
+HEADER = ("segment", "time", "peak speed", "peak acceleration", "peak torque", "work", "work of base")
 
 JOINT_HEADER = ("segment", "joint", "peak speed", "peak acceleration", "peak torque", "RMS", "peak power", "work")
 
 SIMULATED_HEADER = ("simulated", "largest error", "peak torque", "work", "lost to friction")
+
+GIVEN = {"base": "work of base", "pushed": "work of disturbances", "brought": "brought by loads"}
+"""What a simulated arm gets besides the work of its motors, as `Run` has it, where it gets any."""
 
 
 def table(motion: Motion) -> list[tuple[str, ...]]:
@@ -30,7 +36,7 @@ def table(motion: Motion) -> list[tuple[str, ...]]:
         motion: The motion.
 
     Returns:
-        Cells as `HEADER` names them; the last two only where the robot has dynamics.
+        Cells as `HEADER` names them; torque and works only where the robot has dynamics.
     """
     return [_row(motion.plan.robot, peaks) for peaks in motion.peaks]
 
@@ -46,9 +52,15 @@ def _row(robot: Robot, peaks: SegmentPeaks) -> tuple[str, ...]:
         return cells
     at = max(range(robot.n), key=lambda j: abs(peaks.loads[j].peak))
     load = peaks.loads[at]
-    most = sum(abs(other.power) for other in peaks.loads) * float(peaks.segment.duration)
-    work = peaks.work if abs(peaks.work) > ROUNDING * most else 0.0
-    return (*cells, _torque(robot, at, load.peak, load.time), f"{work:.4g} J")
+    given = (*peaks.loads, peaks.base) if peaks.base else peaks.loads
+    most = sum(abs(other.power) for other in given) * float(peaks.segment.duration)
+    works = [_joules(work, most) for work in (peaks.work, *(other.work for other in given[robot.n :]))]
+    return (*cells, _torque(robot, at, load.peak, load.time), *works)
+
+
+def _joules(work: float, most: float) -> str:
+    """Work; zero where it is rounding of all that was moved to and fro."""
+    return f"{work if abs(work) > ROUNDING * most else 0.0:.4g} J"
 
 
 def joint_table(motion: Motion) -> list[tuple[str, ...]]:
@@ -73,6 +85,8 @@ def joint_table(motion: Motion) -> list[tuple[str, ...]]:
                 cells += [f"{load.power:.4g} W", f"{load.work:.4g} J"]
             rows.append(tuple(cells))
             name = ""
+        if peaks.base:
+            rows.append(("", "base", *[""] * 4, f"{peaks.base.power:.4g} W", f"{peaks.base.work:.4g} J"))
     return rows
 
 
@@ -90,11 +104,12 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
 
     Returns:
         Cells as `SIMULATED_HEADER` names them: the largest position error of angles and of slides, the largest torque,
-        the work of the motors and what friction took.
+        the work of the motors, what friction took, and what of `GIVEN` there is.
     """
     robot = motion.plan.robot
     rows: list[tuple[str, ...]] = []
-    errors, moved = run.q - motion(run.t)[0], run.work - run.brought
+    errors, ledger = run.q - motion(run.t)[0], [run.work, run.lost, *(getattr(run, name) for name in given_in(run))]
+    most = sum(float(np.ptp(entry)) for entry in (run.energy, *ledger))
     for segment in motion.trajectory.segments:
         start, end = float(segment.start), float(segment.start + segment.duration)
         (inside,) = np.nonzero((run.t >= start) & (run.t <= end))
@@ -107,11 +122,15 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
                 segment.name,
                 _worst(robot, errors[inside], run.t[inside]),
                 _torque(robot, int(joint), float(run.tau[inside][at, joint]), float(run.t[inside][at])),
-                f"{moved[last] - moved[first]:.4g} J",
-                f"{run.lost[last] - run.lost[first]:.4g} J",
+                *(_joules(float(entry[last] - entry[first]), most) for entry in ledger),
             )
         )
     return rows
+
+
+def given_in(run: Run) -> list[str]:
+    """What of `GIVEN` a simulated arm got."""
+    return [name for name in GIVEN if getattr(run, name).any()]
 
 
 def _worst(robot: Robot, errors: Array, times: Array) -> str:
@@ -200,15 +219,16 @@ def samples(motion: Motion, run: Run | None = None) -> tuple[tuple[str, ...], Ar
 
     Returns:
         Names of the columns, and a row for each sample: time, positions, velocities, accelerations, torques; of a
-        simulation time, positions, velocities, torques, energy, work of the motors, losses.
+        simulation time, positions, velocities, torques, energy, work of the motors, losses, what of `GIVEN` there is.
     """
     robot = motion.plan.robot
     variables = [joint.variable for joint in robot.joints]
     names = ["t", *variables, *map(velocity_name, variables)]
     torques = [f"tau{j + 1}" for j in range(robot.n)]
     if run is not None:
-        columns = [run.t[:, None], run.q, run.qd, run.tau, np.stack([run.energy, run.work, run.lost], axis=1)]
-        return (*names, *torques, "energy", "work", "lost"), np.hstack(columns)
+        ledger = ("energy", "work", "lost", *given_in(run))
+        columns = [run.t[:, None], run.q, run.qd, run.tau, *(getattr(run, name)[:, None] for name in ledger)]
+        return (*names, *torques, *ledger), np.hstack(columns)
     names += map(acceleration_name, variables)
     columns = [motion.times[:, None], *motion(motion.times)]
     if motion.has_torques:

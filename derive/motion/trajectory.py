@@ -152,13 +152,16 @@ class _Track:
             for numbers, kind, length in zip(self.numbers, self.kinds, self.durations, strict=True)
         ]
 
-    def _rows(self, kind: int) -> Array:
-        """The numbers of all pieces of a kind, and zeros of others."""
-        width = max(row.size for row, other in zip(self.numbers, self.kinds, strict=True) if other == kind)
-        rows = np.zeros((len(self.numbers), width))
-        for i in np.flatnonzero(self.kinds == kind):
-            rows[i] = self.numbers[i]
-        return rows
+    @cached_property
+    def _rows(self) -> dict[int, Array]:
+        """The numbers of all pieces of each kind, and zeros of others."""
+        found = {}
+        for kind in set(self.kinds.tolist()):
+            places = np.flatnonzero(self.kinds == kind)
+            found[kind] = np.zeros((len(self.numbers), max(self.numbers[i].size for i in places)))
+            for i in places:
+                found[kind][i] = self.numbers[i]
+        return found
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Position, velocity, acceleration at one time, without the cost of arrays.
@@ -187,12 +190,12 @@ class _Track:
         length = self.durations[index]
         u = np.where(inside >= following[index], 1.0, (inside - self.starts[index]) / length)
         found = np.zeros((3, t.size))
-        for kind in np.unique(self.kinds[index]):
+        for kind in sorted(set(self.kinds[index].tolist())):  # np.unique would import numpy.ma
             here = self.kinds[index] == kind
-            numbers = self._rows(int(kind))[index[here]]
+            numbers = self._rows[kind][index[here]]
             for order in range(3):
                 if kind > 0:
-                    found[order, here] = sampled(numbers, int(kind), u[here], length[here], order)
+                    found[order, here] = sampled(numbers, kind, u[here], length[here], order)
                 elif kind == _COSINE:
                     found[order, here] = _cosine(numbers, u[here], length[here], order)
                 else:

@@ -33,7 +33,6 @@ from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, has_exact_rotations
 from derive.robot.expression import Expression, Pi
-from derive.robot.inverse_options import FREEDOMS
 from derive.robot.robot import Robot
 from derive.robot.solution_policy import POLICY
 
@@ -304,6 +303,8 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     for leaf, (exists, ill) in zip(leaves, existing, strict=True):
         angles += run.angles(leaf)
         codes.append(_code(field, exists, replace(leaf, ill=ill), lost))
+    angles += angles[: trace.n] * graph.spare
+    codes += [field.number(Status.NONE)] * graph.spare
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else _without_given(INTERFACE)
@@ -311,32 +312,30 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     widths = {POSE: POSE_ENTRIES, **given_width, NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
-    is_short = n - len(graph.given) < sum(FREEDOMS.get(row, 1) for row in graph.task)
-    closed = POLICY.closed if is_short else POLICY.reproduced
+    closed = POLICY.closed if graph.is_short else POLICY.reproduced
     names = _in_words(trace.robot, graph)
-    return Inverse(
-        function, step, len(codes), n, graph.given, count_text(graph), closed, around(graph, is_short), names
-    )
+    return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed, around(graph), names)
 
 
-def around(graph: SolutionGraph, is_short: bool) -> Around:
+def around(graph: SolutionGraph) -> Around:
     """Where solutions that are alone are looked for where others are free.
 
     Args:
         graph: Says which joints are solved for.
-        is_short: Whether these are fewer than the dimensions of the task.
 
     Returns:
         Numbers; those of joints that are given are zero.
     """
     joints = range(graph.robot.n)
-    spread = starts(graph.robot.n).tolist() if is_short else []
     return Around(
         motions=MOTIONS,
-        starts=tuple(tuple(0.0 if k in graph.given else row[k] for k in joints) for row in spread),
+        starts=tuple(
+            tuple(0.0 if k in graph.given else row[k] for k in joints) for row in starts(graph.robot.n).tolist()
+        ),
         nudge=tuple(
             0.0 if k in graph.given else round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in joints
         ),
+        is_short=graph.is_short,
     )
 
 
@@ -358,6 +357,8 @@ def count_text(graph: SolutionGraph) -> str:
     """
     most = graph.count or graph.leaves
     solutions = "one solution" if most == 1 else f"up to {most} solutions"
+    if graph.complete and not graph.everywhere:
+        return f"Almost every reachable pose has {solutions}; special ones may have more."
     proof = ", and no more" if graph.complete else " in closed form"
     return f"A reachable pose has {solutions}{proof} but where joints are free."
 

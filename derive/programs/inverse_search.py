@@ -143,8 +143,9 @@ def _summary(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
         )
     size = solution.eliminations[0].eigenvalues
     method = f"from the eigenvalues of a {size}x{size} matrix, each refined by Newton's method"
-    more = ", and no more but where joints are free," if graph.complete else ","
-    return f"A reachable pose has up to {solution.branches} solutions{more} {method}."
+    more = ", and no more but where joints are free," if graph.everywhere else ","
+    pose = "A" if graph.everywhere or not graph.complete else "Almost every"
+    return f"{pose} reachable pose has up to {solution.count or solution.branches} solutions{more} {method}."
 
 
 def _reason(graph: SolutionGraph, solution: GeneralSolution | None) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from math import prod
@@ -146,13 +146,15 @@ class Around:
 
     Attributes:
         motions: Rows of motions A, one after the other, by which poses T are brought beside, A T; lengths in the unit.
-        starts: What is added to the joints of branches, in half turns and units; none where poses beside are enough.
+        starts: What is added to the joints of branches, in half turns and units, where poses beside lead nowhere.
         nudge: What is added to a solution that comes back to itself if it is alone, in radians and units.
+        is_short: Whether there are fewer joints than the task has dimensions, so that poses beside are out of reach.
     """
 
     motions: tuple[tuple[float, ...], ...]
     starts: tuple[tuple[float, ...], ...]
     nudge: tuple[float, ...]
+    is_short: bool
 
     @property
     def texts(self) -> dict[str, tuple[str, ...]]:
@@ -342,16 +344,18 @@ def cost_text(operations: Operations) -> str:
     return ", ".join(parts) or "no operations"
 
 
-def joint_lines(robot: Robot) -> tuple[str, ...]:
+def joint_lines(robot: Robot, escape: Callable[[str], str] | None = None) -> tuple[str, ...]:
     """The joints of a robot, for the documentation of its functions.
 
     Args:
         robot: The robot.
+        escape: Makes a comment of a name; None for lines without names.
 
     Returns:
-        One line per joint: place, name, type and unit.
+        One line per joint: place, variable, type and unit, and its name where it has one.
     """
     return tuple(
         f"{i + 1}: {joint.variable}, {joint.type.value} [{'rad' if joint.is_revolute else 'm'}]"
+        + (f", {escape(joint.name)}" if escape and joint.name else "")
         for i, joint in enumerate(robot.joints)
     )

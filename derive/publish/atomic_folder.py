@@ -1,8 +1,9 @@
-"""Puts folders and files in place, each as a whole or not at all, and replaces nothing that derive did not write.
+"""Puts folders and files in place, each as a whole or not at all, and overwrites nobody's file unasked.
 
 A new folder is written and checked beside the target and then takes its name in one step, so that a kill at any moment,
 a full disk or two builds at once leave the complete old folder or the complete new one. Files of the user's in it are
-kept. Single files are all written beside their targets before the first takes its name.
+kept. Single files are all written beside their targets before the first takes its name, which must be free: only with
+``force`` they replace files, whoever wrote those.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import stat
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
 from typing import TypeVar
@@ -18,7 +20,7 @@ from typing import TypeVar
 from derive.errors import DeriveError, OutputError
 from derive.interrupts import uninterrupted
 from derive.publish.manifest import FILE as MANIFEST
-from derive.publish.manifest import compiled_files, read_manifest
+from derive.publish.manifest import compiled_files, contents, read_manifest
 from derive.publish.staging import (
     backup_of,
     exchange,
@@ -32,9 +34,6 @@ from derive.publish.staging import (
 )
 
 _CACHE = "__pycache__"
-
-MARKS = (b"written by derive", b"/Creator (derive")
-"""One of these stands in every single file that derive writes to be handed out."""
 
 R = TypeVar("R")
 
@@ -97,6 +96,20 @@ def publish(
             release(lock)
 
 
+def rewrite(files: Mapping[str, bytes], folder: Path, target: Path) -> None:
+    """Writes those files into the temporary folder of a target that are not in it, or are others.
+
+    Raises:
+        OutputError: The system refused.
+    """
+    with _system_errors(target):
+        for name, data in files.items():
+            if contents(folder / name) != data:
+                (folder / name).unlink(missing_ok=True)
+                _write_new(folder / name, data)
+        flush_folder(folder)
+
+
 def heal(parent: Path) -> None:
     """Puts in order what a killed build left in a folder of robots.
 
@@ -104,8 +117,10 @@ def heal(parent: Path) -> None:
         parent: The folder; nothing happens if there is none.
 
     Raises:
-        OutputError: The system refused.
+        OutputError: It is no folder, or the system refused.
     """
+    if os.path.lexists(parent) and not parent.is_dir():
+        raise OutputError(f"{parent} is not a folder", remedy="choose another --out")
     if parent.is_dir():
         with _system_errors(parent), exclusively(parent) as locks_work:
             recover(parent, locks_work)
@@ -238,68 +253,110 @@ def _refusal(path: Path, found: str, remedy: str) -> OutputError:
     return OutputError(f"{path} {found}", allowed="derive replaces only folders that it wrote itself", remedy=remedy)
 
 
-def refuse_taken(path: Path, *, force: bool) -> None:
-    """Refuse a file's name that is taken, before work is done for it.
+def refuse_taken(paths: Iterable[Path], *, force: bool) -> None:
+    """Refuse names of files that are taken, or have no folder, before work is done for them.
 
     Args:
-        path: Of the file.
-        force: Whether a file that exists may be overwritten; a folder never is.
+        paths: Of the files; devices and pipes, such as ``/dev/null``, are free.
+        force: Whether a file that exists may be overwritten; a folder or a link never is.
 
     Raises:
-        OutputError: There is a folder, or a file that stays.
+        OutputError: A folder, a link, or a file that stays; or its folder cannot be made.
     """
-    if path.is_dir():
-        raise OutputError(f"{str(path)!r} is a folder", remedy="write the name of a file in it")
-    if os.path.lexists(path) and not force:
-        taken, remedy = f"{path} exists already", "choose another name, or overwrite it with --force"
-        raise OutputError(taken, allowed="a name that is not taken", remedy=remedy)
+    for path in paths:
+        if _is_stream(path):
+            continue
+        if path.is_dir():
+            raise OutputError(f"{str(path)!r} is a folder", remedy="write the name of a file in it")
+        if path.is_symlink():
+            raise OutputError(f"{path} is a symbolic link", remedy="remove the link, or choose another name")
+        if path.exists() and not force:
+            raise _taken(path)
+        above = next((folder for folder in path.parents if os.path.lexists(folder)), path)
+        if not above.is_dir():
+            raise OutputError(f"{above} is not a folder", remedy="choose another place")
 
 
-def write_files(files: Mapping[str, bytes], folder: Path, *, force: bool = False) -> list[Path]:
-    """Writes files into a folder, which is made if there is none.
+def write_files(files: Mapping[Path, bytes], *, force: bool = False) -> list[Path]:
+    """Writes files, all or none; folders are made if there are none.
 
     Args:
-        files: Contents by file name.
-        folder: Where to.
-        force: Whether to overwrite files that derive did not write.
+        files: Contents by path.
+        force: Whether to overwrite files that exist.
 
     Returns:
         Their paths, in the order of ``files``.
 
     Raises:
-        OutputError: A file is there that derive did not write, or the system refused to write.
+        OutputError: See `refuse_taken`, also where a name was taken meanwhile; or the system refused to write.
     """
-    targets = {folder / name: data for name, data in files.items()}
+    refuse_taken(files, force=force)
     written: dict[Path, Path] = {}
+    placed: list[Path] = []
+    target = Path()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        foreign = [path for path in targets if os.path.lexists(path) and not (force or _is_ours(path))]
-        if foreign:
-            raise OutputError(
-                f"{foreign[0]} was not written by derive",
-                remedy="move it away, choose another --out, or overwrite it with --force",
-            )
-        try:
-            for target, data in targets.items():
-                written[target] = target.with_name(f".derive-{secrets.token_hex(4)}-{target.name}")
-                _write_new(written[target], data)
+        for target, data in files.items():
+            if _is_stream(target):
+                target.write_bytes(data)
+                continue
+            target.parent.mkdir(parents=True, exist_ok=True)
+            written[target] = target.with_name(f".derive-{secrets.token_hex(4)}-{target.name}")
+            _write_new(written[target], data)
+        with uninterrupted():
             for target, temporary in written.items():
-                os.replace(temporary, target)
-        finally:
-            for temporary in written.values():
-                with suppress(OSError):
-                    temporary.unlink(missing_ok=True)
+                (os.replace if force else _claim)(temporary, target)
+                placed.append(target)
     except OSError as error:
+        for path in () if force else placed:
+            path.unlink(missing_ok=True)
+        if isinstance(error, FileExistsError):
+            raise _taken(target) from None
         reason = error.strerror or str(error)
-        named = {str(temporary): target for target, temporary in written.items()}
-        place = named.get(str(error.filename), error.filename or folder)
-        raise OutputError(f"cannot write {place}: {reason}", remedy="make room, or choose another --out") from error
-    return list(targets)
+        raise OutputError(f"cannot write {target}: {reason}", remedy="make room, or choose another place") from error
+    finally:
+        for temporary in written.values():
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+    return list(files)
 
 
-def _is_ours(path: Path) -> bool:
-    """Whether derive wrote a single file; an empty one is nobody's."""
-    if path.is_symlink() or not path.is_file():
+def _claim(temporary: Path, target: Path) -> None:
+    """Give a file a name that nobody else has, in one step; `FileExistsError` where somebody has taken it meanwhile."""
+    try:
+        os.link(temporary, target)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system where files have one name
+        open(target, "xb").close()
+        os.replace(temporary, target)
+
+
+def _taken(path: Path) -> OutputError:
+    remedy = "choose another name, or overwrite it with --force (force=True in Python)"
+    return OutputError(f"{path} exists already", remedy=remedy)
+
+
+def ending_of(path: Path, allowed: Sequence[str]) -> str:
+    """The ending of a file's name, which says its form; a device or a pipe takes the first one.
+
+    Args:
+        path: Of the file.
+        allowed: Endings; none where any will do.
+
+    Raises:
+        DeriveError: The name ends otherwise.
+    """
+    ending = (*allowed, "")[0] if _is_stream(path) else path.suffix.lower()
+    if allowed and ending not in allowed:
+        found = f"{path.name!r} has the ending of another kind of file"
+        raise DeriveError(found, allowed=f"allowed: {', '.join(allowed)}")
+    return ending
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether a path is a device or a pipe, which is written to and never replaced."""
+    try:
+        mode = path.stat().st_mode
+    except OSError:
         return False
-    data = path.read_bytes()
-    return not data or any(mark in data for mark in MARKS)
+    return stat.S_ISCHR(mode) or stat.S_ISFIFO(mode)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import gc
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from derive.errors import TargetError
+from derive.interrupts import TemporaryFolder
 from derive.programs.search_policy import Effort
-from derive.publish.atomic_folder import OvertakenError, heal, publish
+from derive.publish.atomic_folder import OvertakenError, heal, publish, require_replaceable, rewrite
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, contents, is_current, read_manifest, written_targets
-from derive.publish.render import compile_libraries, library_names, render_robot
+from derive.publish.render import Rendered, compile_libraries, library_names, render_robot, rendering, take_libraries
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compiling_meanwhile, require_compiler
@@ -139,13 +140,13 @@ def build_robot(
     effort: Effort = Effort.FULL,
     progress: Progress | None = None,
 ) -> BuildResult:
-    """Builds one robot into ``out/<robot_name>``: the targets asked for, and those that the folder holds already.
+    """Builds one robot into ``out/<robot_name>``: usual targets, those asked for, and those that the folder holds.
 
     Args:
         robot: The robot.
         out: Parent folder; made if there is none.
-        targets: Names of targets; None for those of a usual build.
-        only: Whether the folder shall hold these targets alone.
+        targets: Names of targets beside those of a usual build; None for no others.
+        only: Whether the folder shall hold the named targets alone.
         verified: Whether every generated function is compared with the independent recursion first.
         force: Whether to build even what has not changed.
         effort: How long the fewest operations are looked for.
@@ -165,7 +166,7 @@ def build_robot(
     heal(out)
 
     def _chosen() -> tuple[Target, ...]:
-        return targets_named(targets, () if only else written_targets(target))
+        return targets_named(targets, written_targets(target), only=only)
 
     def _are_chosen(written: tuple[Target, ...]) -> bool:
         return written == _chosen()
@@ -177,14 +178,23 @@ def build_robot(
             texts, compiled = _listed_files(target)
             files = (*texts, MANIFEST, *compiled)
             return BuildResult(robot.name, target, files, True, {}, None, time.perf_counter() - started)
+        require_replaceable(target, robot.name, ())  # before the work is done
         libraries = library_names(chosen)
         compiler = _compiler_for(libraries, targets_named(targets), target) if libraries else None
         tell(robot.name, "derive")
-        check = partial(_compile_and_verify, robot, chosen, compiler, None if force else target, verified, tell)
         try:
-            with _uncollected():
-                rendered = render_robot(robot, chosen, effort)
-                report = publish(rendered.files, target, robot.name, check, libraries, partial(_are_chosen, chosen))
+            with (
+                _uncollected(),
+                _compiling(chosen, compiler, None if force else target) as (begin, take),
+                rendering(robot, chosen, effort, begin) as (first, whole),
+            ):
+                stages = (["compile"] if libraries or not verified else []) + (["verify"] if verified else [])
+                tell(robot.name, " and ".join(stages))
+                finish = partial(_finished, robot, take, whole, verified, target)
+                late = [name for each in chosen if not each.needs_program for name in each.files]
+                report, rendered = publish(
+                    first.files, target, robot.name, finish, [*libraries, *late], partial(_are_chosen, chosen)
+                )
         except OvertakenError:  # a build of other targets was faster, and what it has written stays
             continue
         tell(robot.name, "built")
@@ -203,23 +213,45 @@ def _compiler_for(libraries: Sequence[str], asked: Sequence[Target], folder: Pat
         raise TargetError(held, remedy=f"{error.remedy}; or leave it out of the folder with --only") from None
 
 
-def _compile_and_verify(
+@contextmanager
+def _compiling(
+    targets: Sequence[Target], compiler: Command | None, former: Path | None
+) -> Iterator[tuple[Callable[[Mapping[str, bytes]], None], Callable[[Path], None]]]:
+    """What begins to compile the libraries of some sources, beside what follows, and what puts them into a folder."""
+    with ExitStack() as stack:
+        temporary = stack.enter_context(TemporaryFolder()).path
+        ready: list[Callable[[], None]] = []
+
+        def _begin(sources: Mapping[str, bytes]) -> None:
+            for name, data in sources.items():
+                (temporary / name).write_bytes(data)
+            assert compiler is not None, "it was asked for before anything was rendered"
+            work = compiling_meanwhile(compile_libraries, temporary, targets, compiler, former)
+            ready.append(stack.enter_context(work))
+
+        def _take(folder: Path) -> None:
+            for wait in ready:
+                wait()
+            take_libraries(library_names(targets), temporary, folder)
+
+        yield _begin, _take
+
+
+def _finished(
     robot: Robot,
-    targets: Sequence[Target],
-    compiler: Command | None,
-    former: Path | None,
+    take: Callable[[Path], None],
+    whole: Callable[[], Rendered],
     verified: bool,
-    tell: Progress,
+    target: Path,
     folder: Path,
-) -> Report | None:
-    """Finishes and checks a folder in which all texts are written."""
-    tell(robot.name, "compile and verify" if compiler and verified else "verify" if verified else "compile")
-    if compiler is None:
-        return verify(robot, folder) if verified else None
-    with compiling_meanwhile(compile_libraries, folder, targets, compiler, former) as ready:
-        found = verify(robot, folder, libraries=ready) if verified else None
-        ready()
-    return found
+) -> tuple[Report | None, Rendered]:
+    """Checks what is made of the program, and then adds the rest to it, which takes as long to render."""
+    report = verify(robot, folder, libraries=partial(take, folder)) if verified else None
+    if not verified:
+        take(folder)
+    rendered = whole()
+    rewrite(rendered.files, folder, target)
+    return report, rendered
 
 
 @contextmanager
@@ -254,9 +286,9 @@ def check_robot(
     Args:
         robot: The robot.
         out: Parent folder.
-        targets: Names of targets; None for those of a usual build.
+        targets: Names of targets beside those of a usual build; None for no others.
         effort: How long the fewest operations are looked for.
-        only: Whether a build would write these targets alone, not those that the folder holds already beside them.
+        only: Whether a build would write the named targets alone.
 
     Returns:
         The names of the files that differ.
@@ -265,7 +297,7 @@ def check_robot(
         TargetError: An unknown target.
     """
     target = folder_of(robot, out)
-    chosen = targets_named(targets, () if only else written_targets(target))
+    chosen = targets_named(targets, written_targets(target), only=only)
     wanted = render_robot(robot, chosen, effort).files
     found = {name: contents(target / name) for name in wanted}
     libraries = library_names(chosen)

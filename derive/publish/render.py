@@ -5,11 +5,13 @@ from __future__ import annotations
 import filecmp
 import os
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from derive.errors import OutputError, TargetError
+from derive.errors import OutputError, QuantityError, TargetError
+from derive.model.inverse.solve import solve
 from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.programs.search_policy import Effort
@@ -48,27 +50,61 @@ class Rendered:
     operations: dict[str, dict[str, int]]
 
 
-def render_robot(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Rendered:
-    """Every file of every target, the package file and the manifest.
+@contextmanager
+def rendering(
+    robot: Robot,
+    targets: Sequence[Target],
+    effort: Effort = Effort.FULL,
+    compiling: Callable[[Mapping[str, bytes]], None] = lambda files: None,
+) -> Iterator[tuple[Rendered, Callable[[], Rendered]]]:
+    """What is made of the program, and what waits for everything: each with a manifest of its own.
 
     Args:
         robot: The robot.
         targets: What to write.
         effort: How long the fewest operations are looked for.
-
-    Returns:
-        The files in memory.
+        compiling: Given the sources of the libraries, where there are any, as soon as they are rendered.
     """
     early = [target for target in targets if not target.needs_program]
+    sources = {name for target in targets for names in target.compiled.values() for name in names}
+    rendered: dict[str, dict[str, bytes]] = {}
+    if early and len(early) < len(targets):  # program and sheet start from one graph, derived before this is copied
+        with suppress(QuantityError):  # told by whoever asks for it
+            solve(robot)
     with in_another_process(_render_early, robot, early) as early_texts:
         source = source_of(robot, targets, effort)
         heading = {"title": python_docstring(robot.title), "name": robot.name, "version": __version__}
-        files = {PACKAGE: templating.render("package/__init__.py.jinja", **heading).encode()}
-        for target in targets:
-            texts = target.render(source) if target.needs_program else early_texts()[target.name]
-            files |= {name: text.encode() for name, text in texts.items()}
-    files[MANIFEST] = manifest_text(source, targets, files, effort).encode()
-    return Rendered(files, source.program.operations)
+        package = templating.render("package/__init__.py.jinja", **heading).encode()
+
+        def _made() -> Rendered:
+            files = {PACKAGE: package}
+            for target in targets:
+                files |= rendered.get(target.name, {})
+            files[MANIFEST] = manifest_text(source, targets, files, effort).encode()
+            return Rendered(files, source.program.operations)
+
+        def _whole() -> Rendered:
+            rendered.update({name: _encoded(texts) for name, texts in early_texts().items()})
+            return _made()
+
+        by_program = [target for target in targets if target.needs_program]
+        for target in sorted(by_program, key=lambda target: sources.isdisjoint(target.files)):
+            rendered[target.name] = _encoded(target.render(source))
+            written = {name: data for texts in rendered.values() for name, data in texts.items()}
+            if sources and sources <= written.keys():
+                compiling({name: written[name] for name in sources})
+                sources.clear()
+        yield _made(), _whole
+
+
+def render_robot(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Rendered:
+    """Every file of every target, the package file and the manifest, in memory."""
+    with rendering(robot, targets, effort) as (_, whole):
+        return whole()
+
+
+def _encoded(texts: Mapping[str, str]) -> dict[str, bytes]:
+    return {name: text.encode() for name, text in texts.items()}
 
 
 def _render_early(robot: Robot, targets: Sequence[Target]) -> dict[str, dict[str, str]]:
@@ -126,8 +162,21 @@ def compile_libraries(folder: Path, targets: Iterable[Target], compiler: Command
                     shutil.copy2(former / name, folder / name)
                 else:
                     _compile(compiler, folder / sources[0], folder / name)
-                with open(folder / name, "rb+") as file:
-                    os.fsync(file.fileno())
+    except OSError as error:
+        raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
+
+
+def take_libraries(names: Iterable[str], origin: Path, folder: Path) -> None:
+    """Copy libraries that were compiled elsewhere, safe against a power cut.
+
+    Raises:
+        OutputError: A library cannot be written.
+    """
+    try:
+        for name in names:
+            shutil.copy2(origin / name, folder / name)
+            with open(folder / name, "rb+") as file:
+                os.fsync(file.fileno())
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
 

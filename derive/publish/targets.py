@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from derive.errors import TargetError
+from derive.errors import TargetError, near_miss
 from derive.targets.c import TARGET as C
 from derive.targets.casadi import C_TARGET as CASADI_C
 from derive.targets.casadi import TARGET as CASADI
@@ -41,12 +41,15 @@ EVERY = "all"
 """What the user says for all of them."""
 
 
-def targets_named(names: Iterable[str] | None = None, present: Iterable[str] = ()) -> tuple[Target, ...]:
-    """Targets by name, those that they require, and those that are there already.
+def targets_named(
+    names: Iterable[str] | None = None, present: Iterable[str] = (), *, only: bool = False
+) -> tuple[Target, ...]:
+    """Targets by name beside those of a usual build, those that they require, and those that are there already.
 
     Args:
         names: What the user says, `EVERY` for all; None for what a build writes unasked.
         present: Names of targets that a folder holds and shall keep; those that are no more count for nothing.
+        only: Whether what is named, and what that requires, shall be all; without a name, what a build writes unasked.
 
     Returns:
         The targets, in the registry's order.
@@ -54,14 +57,16 @@ def targets_named(names: Iterable[str] | None = None, present: Iterable[str] = (
     Raises:
         TargetError: An unknown name, or none at all.
     """
-    usual = [name for name, target in TARGETS.items() if target.default]
+    usual = {name for name, target in TARGETS.items() if target.default}
     wanted = set(usual if names is None else [names] if isinstance(names, str) else names)
     if EVERY in wanted:
         wanted = wanted - {EVERY} | TARGETS.keys()
     unknown = sorted(wanted - TARGETS.keys())
     if unknown or not wanted:
         found = f"unknown target {unknown[0]!r}" if unknown else "no target"
-        raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}, and {EVERY}")
-    wanted |= TARGETS.keys() & set(present)
+        remedy = near_miss(unknown[0], TARGETS) if unknown else ""
+        raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}, and {EVERY}", remedy=remedy)
+    if not only:
+        wanted |= usual | (TARGETS.keys() & set(present))
     wanted |= {needed for name in wanted for needed in TARGETS[name].requires}
     return tuple(target for name, target in TARGETS.items() if name in wanted)

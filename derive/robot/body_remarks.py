@@ -7,16 +7,19 @@ since they know base parameters alone, but simulators refuse such a body.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from math import acos, cos, pi, sqrt
 
 from derive.robot.description import Description, Inertia, Remark
 from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import ZERO, Expression, names
+from derive.robot.expression import Expression, names
 
 ROUNDING = Fraction(1, 10**9)
 """Part of the largest principal moment that rounding may have taken from A + B - C."""
+
+REMEDY = "for bodies that exist and give the same torques see derive export --inertia possible"
 
 Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
 """xx, yy, zz, xy, xz, yz."""
@@ -35,10 +38,26 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
         A remark about all of them, at the first; none where bodies have all tensors.
     """
     try:
-        values = parameter_values(robot)
+        lacks = impossible_links(robot, parameter_values(robot))
     except ArithmeticError:
         return ()
-    lacks: dict[int, float] = {}
+    if not lacks:
+        return ()
+    path: KeyPath = ("links", min(lacks), "inertia")
+    where = f"links {'entries' if len(lacks) > 1 else 'entry'} {', '.join(str(index + 1) for index in lacks)}"
+    found = f"{where}, inertia: {too_large(lacks.values())}"
+    return (Remark(document.location(path), found, REMEDY, is_of_bodies=True),)
+
+
+def too_large(lacks: Iterable[float]) -> str:
+    """What is wrong with tensors by `missing_moment`."""
+    amounts = ", ".join(f"{lack:.3g}" for lack in lacks)
+    return f"no body has it, a principal moment is {amounts} kg m^2 larger than the sum of the other two"
+
+
+def impossible_links(robot: Description, values: Mapping[str, Fraction | float]) -> dict[int, float]:
+    """By link what `lack_of` its tensor is, where it has numbers and no body has it."""
+    lacks = {}
     for index, link in enumerate(robot.links):
         cells = _cells(link.inertia)
         if any(name not in values for cell in cells for name in names(cell)):
@@ -47,19 +66,15 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
             xx, yy, zz, xy, xz, yz = (Fraction(evaluate(cell, values)) for cell in cells)
         except ArithmeticError:
             continue
-        is_planar = sum(cell != ZERO for cell in cells[:3]) < 2 and min(xx, yy, zz) >= 0
-        if not is_planar and (lack := missing_moment((xx, yy, zz, xy, xz, yz))):
+        if lack := lack_of((xx, yy, zz, xy, xz, yz)):
             lacks[index] = lack
-    if not lacks:
-        return ()
-    path: KeyPath = ("links", min(lacks), "inertia")
-    where = f"links {'entries' if len(lacks) > 1 else 'entry'} {', '.join(str(index + 1) for index in lacks)}"
-    amounts = ", ".join(f"{lack:.3g}" for lack in lacks.values())
-    what = (
-        f"{where}, inertia: no body has it, a principal moment is {amounts} kg m^2 larger than the sum of the other two"
-    )
-    remedy = "for bodies that exist and give the same torques see derive export --inertia possible"
-    return (Remark(document.location(path), what, remedy, is_of_bodies=True),)
+    return lacks
+
+
+def lack_of(tensor: Tensor) -> float:
+    """`missing_moment` but of planar bodies, which have one moment."""
+    is_planar = sum(moment != 0 for moment in tensor[:3]) < 2 and min(tensor[:3]) >= 0
+    return 0.0 if is_planar else missing_moment(tensor)
 
 
 def _cells(inertia: Inertia) -> tuple[Expression, ...]:

@@ -8,13 +8,24 @@ Arguments of sin, cos and tan are angles too, in every cell; where pi occurs in 
 from __future__ import annotations
 
 import re
+import unicodedata
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import pi
 
-from derive.errors import DeriveError, ExpressionError, Location, RobotFileWarning, listed, near_miss, path_text, quoted
+from derive.errors import (
+    DeriveError,
+    ExpressionError,
+    Location,
+    RobotFileError,
+    RobotFileWarning,
+    listed,
+    near_miss,
+    path_text,
+    quoted,
+)
 from derive.robot.description import Description, FileUnits, Joint
 from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate
@@ -37,6 +48,7 @@ from derive.robot.hints import cell_hint
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
 from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.units import Unit, symbol_unit
 
 _DEGREE = multiply(number(Fraction(1, 180)), Pi())
 _MILLIMETRE = number(Fraction(1, 1000))
@@ -57,9 +69,6 @@ def angle_in_radians(expression: Expression, units: FileUnits, unitless: frozens
 
     Returns:
         The angle [rad].
-
-    Raises:
-        MixedUnitsError: pi outside the arguments of functions while angles are degrees.
     """
     if not units.degrees:
         return expression
@@ -114,14 +123,10 @@ def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, 
     """Values of all joint variables that a user types beside the file, in the units of the file.
 
     Args:
-        robot: The robot.
         texts: One cell per joint, such as ``pi/2`` or, in a file with degrees, ``90``.
 
     Returns:
         The configuration [rad or m].
-
-    Raises:
-        DeriveError: Not one cell per joint, a cell outside the grammar, or one with a name in it.
     """
     if len(texts) != robot.n:
         variables = ", ".join(joint.variable for joint in robot.joints)
@@ -137,25 +142,21 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
     """A value that a user types beside the file.
 
     Args:
-        robot: The robot.
-        joint: The joint that moves by it, in the units of the file (per second for a rate); None for a parameter in SI
-            units.
+        joint: The joint that moves by it, in the units of the file (per second for a rate); None for a symbol, whose
+            number is as under ``parameters:``.
         typed: A cell such as ``pi/2`` or, in a file with degrees, ``90``.
         name: What has the value, for messages.
 
     Returns:
         The value [SI units, rad].
-
-    Raises:
-        DeriveError: A cell outside the grammar, or one with a name in it.
     """
     value, allowed = f"value {quoted(typed.strip())} of {name}", "allowed: a number, or an expression in numbers and pi"
     try:
-        expression = parse_expression(typed.strip(), Location("-q"))
+        expression = parse_expression(typed.strip(), Location("--at"))
         if not is_constant(expression):
             raise DeriveError(f"{value} holds a name", allowed=allowed)
         if joint is None:
-            return plain_number(expression, robot.units)
+            return symbol_number(robot, name, expression)
         if joint.is_revolute and name == joint.variable:
             _remark_on_degrees(expression, value, robot.units)
         return (angle_in_radians if joint.is_revolute else length_in_metres)(expression, robot.units)
@@ -181,19 +182,15 @@ def _remark_on_degrees(angle: Expression, value: str, units: FileUnits) -> None:
 def typed_point(
     robot: Description, at: Sequence[str], rates: str | None = None, accelerations: str | None = None
 ) -> dict[str, Expression]:
-    """The state that a user types beside the file, in the units of the file; parameters are in SI units.
+    """The state that a user types beside the file, in the units of the file; symbols as under ``parameters:``.
 
     Args:
-        robot: The robot.
         at: Texts such as ``0, pi/4`` in the order of the joints, ``q1=0.3, m1=2, qd1=1`` in any, or both.
         rates: Velocities in the order of the joints.
         accelerations: Accelerations in the order of the joints.
 
     Returns:
         Values by name [SI units, rad]: those that are typed, then the parameters that the file gives a number.
-
-    Raises:
-        DeriveError: Not one value per joint, a name that the robot has not, one twice, or a value that is no number.
     """
     variables = [joint.variable for joint in robot.joints]
     orders = [variables, list(map(velocity_name, variables)), list(map(acceleration_name, variables))]
@@ -222,6 +219,20 @@ def typed_point(
     return dict(robot.parameters) | point
 
 
+def symbol_number(robot: Description, name: str, value: Expression) -> Expression:
+    """The number of a symbol that a user types, in a robot file with ``parameters: file`` in the units of its cells.
+
+    Args:
+        value: The number as written.
+
+    Returns:
+        The number [SI units, rad].
+    """
+    unit = symbol_unit(robot, name) if robot.units.parameters else Unit.SI
+    read = {Unit.SI: plain_number, Unit.LENGTH: length_in_metres, Unit.ANGLE: angle_in_radians}[unit]
+    return read(value, robot.units)
+
+
 @dataclass(slots=True)
 class Cells:
     """The cells of one file.
@@ -247,10 +258,6 @@ class Cells:
 
         Returns:
             The angle [rad].
-
-        Raises:
-            RobotFileError: pi in a file whose angles are degrees.
-            ExpressionError: Outside the grammar.
         """
         return self.to_radians(path, self.raw(path, default))
 
@@ -263,9 +270,6 @@ class Cells:
 
         Returns:
             The length [m].
-
-        Raises:
-            ExpressionError: Outside the grammar.
         """
         return length_in_metres(self.raw(path, default), self.units, self.unitless)
 
@@ -278,9 +282,6 @@ class Cells:
 
         Returns:
             The quantity [SI units].
-
-        Raises:
-            ExpressionError: Outside the grammar.
         """
         return plain_number(self.raw(path, default), self.units)
 
@@ -292,12 +293,6 @@ class Cells:
             value: What was read there.
             found: Where a name was found, for the message.
             allowed: What is allowed, for the message.
-
-        Returns:
-            The value.
-
-        Raises:
-            RobotFileError: A name is in it.
         """
         if not is_constant(value):
             name = next(names(value))
@@ -313,19 +308,35 @@ class Cells:
 
         Returns:
             The angle [rad].
-
-        Raises:
-            RobotFileError: pi in a file whose angles are degrees.
         """
         try:
             return angle_in_radians(expression, self.units, self.unitless)
         except MixedUnitsError:
-            raise self.document.error(
-                path,
-                "pi in an angle cell, but this file's angles are in degrees",
-                "allowed: plain numbers in degrees, names in radians",
-                "write 90 for pi/2, or remove angle: deg",
-            ) from None
+            raise self._mixed_units(path) from None
+
+    def symbol(self, path: KeyPath, robot: Description, name: str) -> Expression:
+        """The number of a symbol, see `symbol_number`.
+
+        Args:
+            path: Place of the number in the file.
+
+        Returns:
+            The number [SI units, rad].
+        """
+        try:
+            return symbol_number(robot, name, self.raw(path))
+        except RobotFileError as error:
+            raise self.document.error(path, error.found, error.allowed, error.remedy) from None
+        except MixedUnitsError:
+            raise self._mixed_units(path) from None
+
+    def _mixed_units(self, path: KeyPath) -> RobotFileError:
+        return self.document.error(
+            path,
+            "pi in an angle cell, but this file's angles are in degrees",
+            "allowed: plain numbers in degrees, and names",
+            "write 90 for pi/2, or remove angle: deg",
+        )
 
     def raw(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """The expression as written, before units.
@@ -336,9 +347,6 @@ class Cells:
 
         Returns:
             The exact tree; its names are noted in `first_use`.
-
-        Raises:
-            ExpressionError: Outside the grammar; the message names the cell.
         """
         scalar = self.document.scalar(path)
         if scalar is None:
@@ -357,16 +365,28 @@ class Cells:
         return expression
 
 
+def inert_text(document: Document, path: KeyPath, breaks: str = "") -> str:
+    """A free text of bounded length that no output takes for anything else; empty where there is none.
+
+    Args:
+        breaks: Control characters that may be in it.
+    """
+    text = document.text(*path)
+    if len(text) > FILE_LIMITS.title_length:
+        allowed = f"allowed: at most {FILE_LIMITS.title_length}"
+        raise document.error(path, f"{len(text)} characters", allowed, "shorten it")
+    for character in text:
+        if character not in breaks and unicodedata.category(character) in ("Cc", "Cs", "Zl", "Zp"):
+            allowed = f"allowed: text{', line breaks and tabs' if breaks else ' on one line'}"
+            raise document.error(path, f"control character U+{ord(character):04X}", allowed)
+    return text
+
+
 def check_symbol(document: Document, path: KeyPath, name: str) -> None:
     """Refuse a name that is not ``[A-Za-z][A-Za-z0-9_]*``, too long, or means something else.
 
     Args:
-        document: The file.
         path: Place of the name in the file.
-        name: The name.
-
-    Raises:
-        RobotFileError: At the place of the name.
     """
     if name in RESERVED_NAMES or name.casefold() in NOT_SYMBOLS:
         raise document.error(path, f"'{name}' cannot be a symbol", "it has a meaning of its own", "use another name")

@@ -45,10 +45,12 @@ class FileUnits:
     Attributes:
         degrees: Whether plain numbers in angle cells are degrees.
         millimetres: Whether plain numbers in length cells are millimetres.
+        parameters: Whether numbers of symbols are in the units of the cells that these stand in, too.
     """
 
     degrees: bool = False
     millimetres: bool = False
+    parameters: bool = False
 
 
 def _cells_text(**cells: Expression) -> str:
@@ -75,6 +77,7 @@ class Joint:
         limits: Lower and upper limit of the variable [rad or m], or None.
         speed: Largest speed of the variable, either way [rad/s or m/s], or None.
         torque: Largest torque or force, either way [N m or N], or None.
+        name: Free text by which others know the joint, such as ``shoulder_pan``; inert in every output; or empty.
     """
 
     type: JointType
@@ -87,6 +90,12 @@ class Joint:
     limits: tuple[Expression, Expression] | None = None
     speed: Expression | None = None
     torque: Expression | None = None
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """What the joint is called: its name, else that of its variable."""
+        return self.name or self.variable
 
     @property
     def is_revolute(self) -> bool:

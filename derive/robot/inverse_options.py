@@ -66,7 +66,8 @@ def chosen_task(words: Sequence[str], joints: int) -> Task:
         raise QuantityError("a task without rows", allowed=allowed)
     for k, word in enumerate(words):
         if word not in ROWS:
-            raise QuantityError(f"unknown row of a task {quoted(word)}", allowed=allowed, remedy=near_miss(word, ROWS))
+            remedy = near_miss(word, (*TASKS, *ROWS))
+            raise QuantityError(f"unknown row of a task {quoted(word)}", allowed=allowed, remedy=remedy)
         if word in words[:k] or (word in ("phi", "approach") and "orientation" in words):
             raise QuantityError(f"{quoted(word)} is in the task already", allowed=allowed, remedy="remove one")
     wanted = sum(FREEDOMS.get(word, 1) for word in words)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss, quoted
 from derive.robot.body_remarks import remarks_on_bodies
-from derive.robot.cells import Cells, check_symbol
+from derive.robot.cells import Cells, check_symbol, inert_text
 from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.expression import Expression
@@ -165,7 +165,9 @@ def description_from_bytes(data: bytes, source: str) -> Description:
     document = read_document(data, source if source.isprintable() else quoted(source, 200))
     check_structure(document)
     units = FileUnits(
-        degrees=document.text("units", "angle") == "deg", millimetres=document.text("units", "length") == "mm"
+        degrees=document.text("units", "angle") == "deg",
+        millimetres=document.text("units", "length") == "mm",
+        parameters=document.text("units", "parameters") == "file",
     )
     cells = Cells(document, units)
     joints = read_joints(document, cells)
@@ -176,7 +178,7 @@ def description_from_bytes(data: bytes, source: str) -> Description:
     parameters = _parameters(document)
     robot = Description(
         name=name,
-        title=_title(document) or name,
+        title=inert_text(document, ("title",), "\n\t") or name,
         convention=Convention(document.text("convention")),
         joints=joints,
         base=base,
@@ -194,6 +196,13 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         source=document.source,
         comments=_comments(data),
     )
+    if units.parameters:
+        numbers = Cells(document, units)
+        drawn = tuple(
+            (name, numbers.symbol(("figure", "values", name), robot, name)) for name, _ in robot.figure.values
+        )
+        given = tuple((name, numbers.symbol(("parameters", name), robot, name)) for name, _ in parameters)
+        robot = replace(robot, parameters=given, figure=replace(robot.figure, values=drawn))
     validate(document, cells, robot)
     found = (*remarks_on(document, robot), *remarks_on_bodies(document, robot))
     remarks = sorted(found, key=lambda remark: (remark.location.line, remark.location.column))
@@ -255,16 +264,3 @@ def _name(document: Document) -> str:
         found = f"'{name}' cannot be the name of a Python package"
         raise document.error(("name",), found, remedy=f"write for instance {name}-robot")
     return name
-
-
-def _title(document: Document) -> str:
-    """The title, an inert text of bounded length; empty when there is none."""
-    title, path = document.text("title"), ("title",)
-    if len(title) > FILE_LIMITS.title_length:
-        allowed = f"allowed: at most {FILE_LIMITS.title_length}"
-        raise document.error(path, f"{len(title)} characters", allowed, "shorten it")
-    for character in title:
-        if character not in "\n\t" and unicodedata.category(character) in ("Cc", "Cs"):
-            found = f"control character U+{ord(character):04X}"
-            raise document.error(path, found, "allowed: text, line breaks and tabs")
-    return title

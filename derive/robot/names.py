@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from derive.robot.description import Description
 from derive.robot.expression import Expression, names
+from derive.robot.units import are_units_clear
 
 Some = TypeVar("Some", bound=Description)
 
@@ -115,6 +116,8 @@ def file_symbols(robot: Description) -> tuple[str, ...]:
 def without_lost_symbols(before: Description, after: Some) -> Some:
     """A changed robot without numbers of symbols that went with the change: a file may hold none that no cell has.
 
+    Where a symbol has no clear unit any more, a file can give their numbers in SI units alone.
+
     Args:
         before: The robot as it was.
         after: The same with other cells, in which symbols such as the place of a link without mass are lost.
@@ -123,6 +126,7 @@ def without_lost_symbols(before: Description, after: Some) -> Some:
     values = tuple(pair for pair in after.figure.values if pair[0] not in lost)
     return replace(
         after,
+        units=replace(after.units, parameters=after.units.parameters and are_units_clear(after)),
         parameters=tuple(pair for pair in after.parameters if pair[0] not in lost),
         runtime=tuple(name for name in after.runtime if name not in lost),
         figure=replace(after.figure, values=values),

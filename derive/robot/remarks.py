@@ -9,17 +9,15 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import pi, tau
 
-from derive.errors import path_text
+from derive.errors import ExpressionError, path_text
 from derive.robot.cells import Cells
-from derive.robot.description import Description, Remark
+from derive.robot.description import Description, FileUnits, Remark
 from derive.robot.document import Document, KeyPath
-from derive.robot.evaluate import evaluate
+from derive.robot.evaluate import Values, evaluate, parameter_values
 from derive.robot.expression import (
-    Call,
     Expression,
     Name,
     add,
-    children,
     contains_pi,
     is_constant,
     linear_terms,
@@ -28,7 +26,7 @@ from derive.robot.expression import (
     names,
     number,
 )
-from derive.robot.validate import located_expressions
+from derive.robot.units import Unit, cell_unit, located_expressions, symbolic_factors, turned_angles
 
 NEAR = 1e-3
 """Relative distance (absolute below 1) within which a number is taken for a rounded multiple of pi/12."""
@@ -36,13 +34,16 @@ NEAR = 1e-3
 TURNS_OF_A_JOINT = 2
 """Limits of up to so many turns to either side are those of real wrists; an angle of the table is within one."""
 
+LARGEST_ARM, LEAST_ARM = 20.0, 0.01
+"""Between them all lengths of an arm together are taken as meant [m]."""
+
 DEGREE_DECIMALS = 3
 """Among degrees only a number with so many decimals is taken for radians: 0.52 degrees is a calibrated angle."""
 
 
 _LIKE_PI = ("Pi", "PI", "pI", "M_PI")
 
-_PARAMETERS = "; numbers of parameters are in radians in every file"
+_PARAMETERS = "; numbers of parameters are in radians unless units: {angle: deg, parameters: file} is written"
 
 _UNITS = ", or units: {angle: deg} for the whole file"
 
@@ -52,7 +53,8 @@ def remarks_on(document: Document, robot: Description) -> tuple[Remark, ...]:
 
     A number in an angle cell beyond 2 pi rad (in limits and drawn configurations beyond two turns) is taken for
     degrees; one within 1e-3 of a multiple of pi/12 for a rounded one; in a file in degrees, the latter for radians.
-    Numbers of parameters that stand in angle cells, and arguments of sin, cos and tan, are angles too.
+    Numbers of parameters that stand in angle cells, and arguments of sin, cos and tan, are angles too. Among
+    millimetres a parameter that makes the arm larger than 20 m or smaller than 1 cm is taken for one of the other unit.
 
     Args:
         document: The file, accepted.
@@ -67,38 +69,60 @@ def remarks_on(document: Document, robot: Description) -> tuple[Remark, ...]:
     paths = [path for path, _ in located_expressions(robot)]
     for path in (*paths, *(("figure", "q", row) for row in range(robot.n))):
         cell = cells.raw(path)
-        angles += [(path, angle) for angle in _arguments(cell)] + ([(path, cell)] if _is_angle(path, robot) else [])
+        angles += [(path, angle) for angle in turned_angles(cell)]
+        angles += [(path, cell)] if cell_unit(path, robot) is Unit.ANGLE else []
         if lookalike := next((name for name in names(cell) if name in _LIKE_PI), None):
             what = f"{path_text(path)}: '{lookalike}' is a name like any other"
             found[path] = Remark(document.location(path), what, "the constant is written pi")
     named = {term.name for _, angle in angles for _, term in linear_terms(angle) if isinstance(term, Name)}
-    angles += [(("parameters", name), value) for name, value in robot.parameters if name in named]
-    for path, angle in angles:
-        if path not in found and (slip := _slip(path, angle, degrees=robot.units.degrees)):
+    angles += [(path, cells.raw(path)) for path in _symbol_paths(robot) if path[-1] in named]
+    slips = [(path, _slip(path, angle, robot.units)) for path, angle in angles]
+    for path, slip in [*slips, *_sizes(robot)]:
+        if path not in found and slip is not None:
             found[path] = Remark(document.location(path), f"{path_text(path)}: {slip[0]}", slip[1])
     return tuple(sorted(found.values(), key=lambda remark: (remark.location.line, remark.location.column)))
 
 
-def _is_angle(path: KeyPath, robot: Description) -> bool:
-    """Whether a cell is an angle as a whole."""
-    if path[0] == "figure":
-        return robot.joints[int(path[-1])].is_revolute
-    if path[0] != "joints":
-        return False
-    return path[2] in ("theta", "alpha") or (path[2] == "limits" and robot.joints[int(path[1])].is_revolute)
+def _symbol_paths(robot: Description) -> list[KeyPath]:
+    """Where the numbers of symbols stand."""
+    drawn: list[KeyPath] = [("figure", "values", name) for name, _ in robot.figure.values]
+    return [*(("parameters", name) for name, _ in robot.parameters), *drawn]
 
 
-def _arguments(expression: Expression) -> Iterator[Expression]:
-    """The arguments of sin, cos and tan in a cell."""
-    if isinstance(expression, Call) and expression.function in ("sin", "cos", "tan"):
-        yield from expression.arguments
-    for part in children(expression):
-        yield from _arguments(part)
+def _size(cell: Expression, numbers: Values) -> float | None:
+    """How long a cell is; None where a symbol has no number, or the cell no value."""
+    try:
+        return abs(evaluate(cell, numbers))
+    except (ArithmeticError, ExpressionError):
+        return None
 
 
-def _slip(path: KeyPath, angle: Expression, *, degrees: bool) -> tuple[str, str] | None:
+def _sizes(robot: Description) -> Iterator[tuple[KeyPath, tuple[str, str]]]:
+    """Parameters that make an arm whose lengths are millimetres as large or as small as no arm is."""
+    if not robot.units.millimetres:
+        return
+    numbers = parameter_values(robot) | {name: evaluate(value, {}) for name, value in robot.figure.values}
+    lengths = [cell for path, cell in located_expressions(robot) if cell_unit(path, robot) is Unit.LENGTH]
+    known = [(cell, size) for cell in lengths if (size := _size(cell, numbers)) is not None]
+    factors = [factor for cell in lengths for _, term in linear_terms(cell) for factor in symbolic_factors(term)]
+    sizes = {name: abs(float(numbers[name])) for factor in factors for name in names(factor) if name in numbers}
+    large = sum(size for cell, size in known if not is_constant(cell)) > LARGEST_ARM and not robot.units.parameters
+    small = len(known) == len(lengths) and sum(size for _, size in known) < LEAST_ARM
+    if not any(sizes.values()) or not (large or small):
+        return
+    what = f"more than {LARGEST_ARM:g} m" if large else f"less than {1000 * LEAST_ARM:g} mm"
+    remedy = "numbers of parameters are in metres, or in millimetres with units: {length: mm, parameters: file}"
+    if robot.units.parameters:
+        remedy = "numbers of parameters are in millimetres, or in metres without parameters: file"
+    for path in _symbol_paths(robot):
+        size = sizes.get(str(path[-1]), 0.0)
+        if size == max(sizes.values()) or size > LARGEST_ARM:
+            yield path, (f"{size:.10g} m makes the lengths of this arm together {what}", remedy)
+
+
+def _slip(path: KeyPath, angle: Expression, units: FileUnits) -> tuple[str, str] | None:
     """What is found and what to write, where the plain number in an angle is hardly meant as it stands."""
-    parameter, motion = path[0] == "parameters", "limits" in path or path[0] == "figure"
+    parameter, motion = path[-2] in ("parameters", "values"), "limits" in path or path[:2] == ("figure", "q")
     plain = (
         multiply(number(c), term) for c, term in linear_terms(angle) if is_constant(term) and not contains_pi(term)
     )
@@ -109,7 +133,7 @@ def _slip(path: KeyPath, angle: Expression, *, degrees: bool) -> tuple[str, str]
     shown, twelfths = f"{value:.10g}", round(12 * value / pi)
     near = twelfths != 0 and abs(value - twelfths * pi / 12) <= NEAR * max(1.0, abs(value)) and abs(twelfths) <= 24
     exact = multiple_of_pi(Fraction(twelfths, 12))
-    if degrees and not parameter:
+    if units.degrees and (units.parameters or not parameter):
         decimals = len(shown.partition(".")[2])
         if not near or motion or decimals < DEGREE_DECIMALS:
             return None

@@ -11,6 +11,7 @@ from derive.robot.description import Convention, Description
 from derive.robot.expression import to_text
 from derive.robot.load import description_from_bytes, load_description
 from derive.robot.names import free_symbols
+from derive.robot.units import joint_in_file_units
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -56,18 +57,18 @@ class Robot(Description):
         gravity = ", ".join(map(to_text, self.gravity or ()))
         dynamics = f"{len(self.links)} links, gravity [{gravity}]" if self.links else "none"
         title = " ".join(self.title.split())
-        head = f"Robot {self.name}: {title} ({self.convention.value} Denavit-Hartenberg convention)"
+        head = f"Robot {self.name}: {title} {self._heading}"
         return "\n".join([head, *lines, f"dynamics: {dynamics}; free symbols: {free}"])
 
     def _repr_html_(self) -> str:
-        """The DH table for notebooks, in radians and metres; every text of the user's escaped."""
+        """The DH table for notebooks, in the units of the file; every text of the user's escaped."""
         names = ("&theta;", "d", "a", "&alpha;")
         if self.convention is not Convention.STANDARD:
             names = ("&alpha;<sub>i&minus;1</sub>", "a<sub>i&minus;1</sub>", "&theta;", "d")
         head = "".join(f"<th>{name}</th>" for name in ("i", "joint", *names, "limits"))
         rows = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in self._table())
         body = "".join(f"<tr>{row}</tr>" for row in rows)
-        caption = f"{escape(self.title)} ({self.convention.value} Denavit-Hartenberg convention)"
+        caption = f"{escape(self.title)} {self._heading}"
         return f"<table><caption>{caption}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
     def _table(self) -> list[tuple[str, ...]]:
@@ -77,11 +78,18 @@ class Robot(Description):
             (
                 str(i),
                 joint.type.value,
-                *(joint.row[cell] for cell in order),
+                *map(joint.row.__getitem__, order),
                 " to ".join(map(to_text, joint.limits or ())),
             )
-            for i, joint in enumerate(self.joints, 1)
+            for i, joint in enumerate((joint_in_file_units(joint, self.units) for joint in self.joints), 1)
         ]
+
+    @property
+    def _heading(self) -> str:
+        """The convention, and the units of the table where they are not SI."""
+        units = [word for word, is_so in (("deg", self.units.degrees), ("mm", self.units.millimetres)) if is_so]
+        numbers = f", numbers in {' and '.join(units)}" if units else ""
+        return f"({self.convention.value} Denavit-Hartenberg convention{numbers})"
 
     @classmethod
     def load(cls, path_or_name: str | Path) -> Self:

@@ -7,9 +7,7 @@ the JSON Schema, which editors use, says that numbers may be written as numbers.
 from __future__ import annotations
 
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
-
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, WithJsonSchema
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
 from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
@@ -28,6 +26,7 @@ from derive.robot.handout_options import (
 from derive.robot.hints import choice_hint, key_hint, shape_hint
 from derive.robot.inverse_options import ROWS
 from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, fits, model_of
 from derive.robot.style import (
     DEFAULT_STYLE,
     Brackets,
@@ -43,11 +42,15 @@ from derive.robot.style import (
     ShortSums,
 )
 
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
 NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"
 ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
 
 Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
+JointName = Annotated[str, WithJsonSchema({"type": "string", "minLength": 1, "maxLength": FILE_LIMITS.title_length})]
 Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
 Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
 Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": MOST_PAGES})]
@@ -59,17 +62,14 @@ Row4 = tuple[Cell, Cell, Cell, Cell]
 Matrix4 = tuple[Row4, Row4, Row4, Row4]
 
 
-class Strict(BaseModel):
-    """Frozen, and any key that is not named is an error."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
-
-
 class Units(Strict):
-    """Units of plain numbers in joint cells, limits, centres of mass, base and tool; parameters are always SI."""
+    """Units of plain numbers in joint cells, limits, centres of mass, base and tool; all else is SI."""
 
     angle: Literal["rad", "deg"] = Field(default="rad", description="Unit of plain numbers in angle cells.")
     length: Literal["m", "mm"] = Field(default="m", description="Unit of plain numbers in length cells.")
+    parameters: Literal["si", "file"] = Field(
+        default="si", description="Numbers of symbols: in SI units and radians, or in those of the cells they stand in."
+    )
 
 
 class JointRow(Strict):
@@ -84,6 +84,7 @@ class JointRow(Strict):
     limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
     speed: Cell | None = Field(default=None, description="Largest speed of the variable, either way.")
     torque: Cell | None = Field(default=None, description="Largest torque [N m] or force [N] of the joint, either way.")
+    name: JointName | None = Field(default=None, description="What others call the joint; default: as the variable.")
 
 
 class MotorRow(Strict):
@@ -154,7 +155,7 @@ FORMS = (_NAME, "<list>", _BLOCK)
 
 
 def _form_of_style(value: Any) -> str:
-    return _BLOCK if isinstance(value, dict | BaseModel) else _NAME
+    return _BLOCK if isinstance(value, dict) else _NAME
 
 
 class StyleRow(Strict):
@@ -232,7 +233,9 @@ class RobotFile(Strict):
         default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
     )
     links: list[LinkRow] | None = Field(default=None, description="One row per joint: dynamics.")
-    parameters: dict[str, Cell] = Field(default={}, description="Numbers of symbols, in SI units and radians.")
+    parameters: dict[str, Cell] = Field(
+        default={}, description="Numbers of symbols, in SI units and radians unless units say otherwise."
+    )
     runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
     style: Annotated[
         Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], Discriminator(_form_of_style)
@@ -247,7 +250,7 @@ class RobotFile(Strict):
 
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
-    robot = without_null(RobotFile.model_json_schema(ref_template="#/$defs/{model}"))
+    robot = without_null(model_of(RobotFile).model_json_schema(ref_template="#/$defs/{model}"))
     definitions = robot.pop("$defs", {})
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -267,14 +270,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def without_null(schema: Any) -> Any:
-    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other.
-
-    Args:
-        schema: A JSON Schema, or a part of one.
-
-    Returns:
-        It without ``null`` among what is allowed.
-    """
+    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other."""
     if isinstance(schema, list):
         return [without_null(item) for item in schema]
     if not isinstance(schema, dict):
@@ -297,21 +293,18 @@ _MISSING = {
 
 
 def check_structure(document: Document, model: type[Strict] = RobotFile) -> None:
-    """Refuse unknown keys, missing keys and wrong shapes.
+    """Refuse unknown keys, missing keys and wrong shapes."""
+    plain = _plain(document.root)
+    if fits(model, plain):
+        return
+    from pydantic import ValidationError
 
-    Args:
-        document: The file.
-        model: What stands in it.
-
-    Raises:
-        RobotFileError: The first violation in the file, unknown keys before anything else.
-    """
     try:
-        model.model_validate(_plain(document.root))
+        model_of(model).model_validate(plain)
     except ValidationError as error:
         refusals = []
         for violation in error.errors(include_url=False, include_input=False):
-            refusal = _refusal(document, model, violation)
+            refusal = _refusal(document, model_of(model), violation)
             place = refusal.location or Location("")
             refusals.append(((violation["type"] != "extra_forbidden", place.line, place.column), refusal))
         raise min(refusals, key=lambda pair: pair[0])[1] from None
@@ -328,7 +321,7 @@ def _plain(node: Node) -> Any:
             return {key: _plain(value) for key, (_, value) in node.entries.items()}
 
 
-def _refusal(document: Document, model: type[Strict], violation: Any) -> RobotFileError:
+def _refusal(document: Document, model: type[BaseModel], violation: Any) -> RobotFileError:
     """The message for one violation that pydantic found."""
     path: KeyPath = tuple(part for part in violation["loc"] if part not in FORMS)
     key, kind = str(path[-1]) if path else "", violation["type"]
@@ -336,7 +329,7 @@ def _refusal(document: Document, model: type[Strict], violation: Any) -> RobotFi
     match kind:
         case "extra_forbidden":
             allowed = _fields(model, path[:-1])
-            hint = key_hint(key, str(path[0]), allowed) if model is RobotFile else ""
+            hint = key_hint(key, str(path[0]), allowed) if model is model_of(RobotFile) else ""
             return RobotFileError(
                 f"{path_text(path[:-1], document.what)}: unknown key {quoted(key)}",
                 allowed=f"allowed: {listed(allowed)}",
@@ -368,9 +361,9 @@ def _refusal(document: Document, model: type[Strict], violation: Any) -> RobotFi
     return document.error(path, _found(node), _expected(model, path, kind), hint or remedy)
 
 
-def _shape_hint(model: type[Strict], key: str, node: Node | None) -> str:
+def _shape_hint(model: type[BaseModel], key: str, node: Node | None) -> str:
     """What is meant by a value of the wrong shape in a robot file."""
-    return shape_hint(key, _plain(node)) if node is not None and model is RobotFile else ""
+    return shape_hint(key, _plain(node)) if node is not None and model is model_of(RobotFile) else ""
 
 
 def _found(node: Node | None) -> str:
@@ -385,7 +378,7 @@ def _found(node: Node | None) -> str:
             return "found a mapping"
 
 
-def _expected(model: type[Strict], path: KeyPath, kind: str) -> str:
+def _expected(model: type[BaseModel], path: KeyPath, kind: str) -> str:
     """What is allowed where something of another kind was found."""
     if path[-1:] in (("name",), ("title",), ("language",)) or (path[:1], path[-1:]) == (("joints",), ("q",)):
         return "allowed: a text"
@@ -403,27 +396,31 @@ def _expected(model: type[Strict], path: KeyPath, kind: str) -> str:
     return f"allowed: a mapping with the keys {listed(fields)}" if fields else "allowed: a mapping"
 
 
+def _is_model(kind: Any) -> bool:
+    return hasattr(kind, "model_fields")
+
+
 def _said(annotation: Any) -> str:
     """A kind of value in words."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+    if _is_model(annotation):
         return f"a mapping with the keys {listed(annotation.model_fields)}"
     words = {str: "one number, name or expression", dict: "a mapping"}
     return words.get(get_origin(annotation) or annotation, "a list")
 
 
-def _fields(model: type[Strict], path: KeyPath) -> tuple[str, ...]:
+def _fields(model: type[BaseModel], path: KeyPath) -> tuple[str, ...]:
     """Allowed keys of the mapping at a path; none where any key is allowed."""
-    models = (kind for kind in _types(model, path) if isinstance(kind, type) and issubclass(kind, BaseModel))
+    models = filter(_is_model, _types(model, path))
     return tuple(key for kind in models for key in kind.model_fields)
 
 
-def _types(model: type[Strict], path: KeyPath) -> list[Any]:
+def _types(model: type[BaseModel], path: KeyPath) -> list[Any]:
     """What may stand at a path: models, and types of lists, mappings and texts."""
     found = _choices(model)
     for part in path:
         inner: list[Any] = []
         for kind in found:
-            if isinstance(kind, type) and issubclass(kind, BaseModel):
+            if _is_model(kind):
                 inner += [kind.model_fields[str(part)].annotation] if str(part) in kind.model_fields else []
             elif get_origin(kind) is dict:
                 inner.append(get_args(kind)[1])

@@ -23,6 +23,10 @@ class SolutionPolicy:
         elsewhere: Where free joints are tried, where the others have no solution with them where the caller has them.
         nudge: How far a solution is moved that is of a continuum, or double, if it does not come back.
         back: How near one that stands alone comes; double ones come no nearer than the root of what is rounding.
+        stalled: Error below which Newton's method may have stalled beside a singular pose, in a valley of small errors.
+        along: Damping of steps along such a valley.
+        across: Of those that lead back to its bottom.
+        valley: Most steps along it.
         turn: The others are turned, too, by multiples of it, after two times [rad].
     """
 
@@ -36,6 +40,10 @@ class SolutionPolicy:
     damping: float = 1e-16
     nudge: float = 1e-5
     back: float = 1e-8
+    stalled: float = 1e-4
+    along: float = 1e-20
+    across: float = 1e-6
+    valley: int = 16
     elsewhere: tuple[float, ...] = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
     turn: float = 1.3
 

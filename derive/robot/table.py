@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
 from derive.errors import RobotFileError, quoted
-from derive.robot.cells import Cells, check_symbol, length_in_metres
+from derive.robot.cells import Cells, check_symbol, inert_text, length_in_metres
 from derive.robot.description import IDENTITY, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
 from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate
@@ -62,7 +62,13 @@ def read_joints(document: Document, cells: Cells) -> tuple[Joint, ...]:
                 remedy="give every joint its own variable: q: ...",
             )
         found[name] = row
-    return tuple(_Row(document, cells, tuple(found), row).read() for row in range(rows))
+    joints = tuple(_Row(document, cells, tuple(found), row).read() for row in range(rows))
+    for row, joint in enumerate(joints):
+        if (first := next(i for i, other in enumerate(joints) if other.label == joint.label)) < row:
+            said = f"joint name {quoted(joint.label)} belongs to row {first + 1} already"
+            at: KeyPath = ("joints", row if joint.name else first, "name")
+            raise document.error(at, said, remedy="give every joint a name of its own")
+    return joints
 
 
 class _Row:
@@ -95,6 +101,7 @@ class _Row:
             limits=self._limits(),
             speed=self._bound("speed", self._cells.angle if self._type is JointType.REVOLUTE else self._cells.length),
             torque=self._bound("torque", self._cells.plain),
+            name="" if (name := inert_text(self._document, (*self._path, "name"))) == self._variable else name,
         )
 
     def _refuse_variables(self, key: str, expression: Expression) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from derive.errors import RobotFileError, near_miss
 from derive.robot.cells import Cells
@@ -13,6 +13,7 @@ from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.table import check_rotation
+from derive.robot.units import located_expressions
 
 _SEED = 560
 """Any fixed seed: the same file must be accepted or refused everywhere alike."""
@@ -72,36 +73,6 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
     trials = [{**values, **{name: source.uniform(0.1, 0.9) for name in open_names}} for _ in range(_TRIALS)]
     for frame, matrix in (("base", robot.base), ("tool", robot.tool)):
         check_rotation(document, frame, matrix, trials)
-
-
-def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expression]]:
-    """Every expression of the robot.
-
-    Args:
-        robot: The robot.
-
-    Yields:
-        Its path in the file, and the expression.
-    """
-    for key, matrix in (("base", robot.base), ("tool", robot.tool)):
-        yield from (((key, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
-    for index, joint in enumerate(robot.joints):
-        row: KeyPath = ("joints", index)
-        cells = (("theta", joint.theta), ("d", joint.d), ("a", joint.a), ("alpha", joint.alpha))
-        yield from (((*row, key), expression) for key, expression in cells)
-        yield from (((*row, "limits", k), limit) for k, limit in enumerate(joint.limits or ()))
-    yield from ((("gravity", k), entry) for k, entry in enumerate(robot.gravity or ()))
-    for index, link in enumerate(robot.links):
-        row = ("links", index)
-        yield (*row, "mass"), link.mass
-        yield from (((*row, "com", k), entry) for k, entry in enumerate(link.com))
-        for key in ("xx", "yy", "zz", "xy", "xz", "yz"):
-            yield (*row, "inertia", key), getattr(link.inertia, key)
-        for key in ("mass", "inertia", "ratio") if link.motor is not None else ():
-            yield (*row, "motor", key), getattr(link.motor, key)
-        yield (*row, "armature"), link.armature
-        yield (*row, "friction", "viscous"), link.viscous
-        yield (*row, "friction", "coulomb"), link.coulomb
 
 
 def _check_derived_names(document: Document, cells: Cells, robot: Description) -> None:

@@ -7,22 +7,11 @@ from dataclasses import fields
 from fractions import Fraction
 
 from derive.robot.description import IDENTITY, Convention, Description, FileUnits, Inertia, Joint, Link, Matrix, Motor
-from derive.robot.expression import (
-    ZERO,
-    Expression,
-    Pi,
-    Product,
-    add,
-    is_constant,
-    linear_terms,
-    multiply,
-    number,
-    power,
-    to_text,
-)
+from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.handout_options import HandoutOptions, NotationOptions
 from derive.robot.inverse_options import InverseOptions
 from derive.robot.rounding import shown
+from derive.robot.units import Unit, in_file_units, in_symbol_units, joint_in_file_units, position_unit
 
 _INERTIA = ("xx", "yy", "zz", "xy", "xz", "yz")
 
@@ -46,17 +35,16 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
     Returns:
         YAML.
     """
-    title = robot.title.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
     lines = [*(f"# {line}".rstrip() for line in comments), f"name: {robot.name}"]
-    lines += [f'title: "{title}"'] if title and title != robot.name else []
+    lines += [f"title: {_quoted(robot.title)}"] if robot.title and robot.title != robot.name else []
     lines += [f"convention: {robot.convention.value}"]
     units = robot.units
     if units != FileUnits():
-        lines += [
-            f"units: {{angle: {'deg' if units.degrees else 'rad'}, length: {'mm' if units.millimetres else 'm'}}}"
-        ]
+        written = f"angle: {'deg' if units.degrees else 'rad'}, length: {'mm' if units.millimetres else 'm'}"
+        lines += [f"units: {{{written}{', parameters: file' if units.parameters else ''}}}"]
     lines += ["joints:"]
-    lines += [f"  - {{{', '.join(_row(joint, robot.convention, units))}}}" for joint in robot.joints]
+    rows = (_row(joint_in_file_units(joint, units), robot.convention) for joint in robot.joints)
+    lines += [f"  - {{{', '.join(row)}}}" for row in rows]
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
         lines += _frame(key, matrix, units)
     if robot.gravity is not None:
@@ -64,9 +52,15 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
     if robot.links:
         lines += ["links:", *(line for link in robot.links for line in _link(link, units))]
     if robot.parameters:
-        lines += ["parameters:", *(f"  {name}: {cell_text(value)}" for name, value in robot.parameters)]
+        lines += ["parameters:", *(f"  {name}: {_symbol(robot, name, value)}" for name, value in robot.parameters)]
     lines += [f"runtime: [{', '.join(robot.runtime)}]"] if robot.runtime else []
     return "\n".join([*lines, *_options(robot)]) + "\n"
+
+
+def _quoted(text: str) -> str:
+    """A free text in YAML."""
+    plain = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
+    return f'"{plain}"'
 
 
 def _options(robot: Description) -> Iterator[str]:
@@ -82,10 +76,10 @@ def _options(robot: Description) -> Iterator[str]:
     yield from _block("handout", changed | ({"notation": f"{{{', '.join(letters)}}}"} if letters else {}))
     figure, inverse, drawn = robot.figure, robot.inverse, {}
     if figure.q is not None:
-        pairs = zip(robot.joints, figure.q, strict=True)
-        drawn["q"] = f"[{', '.join(_position(joint, cell, robot.units) for joint, cell in pairs)}]"
+        kinds = map(position_unit, robot.joints)
+        drawn["q"] = _list([in_file_units(*cell, robot.units) for cell in zip(figure.q, kinds, strict=True)])
     if figure.values:
-        values = (f"{name}: {cell_text(value)}" for name, value in figure.values)
+        values = (f"{name}: {_symbol(robot, name, value)}" for name, value in figure.values)
         drawn["values"] = f"{{{', '.join(values)}}}"
     yield from _block("figure", drawn)
     asked = {"task": inverse.task} if inverse.task != InverseOptions().task else {}
@@ -99,32 +93,8 @@ def _block(key: str, entries: dict[str, str]) -> Iterator[str]:
         yield from (f"  {name}: {value}" for name, value in entries.items())
 
 
-def _angle(cell: Expression, units: FileUnits) -> str:
-    """An angle in the unit of the file: there, terms without names are degrees."""
-    return cell_text(_rescaled(cell, multiply(number(180), power(Pi(), -1))) if units.degrees else cell)
-
-
 def _length(cell: Expression, units: FileUnits) -> str:
-    return cell_text(_rescaled(cell, number(1000)) if units.millimetres else cell)
-
-
-def _position(joint: Joint, cell: Expression, units: FileUnits) -> str:
-    return _angle(cell, units) if joint.is_revolute else _length(cell, units)
-
-
-def _rescaled(cell: Expression, unit: Expression) -> Expression:
-    """The cell with every term without a name multiplied, pi by its inverse cancelled."""
-    terms = []
-    for factor, term in linear_terms(cell):
-        if not is_constant(term):
-            terms.append(multiply(number(factor), term))
-            continue
-        parts = list(product.factors if isinstance(product := multiply(unit, term), Product) else (product,))
-        if Pi() in parts and power(Pi(), -1) in parts:
-            parts.remove(Pi())
-            parts.remove(power(Pi(), -1))
-        terms.append(multiply(number(factor), *parts))
-    return add(*terms)
+    return cell_text(in_file_units(cell, Unit.LENGTH, units))
 
 
 def _decimal(value: Fraction) -> str:
@@ -138,7 +108,11 @@ def _list(cells: Sequence[Expression]) -> str:
     return f"[{', '.join(map(cell_text, cells))}]"
 
 
-def _row(joint: Joint, convention: Convention, units: FileUnits) -> Iterator[str]:
+def _symbol(robot: Description, name: str, value: Expression) -> str:
+    return cell_text(in_symbol_units(robot, name, value))
+
+
+def _row(joint: Joint, convention: Convention) -> Iterator[str]:
     """Type and cells of a joint in the order of the convention; those that are zero are left out."""
     yield f"type: {joint.type.value}"
     yield f"q: {joint.variable}"
@@ -146,7 +120,7 @@ def _row(joint: Joint, convention: Convention, units: FileUnits) -> Iterator[str
     standard = convention is Convention.STANDARD
     for key in ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d"):
         cell = getattr(joint, key)
-        written = (_angle if key in ("theta", "alpha") else _length)(cell, units)
+        written = cell_text(cell)
         if key == moving:
             variable = joint.variable if joint.sign > 0 else f"-{joint.variable}"
             rest = f" - {written[1:]}" if written.startswith("-") else f" + {written}"
@@ -154,11 +128,13 @@ def _row(joint: Joint, convention: Convention, units: FileUnits) -> Iterator[str
         elif cell != ZERO:
             yield f"{key}: {written}"
     if joint.limits is not None:
-        yield f"limits: [{', '.join(_position(joint, limit, units) for limit in joint.limits)}]"
+        yield f"limits: {_list(joint.limits)}"
     if joint.speed is not None:
-        yield f"speed: {_position(joint, joint.speed, units)}"
+        yield f"speed: {cell_text(joint.speed)}"
     if joint.torque is not None:
         yield f"torque: {cell_text(joint.torque)}"
+    if joint.name:
+        yield f"name: {_quoted(joint.name)}"
 
 
 def _frame(key: str, matrix: Matrix, units: FileUnits) -> Iterator[str]:

@@ -90,5 +90,5 @@ def c_heading(source: Source) -> dict[str, object]:
         "digest": robot.digest,
         "convention": robot.convention.value,
         "dof": robot.n,
-        "joints": [c_comment(line) for line in joint_lines(robot)],
+        "joints": joint_lines(robot, c_comment),
     }

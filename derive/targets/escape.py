@@ -220,6 +220,22 @@ def html_text(text: str) -> str:
     return f"{' ' if text[0].isspace() else ''}{body}{' ' if text[-1].isspace() else ''}"
 
 
+def xml_text(text: str) -> str:
+    """Text for an XML element or a quoted attribute.
+
+    Args:
+        text: One line without control characters.
+
+    Returns:
+        It, to the letter but for what XML does not have.
+    """
+    return re.sub(
+        "[\ud800-\udfff\ufffe\uffff]",
+        "\N{REPLACEMENT CHARACTER}",
+        html.escape(text, quote=False).replace('"', "&quot;"),
+    )
+
+
 def javascript_string(text: str) -> str:
     """A string literal of JavaScript.
 

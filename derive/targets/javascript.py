@@ -9,7 +9,7 @@ from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Around, Functi
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, joint_limits, shape_text
+from derive.targets.target import Source, Target, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
 FILE = "model.mjs"
@@ -104,7 +104,7 @@ def render_javascript(source: Source) -> dict[str, str]:
         "version": javascript_comment(source.version),
         "digest": robot.digest,
         "convention": robot.convention.value,
-        "joints": joint_lines(robot),
+        "joints": joint_lines(robot, javascript_comment),
     }
     return {FILE: render("javascript/model.mjs.jinja", **context)}
 
@@ -149,9 +149,13 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
     limits = [f"[{pair[0]!r}, {pair[1]!r}]" if pair else "null" for pair in joint_limits(robot)]
     return {
         "dof": robot.n,
-        "joint_names": wrapped([javascript_string(joint.variable) for joint in robot.joints]),
+        "joint_names": wrapped([javascript_string(joint.label) for joint in robot.joints]),
         "joint_types": wrapped([javascript_string(joint.type.value) for joint in robot.joints]),
         "limits": wrapped(limits),
+        "bounds": {
+            name: wrapped(["null" if most is None else repr(most) for most in row])
+            for name, row in joint_bounds(robot).items()
+        },
         "parameters": wrapped([javascript_string(name) for name in program.parameters]),
         "has_parameters": bool(program.parameters),
         **case_context(program.all_tapes),
@@ -185,7 +189,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
     inverse = program.inverse
     assert inverse is not None
     function = inverse.function
-    names = [javascript_comment(robot.joints[i].variable) for i in inverse.given]
+    names = [javascript_comment(robot.joints[i].label) for i in inverse.given]
     interface, words = function.interface, ", ".join(names)
     documentation = (
         interface.summary,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
-from derive.programs.program import Function, Inverse, InverseSearch
+from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Inverse, InverseSearch
 from derive.targets.c import c_context, solvable
 from derive.targets.c_function import CFunction, c_function
 from derive.targets.c_inverse import c_inverse
@@ -83,9 +83,11 @@ def render_native(source: Source) -> dict[str, str]:
         module["inverse"] = None
     else:
         module["inverse_in_one_call"] = not inverse.given and not counts["inverse_kinematics"]
+        module["nearest_is_compiled"] = True
     code = c_context(source) | {"loops": list(zip(texts, loops, strict=True))}
     if inverse:
         code["inverse_loop"] = _inverse_loop(inverse, all_texts[-1])
+        code["nearest"] = _nearest_loop(inverse, all_texts[-1])
     return {
         MODULE: render("native/model_native.py.jinja", **module),
         CODE: render("native/model_native.c.jinja", **code),
@@ -132,6 +134,49 @@ class InverseLoop:
     lengths: str
     buffer_count: int
     starts: str
+
+
+@dataclass(frozen=True, slots=True)
+class NearestLoop:
+    """NumPy's inner loop of the nearest solution, with the strings and numbers that its template takes."""
+
+    inputs: tuple[Input, ...]
+    count: int
+    buffer_count: int
+    lanes: str
+    is_block: str
+    loads: tuple[str, ...]
+    row_call: str
+    starts: str
+    lengths: str
+
+
+def _gather(width: int, place: int, entry: int, block: str, lane: int) -> str:
+    """Loads entries of an argument into a block, from a lane on."""
+    start = f"at[{place}] + {entry} * cores[{place}]"
+    return f"gather({width}, {start}, steps[{place}], cores[{place}], rows, {block} + {lane} * width, width);"
+
+
+def _nearest_loop(inverse: Inverse | InverseSearch, text: CFunction) -> NearestLoop:
+    n, constants = inverse.joints, text.constant_count
+    widths = {POSE: POSE_ENTRIES, NEAR: n} | ({"k": constants} if constants else {})
+    inputs = tuple(Input(name, width, i, i) for i, (name, width) in enumerate(widths.items()))
+    loads = [_gather(n, 1, 0, "nearby", 0)]
+    for place, name in enumerate((POSE, NEAR)):
+        loads += [_gather(widths[name], place, 0, f"{name}_block", 0)] if name in text.used else []
+    if GIVEN in text.used:
+        loads += [_gather(1, 1, joint, f"{GIVEN}_block", k) for k, joint in enumerate(inverse.given)]
+    return NearestLoop(
+        inputs=inputs,
+        count=len(inputs),
+        buffer_count=len(inputs) + 1,
+        lanes="1" if isinstance(inverse, InverseSearch) else f"{text.name}_lanes",
+        is_block="steps[2] == 0" if constants else "1",
+        loads=tuple(loads),
+        row_call=", ".join(f"{name}_row" for name in widths),
+        starts=", ".join(f"inputs[{i}]" for i in range(len(inputs) + 1)),
+        lengths=", ".join(str(8 * width) for width in (*widths.values(), n)),
+    )
 
 
 def _inverse_loop(inverse: Inverse | InverseSearch, text: CFunction) -> InverseLoop:

@@ -23,7 +23,7 @@ from derive.programs.program import (
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, joint_limits
+from derive.targets.target import Source, Target, joint_bounds, joint_limits
 from derive.targets.templating import render
 
 FILE = "model_numpy.py"
@@ -192,7 +192,7 @@ def python_context(source: Source) -> dict[str, object]:
         Values by name.
     """
     robot, program = source.robot, source.program
-    tables: dict[str, Sequence[str]] = {}
+    tables: dict[str, Sequence[str]] = {name: list(map(repr, most)) for name, most in joint_bounds(robot).items()}
     if "regressor" in program:
         tables["STANDARD_PARAMETERS"] = [python_string(column.name) for column in program["regressor"].columns]
     if "base_parameters" in program:
@@ -200,7 +200,7 @@ def python_context(source: Source) -> dict[str, object]:
         tables["BASE_PARAMETERS"] = [python_string(column.name) for column in base]
         tables["BASE_FORMULAS"] = [python_string(column.formula) for column in base]
     constants: dict[str, Sequence[str]] = {
-        "JOINT_NAMES": [python_string(joint.variable) for joint in robot.joints],
+        "JOINT_NAMES": [python_string(joint.label) for joint in robot.joints],
         "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
         "LIMITS": [repr(limits) for limits in joint_limits(robot)],
         "PARAMETERS": [python_string(name) for name in program.parameters],
@@ -212,7 +212,7 @@ def python_context(source: Source) -> dict[str, object]:
         "version": python_docstring(source.version),
         "digest": robot.digest,
         "convention": robot.convention.value,
-        "joints": joint_lines(robot),
+        "joints": joint_lines(robot, python_docstring),
         "dof": robot.n,
         "constants": [Constant(name, tuple(values)) for name, values in constants.items()],
         "tables": tuple(tables),
@@ -221,6 +221,7 @@ def python_context(source: Source) -> dict[str, object]:
         **case_context(program.all_tapes),
         "inverse": _inverse(program, robot),
         "inverse_in_one_call": False,
+        "nearest_is_compiled": False,
         "functions": [_python_function(function, program.parameters, robot.n) for function in program],
     }
 
@@ -263,7 +264,7 @@ def _inverse(program: Program, robot: Robot) -> PythonInverse | None:
     inverse = program.inverse or program.search
     if inverse is None:
         return None
-    names = [robot.joints[i].variable for i in inverse.given]
+    names = [robot.joints[i].label for i in inverse.given]
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
     found = PythonInverse(
         kernel=_python_function(inverse.function, program.parameters, robot.n),

@@ -17,7 +17,7 @@ from derive.programs.tape.tape import BRANCHING_NAMES, PARAMETER, Layer, Op
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_comment, matlab_package, matlab_string, matlab_symbol
 from derive.targets.kernel import LINE_WIDTH, OCTAVE, entry_names, input_name, write_kernel
-from derive.targets.target import Source, Target, joint_limits, shape_text
+from derive.targets.target import Source, Target, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
 _WIDE = "x N"
@@ -143,11 +143,15 @@ def render_octave(source: Source) -> dict[str, str]:
         "version": matlab_comment(source.version),
         "digest": robot.digest,
         "convention": robot.convention.value,
-        "joints": joint_lines(robot),
+        "joints": joint_lines(robot, matlab_comment),
         "dof": robot.n,
         "revolute": ", ".join("true" if joint.is_revolute else "false" for joint in robot.joints),
         "parameters": _wrapped([matlab_string(name) for name in program.parameters]),
         "limits": [", ".join(map(_bound, pair or (-inf, inf))) for pair in joint_limits(robot)],
+        "bounds": {
+            name.lower(): "; ".join(_bound(inf if most is None else most) for most in row)
+            for name, row in joint_bounds(robot).items()
+        },
         "has_parameters": bool(program.parameters),
         "functions": functions,
         "inverse": inverse,
@@ -196,13 +200,13 @@ def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ..
     standard = program["regressor"].columns if "regressor" in program else ()
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     lists: dict[str, Iterable[str]] = {
-        "joint_names": [joint.variable for joint in robot.joints],
+        "joint_names": [joint.label for joint in robot.joints],
         "joint_types": [joint.type.value for joint in robot.joints],
         "parameters": program.parameters,
         "standard_parameters": [column.name for column in standard],
         "base_parameters": [column.name for column in base],
         "base_formulas": [column.formula for column in base],
-        "given_joints": [robot.joints[i].variable for i in program.inverse.given] if program.inverse else [],
+        "given_joints": [robot.joints[i].label for i in program.inverse.given] if program.inverse else [],
     }
     return tuple((name, _wrapped([matlab_string(text) for text in texts])) for name, texts in lists.items())
 
@@ -296,7 +300,7 @@ def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot,
 
 def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> OctaveInverse:
     """Inverse kinematics and its help."""
-    names = [matlab_comment(robot.joints[i].variable) for i in inverse.given]
+    names = [matlab_comment(robot.joints[i].label) for i in inverse.given]
     params = ["params"] if program.parameters else []
     inputs = [*([GIVEN] if names else []), *params]
     size, count = f"{robot.n} x {inverse.branches}", len(names)

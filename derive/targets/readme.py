@@ -13,6 +13,7 @@ from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS, is_given_in_decimals, number_text
 from derive.robot.size_limits import FORMULA_LIMITS
+from derive.robot.units import in_symbol_units
 from derive.targets import templating
 from derive.targets.escape import markdown_text
 from derive.targets.target import Source, Target, package_name, shape_text
@@ -42,20 +43,14 @@ PACKAGE = "the same functions for MATLAB and Octave, a file each; a configuratio
 
 
 def render(source: Source) -> dict[str, str]:
-    """The page.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Its text by file name.
-    """
+    """The page."""
     robot, program = source.robot, source.program
-    free, numbers = free_symbols(robot), number_of(robot)
+    free = free_symbols(robot)
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     written = {column.name: _formulas(column.formula, robot) for column in base}
     inverse = program.inverse or program.search
     context = {
+        "units": robot.units,
         "title": markdown_text(robot.title),
         "name": robot.name,
         "package": package_name(robot),
@@ -63,7 +58,10 @@ def render(source: Source) -> dict[str, str]:
         "version": source.version,
         "convention": robot.convention.value,
         "n": robot.n,
-        "joints": joint_lines(robot),
+        "joints": [
+            f"`{line}` {markdown_text(joint.name)}".rstrip()
+            for line, joint in zip(joint_lines(robot), robot.joints, strict=True)
+        ],
         "files": [
             (name, PACKAGE if name.startswith("+") else FILES.get(name, ""))
             for name in source.files
@@ -81,12 +79,7 @@ def render(source: Source) -> dict[str, str]:
         "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
         "without_inverse": program.without_inverse,
         "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
-        # symbols whose number is part of the code
-        "numbers": [
-            (name, to_text(numbers[name], partial(number_text, decimals=True, digits=None)))
-            for name in robot_symbols(robot)
-            if name in numbers and name not in free
-        ],
+        "numbers": _numbers(robot),
         # the cell grammar keeps formulas free of markup
         "base": [(name, rounded) for name, (rounded, _) in written.items()],
         "digits": DIGITS if any(rounded != exact for rounded, exact in written.values()) else None,
@@ -97,6 +90,13 @@ def render(source: Source) -> dict[str, str]:
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }
     return {"README.md": templating.render("readme/README.md.jinja", **context)}
+
+
+def _numbers(robot: Robot) -> list[tuple[str, ...]]:
+    """Symbols whose number is part of the code: it in SI units and in those of the robot file."""
+    free, numbers, write = free_symbols(robot), number_of(robot), partial(number_text, decimals=True, digits=None)
+    baked = [(name, numbers[name]) for name in robot_symbols(robot) if name in numbers and name not in free]
+    return [(name, to_text(x, write), to_text(in_symbol_units(robot, name, x), write)) for name, x in baked]
 
 
 def _functions(program: Program) -> list[dict[str, str]]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from derive.algebra.constants import exact_number, to_float
 from derive.programs.program import Program
+from derive.robot.evaluate import evaluate
 from derive.robot.names import number_of
 from derive.robot.robot import Robot
 
@@ -108,3 +109,20 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
         known = [to_float(bound) for bound in bounds if bound is not None]
         limits.append((known[0], known[1]) if len(known) == 2 else None)
     return tuple(limits)
+
+
+def joint_bounds(robot: Robot) -> dict[str, tuple[float | None, ...]]:
+    """Largest speeds and torques of the joints as numbers.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Those of all joints [rad/s or m/s; N m or N] by the name of their constant, where some joint has one.
+    """
+    found = {}
+    for key in ("speed", "torque"):
+        cells = [getattr(joint, key) for joint in robot.joints]
+        if any(cells):
+            found[f"{key.upper()}_LIMITS"] = tuple(None if cell is None else evaluate(cell, {}) for cell in cells)
+    return found

@@ -143,13 +143,13 @@ def verify(
 def _models(
     folder: Path, compiler: Command | None, octave: Command | None, libraries: Callable[[], None]
 ) -> Iterator[GeneratedModel]:
-    """All targets; the C compiler works and Octave starts while the others are verified."""
+    """All targets, those last whose libraries take longest; the C compiler works while the others are verified."""
     with running_octave(folder, octave) as packages, compiling_meanwhile(compile_models, folder, compiler) as compiled:
         yield from load_models(folder, needing_library=False)
+        yield from packages
+        yield from compiled()
         libraries()
         yield from load_models(folder, needing_library=True)
-        yield from compiled()
-        yield from packages
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> Row:

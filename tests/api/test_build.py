@@ -18,13 +18,13 @@ def test_a_robot_is_built_verified_and_current(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(ARM)
     out = tmp_path / "models"
     (before,) = stale([tmp_path / "arm.yaml"], out, effort="quick")
-    built = derive.build(tmp_path / "arm.yaml", out, targets=["numpy"], effort="quick")
+    built = derive.build(tmp_path / "arm.yaml", out, targets=["numpy"], only=True, effort="quick")
     assert built.folder == out / "arm"
     assert {file.name for file in built.folder.iterdir()} == set(built.files)
     assert built.report is not None
     assert built.report.worst < 1e-9
-    assert build(tmp_path / "arm.yaml", out, targets=["numpy"], effort="quick").unchanged
-    (after,) = stale([tmp_path / "arm.yaml"], out, targets=["numpy"], effort="quick")
+    assert build(tmp_path / "arm.yaml", out, targets=["numpy"], only=True, effort="quick").unchanged
+    (after,) = stale([tmp_path / "arm.yaml"], out, targets=["numpy"], only=True, effort="quick")
     assert (before.is_current, after.is_current) == (False, True)  # type: ignore[union-attr]
     assert verify(tmp_path / "arm.yaml", out, samples=3).worst < 1e-9
     (tmp_path / "arm.yaml").write_text(ARM.replace("a: a1", "d: a1"))
@@ -36,7 +36,7 @@ def test_one_failure_does_not_stop_the_others(tmp_path: Path) -> None:
     (tmp_path / "arm").write_text("in the way")
     text = ARM.replace("arm", "other")
     robots = [derive.Robot.from_text(ARM), derive.Robot.from_text(text)]
-    failed, built = build_all(robots, tmp_path, targets=["numpy"], effort="quick")
+    failed, built = build_all(robots, tmp_path, targets=["numpy"], only=True, effort="quick")
     assert isinstance(failed, BuildFailure)
     assert isinstance(built, BuildResult)
 

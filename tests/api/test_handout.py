@@ -69,5 +69,5 @@ def test_a_plan_is_a_part_of_the_sheet_and_moves_the_arm_of_the_page(tmp_path: P
 
 def test_foreign_files_are_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "thumb.tex").write_text("mine")
-    with pytest.raises(OutputError, match="not written by derive"):
+    with pytest.raises(OutputError, match="exists already"):
         handout("thumb", tmp_path, parts=PARTS[:2])

@@ -21,10 +21,31 @@ def in_a_fresh_process(code: str) -> str:
     return done.stdout.strip()
 
 
-def test_importing_derive_is_cheap() -> None:
-    heavy = ("sympy", "numpy", "casadi", "flint", "pydantic", "yaml", "jinja2", "derive.robot", "derive.model")
-    code = f"import sys, derive; print([name for name in {heavy!r} if name in sys.modules])"
-    assert in_a_fresh_process(code) == "[]"
+@pytest.mark.parametrize(
+    ("statement", "heavy"),
+    [
+        (
+            "import derive",
+            ("sympy", "numpy", "casadi", "flint", "pydantic", "yaml", "jinja2", "derive.robot", "derive.model"),
+        ),
+        (
+            "import derive.api.build",
+            ("sympy", "numpy", "casadi", "flint", "pydantic", "jinja2", "derive.programs.build"),
+        ),
+        ("import derive.programs.inverse", ("sympy", "casadi", "pydantic")),
+        (
+            "from derive.cli.main import main; main(['show', 'puma560-usp', 'p', '--format', 'latex'])",
+            ("numpy", "casadi", "pydantic", "jinja2", "derive.model.inverse.solve"),
+        ),
+        (
+            "from derive.cli.main import main; main(['move', 'scara-pick-and-place'])",
+            ("casadi", "pydantic", "numpy.ma", "scipy", "derive.model.inverse.solve", "derive.model.kinematic_model"),
+        ),
+    ],
+)
+def test_what_is_not_needed_is_not_imported(statement: str, heavy: tuple[str, ...]) -> None:
+    code = f"{statement}; import sys; print([name for name in {heavy!r} if name in sys.modules])"
+    assert in_a_fresh_process(code).splitlines()[-1] == "[]"
 
 
 def test_dir_shows_the_public_names_before_anything_is_imported() -> None:

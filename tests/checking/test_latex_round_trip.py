@@ -50,8 +50,11 @@ def test_what_show_prints_is_read_back(name: str, capsys: pytest.CaptureFixture[
     model = Model(Robot.load(name))
     for quantity in quantities(model):
         assert main(["show", name, quantity, "--format", "latex"]) == 0
-        findings = check_latex(model, capsys.readouterr().out, quantity).findings
-        assert findings
+        printed, asked = capsys.readouterr().out, quantity
+        if quantity == "singularities":  # a configuration in which it is zero is no formula for it
+            printed, asked = "\n".join(line for line in printed.splitlines() if "\\det \\mathbf" in line), ""
+        findings = check_latex(model, printed, asked).findings if printed else ()
+        assert findings or not (printed or model.singularities.blocks)
         assert all(finding.unknown is None and finding.verdict.equal for finding in findings), quantity
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from derive.publish.targets import targets_named
 from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message
 
 
@@ -119,19 +120,13 @@ def test_two_robots_of_one_name_are_refused(tmp_path: Path) -> None:
     assert is_one_message(outcome.stderr), outcome.stderr
 
 
-@pytest.mark.parametrize("choice", [["--target", "numpy,latex"], ["--target", "latex", "--target", "numpy"]])
-def test_only_chosen_targets_are_written(choice: list[str], tmp_path: Path) -> None:
-    assert derive("build", "planar-3r", *choice, folder=tmp_path).status == 0
-    files = {path.name for path in (tmp_path / "generated" / "planar_3r").iterdir()}
-    assert {"model_numpy.py", "sheet.tex"} <= files
-    assert "model_casadi.py" not in files
-
-
-def test_a_further_target_is_added_and_only_leaves_the_named_ones(tmp_path: Path) -> None:
+def test_a_target_is_added_to_the_usual_ones_and_only_leaves_the_named_ones(tmp_path: Path) -> None:
     folder = tmp_path / "generated" / "planar_3r"
+    usual = {name for target in targets_named() for name in target.files}
     for choice, wanted in (
-        (["--target", "numpy"], {"model_numpy.py"}),
-        (["--target", "javascript"], {"model_numpy.py", "model.mjs"}),
+        (["--target", "numpy,latex", "--only"], {"model_numpy.py", "sheet.tex"}),
+        (["--target", "latex", "--target", "numpy", "--only"], {"model_numpy.py", "sheet.tex"}),
+        (["--target", "javascript"], {*usual, "model.mjs"}),
         (["--target", "javascript", "--only"], {"model.mjs"}),
     ):
         assert derive("build", "planar-3r", "--effort", "quick", *choice, folder=tmp_path).status == 0

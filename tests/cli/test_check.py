@@ -137,7 +137,7 @@ def test_a_terminal_shows_a_table(
 
 
 def test_a_report_that_cannot_be_written_ends_with_2(folder: Path) -> None:
-    done = derive("check", "right.yaml", "--report", "no/such/folder.md", folder=folder)
+    done = derive("check", "right.yaml", "--report", "right.yaml/report.md", folder=folder)
     assert done.status == 2
     assert is_one_message(done.stderr)
 

@@ -12,6 +12,7 @@ import pytest
 from derive.cli import (
     build,
     check,
+    completion,
     convert,
     export,
     handout,
@@ -29,7 +30,23 @@ from derive.cli.main import COMMANDS
 
 MODULES = {
     module.__name__.rpartition(".")[2].rstrip("_"): module
-    for module in (build, check, convert, export, handout, import_, list, move, new, plot, schema, show, style, verify)
+    for module in (
+        build,
+        check,
+        completion,
+        convert,
+        export,
+        handout,
+        import_,
+        list,
+        move,
+        new,
+        plot,
+        schema,
+        show,
+        style,
+        verify,
+    )
 }
 
 
@@ -51,8 +68,8 @@ def test_a_command_says_what_it_is_and_reads_its_arguments(module: ModuleType) -
     module.configure(parser)
     name = module.__name__.rpartition(".")[2].rstrip("_")
     assert len(COMMANDS[name]) < 80
-    more = {"plot": ["-o", "arm.svg"], "export": ["--to", "urdf"]}.get(name, [])
-    needed = [] if name in ("list", "build", "schema") else ["arm", *more]
+    more = {"plot": ["-o", "arm.svg"], "export": ["--format", "urdf"]}.get(name, [])
+    needed = [] if name in ("list", "build", "schema") else ["bash"] if name == "completion" else ["arm", *more]
     assert parser.parse_args(needed) is not None
 
 

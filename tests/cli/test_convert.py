@@ -43,14 +43,12 @@ def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None
     ("options", "message"),
     [
         (("--convention", "craig"), "unknown convention 'craig'; allowed: standard (distal), modified (Craig, Khalil)"),
-        (("--json",), "--json without -o; add -o FILE"),
         (("-o", "."), "'.' is a folder; write the name of a file in it"),
         (("--convention", "modifid"), "did you mean 'modified'?"),
         (("--convention", "standard"), "thumb has a standard table already; write --convention modified"),
         (("--name", "Thumb"), "'Thumb' is not a robot name; allowed: a-z, 0-9 and -"),
-        (("-o", "taken.yaml"), "taken.yaml exists already; a name that is not taken; choose another name"),
+        (("-o", "taken.yaml"), "taken.yaml exists already; choose another name"),
         (("-o", "folder", "--force"), "folder"),
-        (("--force",), "--force without -o; add -o FILE"),
         (("--format", "latex"), "--format latex without --derivation; add --derivation"),
     ],
 )

@@ -18,7 +18,6 @@ from derive.errors import VerificationError
 from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message
 
 WRONG = {
-    "no command": (),
     "unknown command": ("frobnicate",),
     "unknown option": ("list", "--frobnicate"),
     "abbreviated option": ("list", "--js"),

@@ -66,12 +66,12 @@ def test_a_web_page_is_one_file(folder: Path) -> None:
     assert "http-equiv" in (folder / "pendulum.html").read_text()
 
 
-def test_our_own_files_are_replaced_and_no_others(folder: Path) -> None:
+def test_files_that_are_there_are_replaced_by_force_alone(folder: Path) -> None:
     require_latex()
     assert handout(folder, "--pdf").status == 0
-    assert handout(folder, "--pdf").status == 0
-    for name in ("pendulum.tex", "pendulum.pdf"):
+    for name, other in (("pendulum.tex", "pendulum.pdf"), ("pendulum.pdf", "pendulum.tex")):
         (folder / name).write_text("my own notes")
+        (folder / other).unlink()
         outcome = handout(folder, "--pdf")
         assert outcome.status == 2
         assert is_one_message(outcome.stderr)
@@ -84,7 +84,7 @@ def test_our_own_files_are_replaced_and_no_others(folder: Path) -> None:
 def test_a_refusal_of_latex_leaves_what_was_there(folder: Path) -> None:
     assert handout(folder).status == 0
     before = (folder / "pendulum.tex").read_bytes()
-    outcome = handout(folder, "--pdf", "--notation", "inertia=M", PATH=str(folder))
+    outcome = handout(folder, "--pdf", "--notation", "inertia=M", "--force", PATH=str(folder))
     assert outcome.status == 2
     assert is_one_message(outcome.stderr)
     assert "texlive-latex-recommended latexmk" in outcome.stderr
@@ -143,7 +143,7 @@ def test_options_win_over_the_robot_file(folder: Path) -> None:
     assert "\\mathbf{D}" in text
     assert text.count("\\section") == 2
     options = ("--parts", "gravity,inertia,table", "--lang", "en", "--notation", "inertia=M,angle=vartheta")
-    assert handout(folder, *options).status == 0
+    assert handout(folder, *options, "--force").status == 0
     text = (folder / "pendulum.tex").read_text()
     assert "\\mathbf{M}" in text
     assert "\\vartheta" in text
@@ -156,7 +156,7 @@ def test_a_configuration_is_computed(folder: Path) -> None:
         file.write("parameters: {a1: 0.5, l1: 0.2, m1: 2, I1: 0.1, g: 9.81}\n")
     assert handout(folder, "-q", "pi/2", "--parts", "example").status == 0
     default = (folder / "pendulum.tex").read_text()
-    assert handout(folder, "-q=-1/4", "--parts", "example").status == 0
+    assert handout(folder, "-q=-1/4", "--parts", "example", "--force").status == 0
     assert (folder / "pendulum.tex").read_text() != default
 
 
@@ -172,7 +172,8 @@ def test_a_configuration_is_computed(folder: Path) -> None:
         (["--fragment", "inerta"], ["inerta", "did you mean 'inertia'"]),
         (["--fragment", "B[2,2]"], ["rows 1 to 1"]),
         (["--fragment", "B", "--pdf"], ["--fragment with --pdf"]),
-        (["-o", "x.tex"], ["-o without --fragment"]),
+        (["-o", "x.tex"], ["-o x.tex without --fragment", "name a folder"]),
+        (["-o", "-"], ["-o - without --fragment", "name a folder"]),
         (["--width", "84mm"], ["--width without --fragment"]),
         (["--fragment", "B", "--width", "wide"], ["width 'wide'", "such as 84mm"]),
         (["--pages", "many"], ["many", "a whole number such as 20"]),

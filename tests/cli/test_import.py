@@ -9,6 +9,7 @@ from unittest import mock
 import pytest
 
 from derive.cli import import_
+from derive.errors import install_extra
 from tests.cli.command import derive, is_one_message
 from tests.exchange.urdfs import HALF, J, body, urdf
 
@@ -102,7 +103,6 @@ def test_all_tips_get_files(folder: Path) -> None:
         ["arm.urdf", "--snap", "much"],
         ["arm.urdf", "--inertia", "better"],
         ["arm.urdf", "--arg", "name"],
-        ["arm.urdf", "--json"],
         ["arm.urdf", "-o", "."],
         ["."],
     ],
@@ -121,7 +121,7 @@ def test_without_lxml_the_message_says_what_to_install(folder: Path) -> None:
         done = derive("import", "arm.urdf", folder=folder)
     assert done.status == 2
     assert is_one_message(done.stderr)
-    assert "pip install 'derive-robot[exchange]'" in done.stderr
+    assert install_extra("exchange") in done.stderr
 
 
 def test_the_help_says_what_a_chain_is() -> None:

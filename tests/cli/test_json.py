@@ -73,3 +73,44 @@ def test_schema_is_a_json_schema_that_accepts_a_robot_file(tmp_path: Path) -> No
     jsonschema.validate(robot, schema)
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({**robot, "convention": "sideways"}, schema)
+
+
+ERRORS = {
+    "place": ("show arm.yaml T", {"file": "arm.yaml", "line": 4, "column": 22, "kind": "RobotFileError"}),
+    "remark": ("show arm.yaml T --strict", {"file": "arm.yaml", "line": 4, "kind": "RobotFileWarning"}),
+    "name": ("show nobody T", {"kind": "UnknownRobotError", "found": "no file and no catalogue robot 'nobody'"}),
+    "option": ("show arm.yaml --frob", {"kind": "DeriveError", "found": "no option '--frob'"}),
+    "usage": ("export arm.yaml", {"kind": "DeriveError", "remedy": "see 'derive export --help'"}),
+    "command": ("shwo", {"kind": "DeriveError"}),
+    "failed": ("verify arm.yaml --out made", {"status": 2, "kind": "OutputError"}),
+    "taken": ("convert arm.yaml -o arm.yaml", {"kind": "OutputError", "found": "arm.yaml exists already"}),
+    "plan": ("move arm.yaml", {"kind": "RobotFileError", "file": "arm.yaml"}),
+}
+
+
+@pytest.mark.parametrize(("typed", "expected"), ERRORS.values(), ids=ERRORS)
+def test_an_error_is_an_object_beside_its_message(typed: str, expected: dict[str, object], tmp_path: Path) -> None:
+    wrong = "place" if expected.get("column") else "remark" if "strict" in typed else ""
+    cell = {"place": "alfa: a1", "remark": "a: a1, alpha: 1.57"}.get(wrong, "a: a1")
+    (tmp_path / "arm.yaml").write_text(PENDULUM.replace("a: a1}", f"{cell}}}", 1))
+    plain = derive(*typed.split(), folder=tmp_path)
+    done = derive(*typed.split(), "--json", folder=tmp_path)
+    error = json.loads(done.stdout)["error"]
+    assert done.status == plain.status == error["status"]
+    assert done.stderr == plain.stderr
+    assert done.stderr.splitlines()[-1] == f"derive: error: {error['message']}"
+    assert {key: error.get(key) for key in expected} == expected
+
+
+def test_both_ways_to_ask_for_json_give_errors_as_json(tmp_path: Path) -> None:
+    asked = ("--json", "--format json", "--format=json")
+    found = {derive("show", "nobody", *text.split(), folder=tmp_path).stdout for text in asked}
+    assert len(found) == 1
+    assert json.loads(found.pop())["error"]["status"] == 2
+
+
+@pytest.mark.parametrize("typed", ["convert arm.yaml", "export kuka-kr5 --format csv"])
+def test_what_would_be_printed_is_in_the_report(typed: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM)
+    report = json.loads(derive(*typed.split(), "--json", folder=tmp_path).stdout)
+    assert report["text"] == derive(*typed.split(), folder=tmp_path).stdout

@@ -105,7 +105,6 @@ class TestWrongPlans:
         assert derive("move", plan, "--format", "latex", folder=tmp_path).status == 2
         assert derive("move", plan, "--show", "--json", folder=tmp_path).status == 2
         assert derive("move", plan, "--csv", "-", "--json", folder=tmp_path).status == 2
-        assert "--force without --out" in derive("move", plan, "--force", folder=tmp_path).stderr
         assert "is a folder" in derive("move", plan, "--csv", ".", folder=tmp_path).stderr
         assert "two contents" in derive("move", plan, "--csv", "a.svg", "--plot", "a.svg", folder=tmp_path).stderr
 
@@ -213,5 +212,5 @@ def test_help_of_move_names_every_option(capsys: pytest.CaptureFixture[str]) -> 
         main(["move", "--help"])
     assert stop.value.code == 0
     said = capsys.readouterr().out
-    assert DESCRIPTION in said
+    assert all(line in said for line in DESCRIPTION.splitlines())
     assert all(option in said for option in ("--simulate", "--csv", "--plot", "--gif", "--mp4", "--json", "--show"))

@@ -4,19 +4,36 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from derive.cli.new import copied_robot_text, new_robot_text
 from derive.errors import RobotFileError
+from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.figure.workspace.point import ArmPoint, joint_ranges
+from derive.handouts.figure.workspace.workspace import find_wrist
+from derive.model.inverse.branches import InverseSolver
+from derive.model.inverse.numeric_chain import NumericChain
+from derive.model.inverse.solve import solve
 from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.robot import Robot
 from tests.cli.command import PENDULUM, derive
 
 
-@pytest.mark.parametrize("joints", [1, 2, 7, 64])
+@pytest.mark.parametrize("joints", [*range(1, 9), 64])
 def test_a_new_file_loads_without_a_remark(joints: int) -> None:
     robot = Robot.from_text(new_robot_text("my-arm", joints=joints))
-    assert (robot.n, robot.remarks) == (joints, ())
+    assert (robot.n, robot.remarks, len(robot.links)) == (joints, (), joints)
+
+
+def test_a_new_arm_of_six_joints_has_eight_postures_and_a_wrist_that_turns_everywhere() -> None:
+    robot = Robot.from_text(new_robot_text("my-arm", joints=6))
+    poses = RobotPoses(robot)
+    wrist = find_wrist(ArmPoint(poses, joint_ranges(poses)))
+    assert wrist is not None
+    assert wrist.complete
+    pose = NumericChain.of(robot, {}).pose_and_jacobian(np.array([0.3, 0.8, -1.0, 0.6, 0.7, -0.4]))[0]
+    assert np.isfinite(InverseSolver.of(robot, solve(robot)).solve(pose).q).all(axis=-1).sum() == 8
 
 
 @pytest.mark.parametrize("model", catalogue_names())

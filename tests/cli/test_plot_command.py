@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from derive.cli.main import main
+from derive.errors import install_extra
 from tests.cli.command import PENDULUM, derive, derive_process, is_one_message
 
 pytest.importorskip("matplotlib")
@@ -18,7 +19,7 @@ def test_figure_is_written_and_the_same_again(suffix: str, tmp_path: Path) -> No
     out = tmp_path / f"arm.{suffix}"
     contents = []
     for _ in range(2):
-        assert main(["plot", "planar-2r-perugia", "-q", "0.5,pi/4", "-o", str(out)]) == 0
+        assert main(["plot", "planar-2r-perugia", "-q", "0.5,pi/4", "-o", str(out), "--force"]) == 0
         contents.append(out.read_bytes())
     assert contents[0] == contents[1]
     assert list(tmp_path.iterdir()) == [out]
@@ -81,7 +82,7 @@ def test_missing_matplotlib_says_how_to_install_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert main(["plot", "planar-2r-perugia", "-o", str(tmp_path / "a.svg")]) == 2
-    assert "pip install 'derive-robot[handout]'" in capsys.readouterr().err
+    assert install_extra("handout") in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -91,5 +92,5 @@ def test_a_workspace_without_its_packages_says_how_to_install_them(
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     assert main(["plot", "planar-2r-perugia", "--workspace", "-o", str(tmp_path / "a.svg")]) == 2
-    assert "pip install 'derive-robot[handout]'" in capsys.readouterr().err
+    assert install_extra("handout") in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

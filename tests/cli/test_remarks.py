@@ -62,6 +62,17 @@ def test_a_built_in_plan_is_told_nothing_of_bodies(tmp_path: Path) -> None:
     assert (done.status, done.stderr) == (0, "")
 
 
+def test_a_plan_is_told_of_bodies_that_do_not_exist_as_its_robot_is(tmp_path: Path) -> None:
+    load = "payload: {mass: 1, inertia: [1, 1, 3]}"
+    (tmp_path / "plan.yaml").write_text(
+        f"robot: scara-matlab\npoints: {{a: [0, 0, 1, 0]}}\npath: [a, {{to: a, time: 1, {load}}}]\n"
+    )
+    done = derive("move", "plan.yaml", folder=tmp_path)
+    assert (done.status, done.stderr.count("no body has it")) == (0, 2)
+    assert ": path entry 2, payload, inertia: no body has it, a principal moment is 1 kg" in done.stderr
+    assert derive("move", "plan.yaml", "--strict", folder=tmp_path).status == 2
+
+
 def test_json_carries_it(folder: Path) -> None:
     (folder / "notes.yaml").write_text(
         "robot:\n" + "".join(f"  {line}\n" for line in SLIP.splitlines()) + "expected: []\n"

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
+import re
 from collections.abc import Callable
 
 import pytest
@@ -64,3 +67,40 @@ def test_numbers_of_the_command_line_have_bounds(
 def test_nobody_watches_a_pipe() -> None:
     with terminal.progress(3, quiet=False) as tell:
         assert tell is None
+
+
+class Stream(io.StringIO):
+    """A stream that may be a terminal."""
+
+    def __init__(self, *, terminal: bool) -> None:
+        super().__init__()
+        self.terminal = terminal
+
+    def isatty(self) -> bool:
+        return self.terminal
+
+
+@pytest.mark.parametrize(
+    ("terminal_there", "variables", "coloured"),
+    [
+        (True, {}, True),
+        (False, {}, False),
+        (True, {"NO_COLOR": "1"}, False),
+        (True, {"NO_COLOR": ""}, True),
+        (True, {"TERM": "dumb"}, False),
+        (False, {"FORCE_COLOR": "1"}, True),
+        (False, {"FORCE_COLOR": "1", "NO_COLOR": "1"}, False),
+    ],
+)
+def test_colours_are_for_terminals_and_for_who_wants_them(
+    terminal_there: bool, variables: dict[str, str], coloured: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in {"NO_COLOR": "", "FORCE_COLOR": "", "TERM": "xterm", **variables}.items():
+        monkeypatch.setenv(name, value)
+    stream = Stream(terminal=terminal_there)
+    with contextlib.redirect_stderr(stream), contextlib.redirect_stdout(stream):
+        terminal.print_error("wrong")
+        terminal.print_columns([("a", "b")], ("name", "joints"))
+    text = stream.getvalue()
+    assert ("\x1b[" in text) == coloured
+    assert re.sub(r"\x1b\[\d+m", "", text) == "derive: error: wrong\nname  joints\na     b\n"

@@ -31,8 +31,9 @@ def test_fixed_joints_are_folded() -> None:
 
 def test_angles_near_fractions_of_pi_are_taken_for_them() -> None:
     with exactly():
-        assert snapped(Fraction("1.570796"), SNAP) != snapped(Fraction("1.570796"), Fraction(0))
-        assert float(snapped(Fraction("1.570796"), SNAP)) == float(HALF)
+        written = (Fraction("1.570796"), Fraction(0), Fraction(0))
+        assert snapped(written, SNAP)[0] != snapped(written, Fraction(0))[0]
+        assert float(snapped(written, SNAP)[0]) == float(HALF)
 
 
 def test_several_tips_are_listed() -> None:

@@ -19,6 +19,7 @@ from derive.robot.expression import Pi, multiply, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric
+from tests.exchange.urdfs import J, Reading, urdf
 
 SWEEP = [pytest.param(name, marks=[] if name in FEW else pytest.mark.sweep) for name in EVERY]
 
@@ -97,3 +98,50 @@ def test_frames_of_a_table_are_those_of_the_oracle(name: str) -> None:
         end = placement.frames[-1].then(placement.tool)
     pose = oracle.evaluate("forward_kinematics", np.zeros(robot.n))
     assert np.abs([float(c) for c in end.origin] - pose[:3, 3]).max() < 1e-15
+
+
+NAMED = """
+name: named
+convention: modified
+joints:
+  - {type: revolute, theta: -q1, d: 0.3, limits: [-2, 2], speed: 3, torque: 80, name: "shoulder \\"pan\\" & <turn>"}
+  - {type: prismatic, d: q2 + 0.1, alpha: pi/2, limits: [0, 0.4], torque: 9.5, name: it's a  slide}
+  - {type: revolute, q: q7, theta: q7, a: 0.1}
+gravity: [0, 0, -9.81]
+links:
+  - {mass: 2, com: [0, 0, 0.1], inertia: {xx: 0.02, yy: 0.02, zz: 0.01}}
+  - {mass: 1, com: [0, 0.1, 0], inertia: {xx: 0.02, yy: 0.02, zz: 0.01}, motor: {mass: 0.1, inertia: 1e-4, ratio: 30}}
+  - {mass: 1, com: [0, 0.1, 0], inertia: {xx: 0.02, yy: 0.02, zz: 0.01}, friction: {viscous: 0.3}}
+"""
+
+
+def test_names_speeds_torques_and_the_convention_come_back_without_being_asked_for() -> None:
+    robot = Robot.from_text(NAMED)
+    text = exported(robot, "urdf").text
+    found = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None)
+    assert found.robot.joints == robot.joints
+    assert (found.robot.convention, found.robot.base, found.robot.tool) == (robot.convention, robot.base, robot.tool)
+    assert found.joints == tuple(joint.label for joint in robot.joints)
+    assert "the table is the one that the URDF carries with it" in found.notes
+    assert back(text, Convention.STANDARD).robot.convention is Convention.STANDARD
+
+
+def test_every_format_has_the_names() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    robot = Robot.from_text(NAMED)
+    names = [joint.label for joint in robot.joints]
+    model = mujoco.MjModel.from_xml_string(exported(robot, "mjcf").text)
+    assert [model.joint(i).name for i in range(3)] == names
+    assert [model.actuator(i).name for i in range(3)] == names
+    assert Reading(exported(robot, "urdf").text, names).model.nv == 3
+    for to in ("rtb", "corke", "rigidbodytree", "csv"):
+        assert "slide" in exported(robot, to).text
+    assert "rigidBodyJoint('it''s a slide', 'prismatic')" in exported(robot, "rigidbodytree").text
+    compile(exported(robot, "rtb").text, "rtb.py", "exec")
+
+
+def test_names_of_a_urdf_stay() -> None:
+    text = urdf([J(name="pan&#10;x"), J("0.3 0 0", "1.57 0 0", name="q2"), J("0 0 1", name="w" * 600)])
+    joints = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None).robot.joints
+    assert [joint.name for joint in joints] == ["pan\\nx", "", "w" * 500]
+    assert [joint.variable for joint in joints] == ["q1", "q2", "q3"]

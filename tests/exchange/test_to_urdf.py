@@ -68,3 +68,14 @@ def test_a_cylinder_goes_from_joint_to_joint() -> None:
     found = rod((arb(0), arb(3), arb(4)), 0.1)
     assert found == {"xyz": "0 1.5 2", "rpy": "0 0.643501 1.5708", "length": "5", "to": "0 3 4"}
     assert rod((arb(0), arb(0), arb("0.05")), 0.1) is None
+
+
+def test_joints_may_be_called_as_those_that_are_fixed() -> None:
+    robot = dressed("planar-3r")
+    named = [
+        replace(joint, name=name) for joint, name in zip(robot.joints, ("tool-joint", "q3", "base-joint"), strict=True)
+    ]
+    text = exported(replace(robot, joints=tuple(named)), "urdf").text
+    names = [joint.get("name") for joint in Xml.fromstring(text).iter("joint")]
+    assert len({*names}) == len(names)
+    assert Reading(text, ["tool-joint", "q3", "base-joint"]).model.nv == 3

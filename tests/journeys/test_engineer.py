@@ -39,16 +39,16 @@ def test_from_a_known_robot_to_a_controller_of_its_own(tmp_path: Path) -> None:
     engineer.types("derive new my-scara --from scara-matlab")
     text = (tmp_path / "my-scara.yaml").read_text(encoding="utf-8")
     engineer.writes("my-scara.yaml", re.sub(r"(B\d): [\d.]+", r"\1: 0", text))
-    report = engineer.types("derive build my-scara.yaml --effort quick --target numpy --json").stdout
+    report = engineer.types("derive build my-scara.yaml --effort quick --target numpy --only --json").stdout
     (built,) = json.loads(report)
     assert built["verification"]["worst"] < 1e-9
     assert engineer.runs(CONTROLLER) == "True\n"
     assert float(engineer.runs(SIMULATION)) < 1e-2
 
-    engineer.types("derive build my-scara.yaml --effort quick --target c")
+    engineer.types("derive build my-scara.yaml --effort quick --target javascript")
     folder = tmp_path / "generated" / "my_scara"
-    assert {"model_numpy.py", "model.c", "model.h"} <= {path.name for path in folder.iterdir()}
-    engineer.types("derive build my-scara.yaml --effort quick --check --target numpy,c")
+    assert {"model_numpy.py", "model.c", "model.h", "model.mjs"} <= {path.name for path in folder.iterdir()}
+    engineer.types("derive build my-scara.yaml --effort quick --check --target javascript")
     engineer.types("derive verify my-scara.yaml")
 
     lines = (tmp_path / "my-scara.yaml").read_text(encoding="utf-8").replace("mass: 8", "mass: 8.5")
@@ -65,7 +65,7 @@ def test_a_payload_that_changes_at_run_time(tmp_path: Path) -> None:
         "name: 2r-arm\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
         "gravity: [0, -9.81, 0]\nlinks:\n  - {mass: 3, com: [-0.25, 0, 0]}\n  - {mass: payload}\n",
     )
-    engineer.types("derive build arm.yaml --target numpy")
+    engineer.types("derive build arm.yaml --target numpy --only")
     shown = engineer.types("derive show arm.yaml g --at '0, 0, payload=2'").stdout
     wanted = [9.81 * (3 * 0.25 + 2 * 0.9), 9.81 * 2 * 0.4]
     assert [float(line) for line in shown.splitlines()[-2:]] == np.round(wanted, 5).tolist()

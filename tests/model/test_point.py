@@ -54,6 +54,19 @@ def test_what_has_no_number_stays() -> None:
     assert at_point(sympy.Matrix([a * b]), {"a": value("3"), "b": value("0.5")}) == sympy.Matrix([sympy.Rational(3, 2)])
 
 
+def test_numbers_beside_symbols_are_rounded_as_they_are_printed_and_whole_results_are_not() -> None:
+    model = Model(Robot.load("planar-2r-perugia"))
+    assert str(model.at("T", [0.3, 0.5])[0, :]) == "Matrix([[0.696707, -0.717356, 0, 0.955336*a1 + 0.696707*a2]])"
+    assert str(model.at("detJ", [0.3, 0.5], digits=3)) == "0.479*a1*a2"
+    assert str(model.at("B", [0, "pi/3"])[1, 1]) == "Il2 + Im2*kr2**2 + l2**2*ml2"
+    assert str(model.at("p[1]", ["pi/4", 0], exact=True)) == "sqrt(2)*a1/2 + sqrt(2)*a2/2"
+    long = model.at("p[1]", [0.3, 0.5], digits=None).coeff(sympy.Symbol("a1"))
+    assert abs(long - sympy.cos(sympy.Rational(3, 10))).evalf(40) < 1e-29
+    number = model.at("p[1]", [0.3, 0.5], values={"a1": 1, "a2": 1})
+    assert number.is_Rational
+    assert len(str(number)) > 30
+
+
 def test_what_cancels_exactly_is_zero_and_what_is_small_is_not() -> None:
     q, a = sympy.symbols("q a")
     third = typed_point(Robot.load("planar-2r-perugia"), ["q1=pi/3"])["q1"]

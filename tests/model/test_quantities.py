@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 import sympy
 
+import derive
 from derive.errors import QuantityError
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY, Quantity
+from derive.model.quantities import DESCRIBED, REGISTRY, Quantity
 from derive.model.quantity_names import evaluate, parse
 from derive.robot.robot import Robot
 
@@ -32,7 +33,8 @@ def model() -> Model:
 
 @pytest.mark.parametrize("quantity", REGISTRY.values(), ids=REGISTRY.keys())
 def test_a_quantity_has_the_shape_of_its_row(quantity: Quantity, model: Model) -> None:
-    if quantity.is_of(model.robot) and quantity.name != "detJ_rows":  # a block of four columns has four rows
+    # a block of four columns has four rows, and four general joints have no task whose determinant it would be
+    if quantity.is_of(model.robot) and quantity.name not in ("detJ", "detJ_rows", "singularities"):
         value = quantity.value(model, *[1] * min(quantity.indices))
         sizes = {"k": 1, "p": len(model.standard_parameter_names), "b": len(model.base_parameter_names)}
         sizes["s"] = len(model.inverse.solutions)
@@ -82,6 +84,28 @@ def test_names_of_books_are_understood(ours: str, theirs: str, model: Model) -> 
     assert parse(model, theirs) == parse(model, ours)
 
 
+def test_every_name_that_python_can_spell_is_an_attribute(model: Model) -> None:
+    """And every attribute that is a quantity is a name."""
+    public = derive.Model(model.robot)
+    for ours, theirs in [*BOOKS.items(), *((name, [name]) for name, row in REGISTRY.items() if row.indices == (0,))]:
+        for name in filter(str.isidentifier, theirs):
+            if parse(model, ours)[0].is_of(model.robot) and ours not in ("detJ", "singularities", "tau"):
+                found = getattr(public, name)
+                assert found is public.inverse if ours == "inverse" else found == public.quantity(ours), name
+    assert public.J_rows(1, 2) == public.quantity("J_rows[1,2]")
+    assert {"detJ", "Cqd", "kinetic", "J_rows"} <= set(dir(public))
+    assert [public.quantity(name) for name in DESCRIBED] == [public.workspace, public.aspects]
+    words = {"frame": "T", "transform": "T", "det_J": "detJ", "coriolis_vector": "Cqd"}
+    assert {name: parse(model, name)[0].name for name in words} == words
+    for name, message in {
+        "_private": "no attribute",
+        "jacobain": "did you mean J",
+        "h": "has several meanings",
+    }.items():
+        with pytest.raises(AttributeError, match=message):
+            getattr(public, name)
+
+
 @pytest.mark.parametrize(
     ("text", "meanings"),
     [
@@ -90,6 +114,8 @@ def test_names_of_books_are_understood(ours: str, theirs: str, model: Model) -> 
         ("P", ["p", "potential"]),
         ("T_0^4", ["T[0,4]", "T[4,0]"]),
         ("J_A", ["J_rpy", "J_zyz"]),
+        ("J_analytic", ["J_rpy", "J_zyz"]),
+        ("energy", ["kinetic", "potential"]),
         ("Jacobean", ["J"]),
         ("torqe", ["tau"]),
         ("t", ["T"]),
@@ -158,8 +184,10 @@ def test_determinants_of_blocks_are_those_of_J_in_numbers(
 def test_singularities_are_the_determinant_in_factors() -> None:
     found = Model(Robot.load("puma560-corke"))
     assert found.quantity("singularities") == found.singularities.determinant
-    with pytest.raises(QuantityError, match="7 joints; 2 to 6 joints"):
+    with pytest.raises(QuantityError, match=r"6x7 Jacobian of kuka-lwr4; allowed: arms of six"):
         Model(Robot.load("kuka-lwr4")).quantity("singularities")
+    with pytest.raises(QuantityError, match=r"det J of thumb, which moves in 6 coordinates by 5 joints"):
+        Model(Robot.load("thumb")).quantity("detJ")
 
 
 @pytest.mark.parametrize("name", ["J_11_reduced", "detJ_rows[1,2]", "detJ_11", "singularities"])

@@ -11,7 +11,18 @@ from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.evaluate import evaluate
 
-VALUES = {"q1": 0.3, "q2": -0.8, "q3": 0.5, "q4": 1.1, "a1": 1.0, "a2": 1.0, "a3": 1.0, "d4": 0.2}
+VALUES = {
+    "q1": 0.3,
+    "q2": -0.8,
+    "q3": 0.5,
+    "q4": 1.1,
+    "q5": -0.7,
+    "q6": 0.2,
+    "a1": 1.0,
+    "a2": 1.0,
+    "a3": 1.0,
+    "d4": 0.2,
+}
 
 
 def rotation(axis: str, angle: float) -> np.ndarray:
@@ -23,9 +34,10 @@ def rotation(axis: str, angle: float) -> np.ndarray:
     return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
 
 
-@pytest.mark.parametrize("name", ["planar-3r", "scara-perugia"])
-def test_euler_angles_of_planar_arms_give_the_rotation(name: str) -> None:
+@pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "spherical-wrist", "spherical-arm"])
+def test_euler_angles_of_short_arms_give_the_rotation_without_the_root_of_a_square(name: str) -> None:
     model = Model(Robot.load(name))
+    assert "sqrt" not in str(model.euler_zyz)
     phi, theta, psi = evaluate(model.euler_zyz, VALUES).ravel()
     product = rotation("z", phi) @ rotation("y", theta) @ rotation("z", psi)
     np.testing.assert_allclose(product, evaluate(model.R, VALUES), atol=1e-12)

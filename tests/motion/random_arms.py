@@ -70,5 +70,6 @@ def simulated(random: Random) -> str:
         + f"path: [a, {{to: b, time: 1{_perhaps(0.5, _load)}}}, {{to: c, time: 1{_perhaps(0.5, _load)}}}]\n"
         + f"control: {{law: {law}, kp: 100, kd: 20{period}}}\n"
         + _perhaps(0.4, lambda: f"disturbance: {push}\n")
+        + _perhaps(0.3, lambda: "base: {x: sin(2*t)/3, z: t**2/4, rpy: [t/2, 0.3, t**2/3]}\n")
         + _perhaps(0.4, lambda: f"plant: {{payload: {cells([random.uniform(0.1, 1)])}}}\n")
     )

@@ -1,4 +1,4 @@
-"""Torques of an arm whose base moves."""
+"""Torques of an arm whose base moves, and what the base does to it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from derive.motion.moving_base import BaseCurve
 from derive.robot.evaluate import parameter_values
 from derive.robot.robot import Robot
 from tests.random_robots import RandomRobot, random_robot, seeds
-from tests.verification.oracle.pinocchio_reference import _Builder
+from tests.verification.oracle.pinocchio_reference import _Builder, along
 
 BASE = BaseCurve.of(
     (TIME / 2, TIME**2 / 5, sin(2 * TIME) / 3), (TIME / 3 + Rational(1, 5), cos(3 * TIME) / 2, TIME**2 / 7)
@@ -54,9 +54,19 @@ class _FreeFlyer(_Builder):
         return super().add_joint(i, parent or self.root)
 
 
-def flown(robot: RandomRobot, t: float, q: Array, rates: tuple[Array, Array]) -> Array:
-    """Torques of Pinocchio, without friction, on the base at a time."""
-    outside = _FreeFlyer(robot).build()
+class _Ground(_FreeFlyer):
+    """The rotor of joint 1 alone, as a part of the base, whose mass counts for nothing."""
+
+    def build(self) -> Any:
+        link = self.robot.links[0]
+        lift = 0.0 if self.robot.standard else self.robot.joints[0].d
+        body = pin.Inertia(link.rotor_mass, np.zeros(3), np.diag([0.0, 0.0, link.rotor_inertia]))
+        self.model.appendBodyToJoint(self.root, body, self.axis(0) * along(0, 0, lift))
+        return self.model
+
+
+def flying(t: float) -> list[Array]:
+    """Position, velocity and acceleration of the base at a time, as Pinocchio has them."""
     pose, rate, bend = (BASE(np.array([t]), order)[0] for order in range(3))
     turned = pose[:3, :3].T
     spin = turned @ rate[:3, :3]
@@ -65,11 +75,25 @@ def flown(robot: RandomRobot, t: float, q: Array, rates: tuple[Array, Array]) ->
     alpha = np.array([tensor[2, 1], tensor[0, 2], tensor[1, 0]])
     speed = turned @ rate[:3, 3]
     push = turned @ bend[:3, 3] - np.cross(omega, speed)
-    flying = np.concatenate([pose[:3, 3], pin.Quaternion(pose[:3, :3]).coeffs()])
-    whole = [np.concatenate([flying, (outside.map @ q)[6:]])]
-    for root, of_joints in ((np.concatenate([speed, omega]), rates[0]), (np.concatenate([push, alpha]), rates[1])):
-        whole.append(np.concatenate([root, (outside.map @ of_joints)[6:]]))
-    return np.array(outside.map.T @ pin.rnea(outside.model, outside.model.createData(), *whole))
+    place = np.concatenate([pose[:3, 3], pin.Quaternion(pose[:3, :3]).coeffs()])
+    return [place, np.concatenate([speed, omega]), np.concatenate([push, alpha])]
+
+
+def flown(robot: RandomRobot, t: float, q: Array, rates: tuple[Array, Array]) -> tuple[Array, float, float]:
+    """Torques of Pinocchio, without friction, on the base at a time; the power of the base, and the energy."""
+    outside, base = _FreeFlyer(robot).build(), flying(t)
+    whole = [
+        np.concatenate([root, (outside.map @ of_joints)[6:]]) for root, of_joints in zip(base, (q, *rates), strict=True)
+    ]
+    torques = pin.rnea(outside.model, outside.model.createData(), *whole)
+    ground = _Ground(robot).build()
+    power = (torques[:6] - pin.rnea(ground, ground.createData(), *base)) @ base[1]
+    energy, armature = 0.0, outside.model.armature.copy()
+    outside.model.armature = np.zeros_like(armature)
+    for sign, model, place, speed in ((1, outside.model, *whole[:2]), (-1, ground, *base[:2])):
+        energy += sign * pin.computeKineticEnergy(model, model.createData(), place, speed)
+        energy += sign * pin.computePotentialEnergy(model, model.createData(), place)
+    return np.array(outside.map.T @ torques), float(power), energy + whole[1] @ (armature * whole[1]) / 2
 
 
 @pytest.mark.parametrize("seed", seeds(200, 2))
@@ -81,12 +105,15 @@ def test_they_are_those_of_a_free_flying_base(seed: int) -> None:
     source = np.random.default_rng(seed)
     t = source.uniform(0, 3, 4)
     q, qd, qdd = source.uniform(-2, 2, (3, 4, robot.n))
-    added = BaseTorques(loaded, values, BASE, 3.0)(t, q, qd)
+    base = BaseTorques(loaded, values, BASE, 3.0)
+    added, power, energy = base(t, q, qd), base.power(t, q, qd, qdd), base.energy(t, q, qd)
     standing = _Builder(robot).build()
     for k in range(4):
         ours = standing.rigid_torque(q[k], qd[k], qdd[k]) + added[k]
-        expected = flown(robot, float(t[k]), q[k], (qd[k], qdd[k]))
+        expected, given, held = flown(robot, float(t[k]), q[k], (qd[k], qdd[k]))
         assert ours == pytest.approx(expected, rel=1e-11, abs=1e-11 * np.abs(expected).max())
+        assert power[k] == pytest.approx(given, rel=1e-10, abs=1e-10)
+        assert energy[k] == pytest.approx(held, rel=1e-10, abs=1e-10)
 
 
 def test_they_are_those_of_an_arm_that_has_joints_for_its_base() -> None:

@@ -87,7 +87,7 @@ def test_without_ffmpeg_one_message_says_what_to_do(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(film, "find_spec", lambda name: None)
     with pytest.raises(DeriveError, match=r"MP4 needs ffmpeg, which was not found; install ffmpeg.*--gif"):
         film.ffmpeg()
-    with pytest.raises(DeriveError, match=r"films need Pillow.*pip install 'derive-robot\[motion\]'"):
+    with pytest.raises(DeriveError, match=r"films need Pillow.*-m pip install 'pillow>="):
         film.require_pillow()
 
 

@@ -112,6 +112,52 @@ def test_a_branch_that_there_is_not_is_refused(branch: str, message: str) -> Non
         _ = Motion.from_text(text).trajectory
 
 
+BRANCHES = """\
+robot:
+  name: arm
+  convention: standard
+  inverse: {task: position}
+  joints: [{type: revolute, d: 0.5, alpha: pi/2}, {type: revolute, a: 1}, {type: revolute, a: 0.8}]
+points:
+  a: [0, 0.5, -1]
+  b: {pose: {p: [1.2, 0.4, 0.6]}BRANCH}
+  c: {pose: {p: [1.0, 0.5, 0.9]}PASSED}
+  unused: {pose: {p: [1.0, 0.5, 0.9]}OTHER}
+"""
+
+LINE, ARC = "path: [a, {to: b, time: 1, line: yes}]\n", "path: [a, {to: b, time: 1, through: c}]\n"
+SPLINE = "profile: spline\nspline: hand\npath: [a, {to: c, time: 1}, {to: b, time: 1}]\n"
+NOT_DOWN = r"the way to b comes to {} on branch 'shoulder left, elbow up', not 'elbow down'.* after \d+% of it"
+
+
+@pytest.mark.parametrize(
+    ("path", "point", "branch", "message"),
+    [
+        *((path, "BRANCH", "Elbow  up", "") for path in (LINE, ARC, SPLINE)),
+        *((path, "BRANCH", "elbow down", f":1[0-9]:.*{NOT_DOWN.format('b')}") for path in (LINE, ARC, SPLINE)),
+        *((path, "BRANCH", "banana", r":8:3: point b: no branch 'banana' of arm; allowed") for path in (LINE, ARC)),
+        (ARC, "PASSED", "elbow up", ""),
+        (ARC, "PASSED", "elbow down", NOT_DOWN.format("c")),
+        (SPLINE, "PASSED", "elbow up", ""),
+        (SPLINE, "PASSED", "elbow down", "the way to c comes to c on branch 'shoulder left, elbow up'"),
+        (LINE, "PASSED", "banana", r":9:3: point c: no branch 'banana'"),
+        (LINE, "OTHER", "banana", r":10:3: point unused: no branch 'banana'"),
+        (LINE, "OTHER", "", r":10:\d+: points, unused, branch: found nothing; leave it out"),
+    ],
+)
+def test_the_branch_of_a_point_on_a_way_of_the_hand_is_kept_or_refused(
+    path: str, point: str, branch: str, message: str
+) -> None:
+    text = BRANCHES.replace(f"}}{point}", f"}}, branch: '{branch}'")
+    for other in ("BRANCH", "PASSED", "OTHER"):
+        text = text.replace(f"}}{other}", "}")
+    if message:
+        with pytest.raises(RobotFileError, match=message):
+            Motion.from_text(text + path)
+    else:
+        assert Motion.from_text(text + path)(1.0)[0][2] < 0, "the elbow bends one way"
+
+
 def test_a_line_that_leaves_the_workspace_is_refused() -> None:
     text = LINES.replace("[0.5, -0.1, 0.2]", "[5, -0.1, 0.2]")
     with pytest.raises(RobotFileError, match=r"does not reach the way|singular"):

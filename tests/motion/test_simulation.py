@@ -8,6 +8,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from scipy import integrate
 
 from derive.errors import RobotFileError, TargetError
 from derive.motion.control import NEEDS
@@ -174,9 +175,100 @@ def test_the_ledger_is_what_the_start_had_and_the_motors_brought() -> None:
     assert run.reached
 
 
+SLIDE = """\
+robot: {name: slide, convention: standard, gravity: [0, 0, -9.81], joints: [{type: prismatic}], links: [{mass: 1}]}
+points: {a: [0], b: [1]}
+path: [a, {to: b, time: 1}]
+control: {law: computed-torque, kp: 100, kd: 20}
+"""
+
+
+@pytest.mark.parametrize(
+    ("base", "work", "given"),
+    [
+        ("{z: t}", 9.81, 9.81),  # 1 m/s carries the weight and what the joint pushes with, m g + m qdd: no more work
+        ("{z: t**2}", 11.81, 9.81),  # m (g + 2) on a way of 1 m, and m (g + 2 + qdd) by 2 t: 11.81 less 2 q(1)
+        ("{rpy: [0, pi/2, 0]}", 0, 0),
+        ("{rpy: [pi, 0, 0]}", -9.81, 0),
+        ("{x: t**2}", 9.81, 2),
+    ],
+)
+def test_joints_and_base_do_the_work_that_they_must_on_a_slide_that_lifts_a_kilogram(
+    base: str, work: float, given: float
+) -> None:
+    motion = Motion.from_text(SLIDE + f"base: {base}\n")
+    run, planned = motion.simulate(), motion.peaks[0]
+    assert planned.base is not None
+    assert [planned.work, planned.base.work] == pytest.approx([work, given], abs=1e-9)
+    assert [run.work[-1], run.base[-1]] == pytest.approx([work, given], abs=1e-8)
+    assert run.energy_error < 1e-9
+
+
+RIDES = """\
+robot:
+  name: arm
+  convention: modified
+  gravity: [1, -9.81, 2]
+  base: [[0, 0, 1, 0.2], [1, 0, 0, 0], [0, 1, 0, 0.1], [0, 0, 0, 1]]
+  joints: [{type: revolute, d: 0.2}, {type: prismatic, alpha: pi/2, a: 0.3, theta: pi/2}]
+  links:
+    - {mass: 2, com: [0.1, 0, 0.1], inertia: {xx: 0.1, yy: 0.1, zz: 0.1}, motor: {inertia: 2e-4, ratio: 50, mass: 0.3},
+       friction: {viscous: 0.4, coulomb: DRY}}
+    - {mass: 1, com: [0, 0.1, 0], inertia: {xx: 0.02, yy: 0.03, zz: 0.04}, motor: {inertia: 1e-4, ratio: 30}}
+points: {a: [0.2, 0.1], b: [1, 0.4], c: [0.3, 0.2]}
+path: [a, {to: b, time: 1/4, payload: {mass: 0.5, com: [0.1, 0, 0], inertia: [0.01, 0.01, 0.01]}}, {to: c, time: 1/4}]
+sample: 1/256
+"""
+
+RIDDEN = [  # law, dry friction and how it is simulated, base, push and plant
+    ("{law: computed-torque, kp: 100, kd: 20}", 0, "none", "{y: t**2, rpy: [t, t**2/2, 0.3]}", ""),
+    pytest.param(
+        *(
+            "{law: pd-gravity, kp: 900, kd: 60}",
+            0.8,
+            "smooth",
+            "{x: sin(3*t), rpy: [0, t, 0]}",
+            "plant: {payload: 0.2}",
+        ),
+        marks=pytest.mark.sweep,
+    ),
+    ("{law: pd, kp: 40, kd: 9}", 3, "exact", "{z: t**2/2, rpy: [pi/3, 0, 0]}", ""),
+    ("{law: pd, kp: 400, kd: 30, period: 1/128}", 0.3, "exact", "{z: cos(4*t)/9}", "PUSH"),
+    pytest.param(
+        *("{law: computed-torque, kp: 100, kd: 20, period: 1/256}", 0, "none", "{rpy: [0, 0.4, 2*t]}", "PUSH"),
+        marks=pytest.mark.sweep,
+    ),
+    pytest.param(*("{law: none}", 0.2, "smooth", "{x: t**3, rpy: [t, 0, 0]}", "PUSH"), marks=pytest.mark.sweep),
+    ("{law: none}", 0, "none", "", "PUSH"),
+    pytest.param(*("{law: pd, kp: 90, kd: 9, period: 1/64}", 0.1, "smooth", "", "PUSH"), marks=pytest.mark.sweep),
+]
+
+
+@pytest.mark.parametrize(("law", "dry", "friction", "base", "extra"), RIDDEN)
+def test_work_is_the_integral_of_torque_by_velocity_and_the_ledger_closes(
+    law: str, dry: float, friction: str, base: str, extra: str
+) -> None:
+    push = "disturbance: [{joint: q1, torque: 5, start: 0.1, end: 0.3}, {joint: q2, torque: -9, start: 0.05, end: 9}]"
+    text = RIDES.replace("DRY", str(dry)) + f"control: {law}\nfriction: {friction}\n{extra.replace('PUSH', push)}\n"
+    motion = Motion.from_text(text + (f"base: {base}\n" if base else ""))
+    run = motion.simulate()
+    assert run.reached
+    power = (run.tau * run.qd).sum(axis=1)
+    if "period" in law:  # the torque of a row was held since the row before
+        work = np.append(0, np.cumsum((run.tau[1:] * np.diff(run.q, axis=0)).sum(axis=1)))
+    else:
+        work = integrate.cumulative_simpson(power, x=run.t, initial=0)
+    largest = np.abs(power).max()
+    assert np.abs(run.work - work).max() <= 1e-4 * largest + 1e-12
+    assert run.energy_error <= 1e-8 * max(largest, float(np.ptp(run.energy)), 1)
+    if base and motion.plan.control.law == "computed-torque" and not extra:
+        planned = [sum(peaks.work for peaks in motion.peaks), sum(peaks.base.work for peaks in motion.peaks)]  # type: ignore[union-attr]
+        assert [run.work[-1], run.base[-1]] == pytest.approx(planned, abs=1e-6)
+
+
 def test_without_scipy_one_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy.integrate", None)
-    with pytest.raises(TargetError, match=r"simulations need scipy, .*pip install 'derive-robot\[motion\]'"):
+    with pytest.raises(TargetError, match=r"simulations need scipy, .*-m pip install .*'scipy>="):
         pendulum("0").simulate()
 
 

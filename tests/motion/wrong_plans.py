@@ -332,6 +332,39 @@ WRONG: list[tuple[str, str, str]] = [
         "5:13: points, b, pose: found the text '1'; allowed: a mapping with the keys p, rpy, zyz;",
     ),
     ("b: [1, 2]", "b: {}", "5:6: points, b: key 'pose' is missing; add it"),
+    ("", "spline: joints\n", "7:9: spline: joints, and no profile is spline; write profile: spline, or leave spline:"),
+    ("", "control: {law: none, kp: 3}\n", "7:26: control, kp: kp of no control law; name another law, or leave it out"),
+    ("", "control: {law: none, period: 0.1}\n", "7:30: control, period: period of no control law; name another law"),
+    (
+        "time: 1",
+        "time: 1, via: pass",
+        "6:33: path entry 2, via: b is not passed: the arm stops where the path ends; leave",
+    ),
+    (
+        "{to: b, time: 1}",
+        "{to: b, time: 1, via: pass}, {to: a, time: 1, profile: cubic}",
+        "6:33: path entry 2, via: b is not passed: the arm stops between quintic and cubic; write {to: b, via: stop",
+    ),
+    (
+        "{to: b, time: 1}]",
+        "{to: b, time: 1}, {to: a, time: 1, line: yes}]\nvia: pass",
+        "7:6: via: b is not passed: the arm stops between a line or an arc and another segment; write {to: b, via:",
+    ),
+    (
+        "path: [a, {to: b, time: 1}]",
+        "curves: {q1: t}\ntime: 1",
+        "4:3: points: points beside curves, and there is no path; leave points out",
+    ),
+    (
+        "b: [1, 2]",
+        "b: {pose: {p: [1, 0, 0], rpy: [0, 0, 0]}}",
+        "5:33: points, b, pose, rpy: an orientation, and the task of arm has none; leave it out",
+    ),
+    (
+        "",
+        "disturbance: [{joint: q1, torque: 1, start: 1, end: 2}]\n",
+        "7:15: a disturbance from 1 s on, and the motion ends after 1 s; leave it out",
+    ),
     (
         "",
         "control: {law: pd, kp: 1, period: 1e-9}\n",

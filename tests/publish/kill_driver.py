@@ -12,6 +12,7 @@ import json
 import os
 import signal
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -149,6 +150,8 @@ def builds(target: Path, kills: int) -> list[str]:
 def main() -> None:
     """Mode, folder, whether folders may be exchanged in one step, and how many builds are killed."""
     mode, target, swap = sys.argv[1], Path(sys.argv[2]), sys.argv[3] == "swap"
+    target.parent.mkdir()
+    assert target.parent.parent in Path(tempfile.gettempdir()).parents, "what is killed leaves temporary files anywhere"
     kills = int(sys.argv[4]) if len(sys.argv) > 4 else 0
     if not swap:
         atomic_folder.exchange = lambda one, other: False  # type: ignore[assignment]

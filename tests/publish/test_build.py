@@ -6,9 +6,11 @@ import hashlib
 import importlib
 import json
 import os
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,7 +20,6 @@ from derive.programs.search_policy import Effort
 from derive.publish import build
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, build_robot, check_robot, folder_of
 from derive.publish.many import build_many, check_many
-from derive.publish.render import Rendered
 from derive.publish.targets import TARGETS, targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
@@ -97,8 +98,8 @@ def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> 
     assert set(again.files) == set(contents(again.folder))
     assert not build_robot(arm, tmp_path, verified=False, force=True).unchanged
     assert not build_robot(replace(arm, digest="0" * 64), tmp_path, verified=False).unchanged
-    assert not build_robot(arm, tmp_path, ["numpy"], verified=False).unchanged
-    assert build_robot(arm, tmp_path, ["numpy"], verified=False).unchanged
+    assert not build_robot(arm, tmp_path, ["javascript"], verified=False).unchanged
+    assert build_robot(arm, tmp_path, ["javascript"], verified=False).unchanged
     assert not build_robot(arm, tmp_path, ["numpy"], only=True, verified=False).unchanged
     assert set(contents(again.folder)) == {"MANIFEST.json", "__init__.py", "model_numpy.py"}
     assert not build_robot(arm, tmp_path, verified=False).unchanged
@@ -109,36 +110,51 @@ def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> 
     assert check_robot(arm, tmp_path).is_current
 
 
+def test_a_folder_of_another_version_is_stale_and_renewed(arm: Robot, tmp_path: Path) -> None:
+    """Even where every file but the manifest would be the same."""
+    quickly = partial(build_robot, only=True, verified=False, effort=Effort.QUICK)
+    manifest = quickly(arm, tmp_path, ["numpy"]).folder / "MANIFEST.json"
+    written = manifest.read_text()
+    manifest.write_text(written.replace(f'"version": "{derive.__version__}"', '"version": "0.0.1"'))
+    assert check_robot(arm, tmp_path, ["numpy"], Effort.QUICK, only=True).stale == ("MANIFEST.json",)
+    assert not quickly(arm, tmp_path, ["numpy"]).unchanged
+    assert manifest.read_text() == written
+    assert quickly(arm, tmp_path, ["numpy"]).unchanged
+
+
 def test_one_build_adds_to_another_and_renews_what_it_finds(arm: Robot, tmp_path: Path) -> None:
     """Whatever is built in whatever order, the folder is that of one build of everything."""
     quickly = partial(build_robot, verified=False, effort=Effort.QUICK)
     checked = partial(check_robot, effort=Effort.QUICK)
-    quickly(arm, tmp_path, ["numpy"])
+    quickly(arm, tmp_path, ["numpy"], only=True)
+    assert "model.h" in checked(arm, tmp_path).missing
     added = quickly(arm, tmp_path, ["javascript"])
-    assert set(added.files) == {"MANIFEST.json", "__init__.py", "model_numpy.py", "model.mjs"}
+    assert set(added.files) == {*ALL_FILES, "model.mjs"}
     assert set(added.files) == set(contents(added.folder))
     assert checked(arm, tmp_path, ["numpy"]).is_current
-    assert checked(arm, tmp_path, ["numpy", "javascript"], only=True).is_current
-    assert checked(arm, tmp_path, ["numpy"], only=True).extra == ("model.mjs",)
-    assert "model.h" in checked(arm, tmp_path).missing
+    assert checked(arm, tmp_path, ["numpy", "javascript"], only=True).extra
+    assert checked(arm, tmp_path, [t.name for t in targets_named()], only=True).extra == ("model.mjs",)
     changed = replace(arm, title="Another title", digest="1" * 64)
     assert "model.mjs" in checked(changed, tmp_path, ["readme"]).stale
     quickly(changed, tmp_path)
-    at_once = quickly(changed, tmp_path / "at once", (*(t.name for t in targets_named()), "javascript"))
+    at_once = quickly(changed, tmp_path / "at once", ["javascript"])
     assert contents(added.folder) == contents(at_once.folder)
 
 
 def test_a_package_is_a_folder_of_the_build_and_keeps_what_is_the_users(arm: Robot, tmp_path: Path) -> None:
     """Its files come and go as all others do; a file of the user's in it stays, and is never replaced."""
     quickly = partial(build_robot, verified=False, effort=Effort.QUICK)
-    folder = quickly(arm, tmp_path, ["octave"]).folder
+    folder = quickly(arm, tmp_path, ["octave"], only=True).folder
     package = folder / "+two_bars"
     assert (package / "jacobian.m").is_file()
-    assert quickly(arm, tmp_path, ["octave"]).unchanged
+    assert quickly(arm, tmp_path, ["octave"], only=True).unchanged
     (package / "mine.m").write_text("% mine")
     (package / "jacobian.m").write_text("% edited")
-    assert check_robot(arm, tmp_path, ["octave"], Effort.QUICK).stale == ("+two_bars/jacobian.m",)
-    assert "% edited" not in (quickly(arm, tmp_path, ["octave"]).folder / "+two_bars" / "jacobian.m").read_text()
+    assert check_robot(arm, tmp_path, ["octave"], Effort.QUICK, only=True).stale == ("+two_bars/jacobian.m",)
+    assert (
+        "% edited"
+        not in (quickly(arm, tmp_path, ["octave"], only=True).folder / "+two_bars" / "jacobian.m").read_text()
+    )
     quickly(arm, tmp_path, ["numpy"], only=True)
     assert [path.name for path in package.iterdir()] == ["mine.m"]
     (package / "jacobian.m").write_text("% mine")
@@ -150,18 +166,19 @@ def test_a_package_is_a_folder_of_the_build_and_keeps_what_is_the_users(arm: Rob
 def test_a_build_that_is_overtaken_by_one_of_other_targets_keeps_what_that_has_added(
     arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    render, seen = build.render_robot, list[tuple[str, ...]]()
+    render, seen = build.rendering, list[tuple[str, ...]]()
 
-    def slow(robot: Robot, targets: tuple[Target, ...], effort: Effort) -> Rendered:
+    def slow(robot: Robot, targets: tuple[Target, ...], *further: Any) -> AbstractContextManager[Any]:
         seen.append(tuple(target.name for target in targets))
         if len(seen) == 1:
-            build_robot(arm, tmp_path, ["javascript"], verified=False, effort=effort)
-        return render(robot, targets, effort)
+            build_robot(arm, tmp_path, ["javascript"], verified=False, effort=Effort.QUICK)
+        return render(robot, targets, *further)
 
-    monkeypatch.setattr(build, "render_robot", slow)
-    result = build_robot(arm, tmp_path, ["numpy"], verified=False, effort=Effort.QUICK)
-    assert seen == [("numpy",), ("javascript",), ("numpy", "javascript")]
-    assert set(contents(result.folder)) == {"MANIFEST.json", "__init__.py", "model_numpy.py", "model.mjs"}
+    monkeypatch.setattr(build, "rendering", slow)
+    result = build_robot(arm, tmp_path, ["casadi-c"], verified=False, effort=Effort.QUICK)
+    asked = (["casadi-c"], ["javascript"], ["casadi-c", "javascript"])
+    assert seen == [tuple(target.name for target in targets_named(names)) for names in asked]
+    assert set(contents(result.folder)) == {*ALL_FILES, "model.mjs", "model_casadi.c", "model_casadi.h"}
     assert os.listdir(tmp_path) == ["two_bars"]
 
 

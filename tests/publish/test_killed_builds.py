@@ -16,9 +16,14 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="kills are teste
 
 
 def states(mode: str, folder: Path, *options: str) -> list[str]:
-    """Runs the driver; what the folder was after every kill."""
-    command = [sys.executable, "tests/publish/kill_driver.py", mode, str(folder / "arm"), *options]
-    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    """Runs the driver; what the folder was after every kill.
+
+    A build that is killed over the compiler leaves a temporary folder, which goes with the folder of the test.
+    """
+    temporary = folder / "temporary"
+    temporary.mkdir()
+    command = [sys.executable, "tests/publish/kill_driver.py", mode, str(folder / "out" / "arm"), *options]
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "TMPDIR": str(temporary)}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     found: list[str] = json.loads(done.stdout)
@@ -33,7 +38,7 @@ def test_death_before_any_operation_on_files_is_harmless(tmp_path: Path, swap: s
     assert len(found) > 50
     assert set(found) <= allowed
     assert {"old", "new"} <= set(found)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm"]
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["arm"]
 
 
 @pytest.mark.slow

@@ -41,13 +41,13 @@ def test_compiled_files_are_names_whatever_the_manifest_holds() -> None:
 
 def test_a_folder_is_current_until_anything_differs(tmp_path: Path) -> None:
     """Robot, version, targets, effort and every file count."""
-    robot, targets = Robot.from_text(ARM), targets_named(["c"])
-    folder = build_robot(robot, tmp_path, ["c"], verified=False, effort=Effort.QUICK).folder
+    robot, targets = Robot.from_text(ARM), targets_named(["c"], only=True)
+    folder = build_robot(robot, tmp_path, ["c"], only=True, verified=False, effort=Effort.QUICK).folder
     right = (robot.digest, __version__, targets, Effort.QUICK)
     assert manifest.is_current(folder, *right)
     assert not manifest.is_current(folder, "0" * 64, *right[1:])
     assert not manifest.is_current(folder, right[0], "0", *right[2:])
-    assert not manifest.is_current(folder, *right[:2], targets_named(["numpy"]), Effort.QUICK)
+    assert not manifest.is_current(folder, *right[:2], targets_named(["numpy"], only=True), Effort.QUICK)
     assert not manifest.is_current(folder, *right[:3], Effort.FULL)
     (folder / "model.c").write_text("touched", encoding="utf-8")
     assert not manifest.is_current(folder, *right)

@@ -35,20 +35,31 @@ def test_the_manifest_lists_every_other_file_with_its_hash(rendered: render.Rend
     assert set(hashes) == {"__init__.py", *(name for target in targets_named() for name in target.files)}
 
 
+def test_libraries_are_compiled_while_the_rest_is_rendered_and_the_sheet_comes_last() -> None:
+    robot, targets, begun = Robot.from_text(ARM), targets_named(["native", "latex"]), list[dict[str, bytes]]()
+    with render.rendering(robot, targets, Effort.QUICK, lambda sources: begun.append(dict(sources))) as (first, whole):
+        assert [set(sources) for sources in begun] == [{"model_native.c", "model.c", "model.h"}]
+        assert set(json.loads(first.files[MANIFEST])["files"]) == first.files.keys() - {MANIFEST}
+        files = whole().files
+    assert files.keys() - first.files.keys() == {"sheet.tex"}
+    assert begun[0].items() <= first.files.items()
+    assert list(files.items()) == list(render.render_robot(robot, targets, Effort.QUICK).files.items())
+
+
 def test_sources_name_the_files_of_the_whole_build() -> None:
     """The page of a folder lists what other targets write."""
-    source = render.source_of(Robot.from_text(ARM), targets_named(["c", "readme"]), Effort.QUICK)
+    source = render.source_of(Robot.from_text(ARM), targets_named(["c", "readme"], only=True), Effort.QUICK)
     assert source.files == ("MANIFEST.json", "README.md", "__init__.py", "model.c", "model.h")
 
 
 def test_libraries_are_those_of_the_targets() -> None:
     assert library_names(TARGETS.values()) == tuple(name for t in TARGETS.values() for name in t.compiled)
-    assert library_names(targets_named(["numpy"])) == ()
+    assert library_names(targets_named(["numpy"], only=True)) == ()
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_a_library_of_the_same_sources_is_not_compiled_again(tmp_path: Path) -> None:
-    robot, targets = Robot.from_text(ARM), targets_named(["native"])
+    robot, targets = Robot.from_text(ARM), targets_named(["native"], only=True)
     former, folder, changed = (tmp_path / name for name in ("former", "folder", "changed"))
     former.mkdir()
     for name, data in render.render_robot(robot, targets, Effort.QUICK).files.items():

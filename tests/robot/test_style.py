@@ -10,6 +10,7 @@ import pytest
 from derive.errors import QuantityError, RobotFileError
 from derive.robot.robot import Robot
 from derive.robot.schema import StyleRow
+from derive.robot.structure import model_of
 from derive.robot.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Style
 
 ARM = "name: arm\nconvention: standard\njoints: [{type: revolute, a: a1}]\n"
@@ -46,7 +47,7 @@ def test_a_file_says_the_style_as_a_name_a_block_or_a_name_with_changes() -> Non
 
 
 def test_the_block_of_the_file_has_a_key_for_every_option_and_its_values() -> None:
-    rows = dict(StyleRow.model_fields)
+    rows = dict(model_of(StyleRow).model_fields)
     assert rows.pop("name").default == "compact"
     assert list(rows) == [option.name for option in fields(Style)]
     assert {name: row.annotation for name, row in rows.items()} == {n: k | None for n, k in STYLE_OPTIONS.items()}

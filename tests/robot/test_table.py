@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 
 import pytest
 
@@ -12,8 +13,9 @@ from derive.robot.expression import ONE, ZERO
 from derive.robot.handout_options import HandoutOptions
 from derive.robot.load import description_from_bytes
 from derive.robot.presentation import read_handout
+from derive.robot.robot import Robot
 from derive.robot.table import DEFAULT_GRAVITY_SYMBOL, ROTATION_TOLERANCE
-from derive.robot.validate import located_expressions
+from derive.robot.units import located_expressions
 from tests.random_robots import random_robot
 
 HEAD = "name: arm\nconvention: standard\njoints: [{type: revolute}]\n"
@@ -53,3 +55,20 @@ def test_a_rotation_is_one_to_within_the_stated_tolerance(factor: float) -> None
 
 def test_without_a_block_the_handout_has_its_defaults() -> None:
     assert read_handout(read_document(HEAD.encode(), "arm.yaml")) == HandoutOptions()
+
+
+@pytest.mark.parametrize(
+    ("names", "found"),
+    [
+        (('name: "a"', 'name: "a"'), "joints row 2, name: joint name 'a' belongs to row 1 already"),
+        (("name: q2", ""), "joints row 1, name: joint name 'q2' belongs to row 1 already"),
+        (('name: "a\\nb"', ""), "joints row 1, name: control character U+000A; allowed: text on one line"),
+        (('name: "a\\u2028b"', ""), "joints row 1, name: control character U+2028"),
+        ((f"name: {'x' * 501}", ""), "501 characters; allowed: at most 500"),
+        (("name: [a]", ""), "allowed: a text"),
+    ],
+)
+def test_a_name_of_a_joint_is_a_line_of_its_own(names: tuple[str, str], found: str) -> None:
+    rows = "\n".join(f"  - {{type: revolute, a: 1, {name}}}" for name in names)
+    with pytest.raises(RobotFileError, match=re.escape(found)):
+        Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}\n")

@@ -12,6 +12,7 @@ from derive.targets.c import render_c
 from derive.targets.c_search import c_search
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.readme import render as render_readme
+from tests.inverse.arms import PUBLISHED
 from tests.targets.c_models import c_model, needs_compiler, write_c_model
 from tests.targets.generated_models import casadi_model, source_of
 from tests.targets.searched_arms import (
@@ -28,6 +29,16 @@ from tests.targets.searched_arms import (
 from tests.targets.test_c import STRICT
 
 GIVEN = [3]
+
+INEXACT = np.array(
+    [
+        [1.2, 0.87, 2.95, -2.16, -0.47, 3.02],
+        [0.7, -0.76, 1.44, 2.76, -1.93, 0.92],
+        [-2.12, -1.32, -0.01, -2.9, -0.04, 2.16],
+        [1.58, -0.89, 1.62, -2.85, 2.83, -1.83],
+    ]
+)
+"""Of the Jaco arm: at their poses the first elimination is worst, with products fused into sums or without."""
 
 
 def test_every_solution_leads_to_its_pose_and_the_configuration_is_one() -> None:
@@ -63,6 +74,19 @@ def test_c_finds_the_solutions_that_numpy_finds() -> None:
     away = poses.copy()
     away[:, 0, 3] += 50.0
     assert not compiled.inverse(away[:4], q[:4, GIVEN], PARAMETERS)[1].any()
+
+
+@needs_compiler
+def test_no_solution_is_lost_where_the_eigenvalue_problem_of_a_pose_is_inexact() -> None:
+    jaco = next(case.text for case in PUBLISHED if case.name == "jaco")
+    compiled, model = c_model(robot_of(jaco), program_of(jaco)), model_of(jaco)
+    q = (INEXACT[:, None] + np.random.default_rng(6).uniform(-1e-4, 1e-4, (len(INEXACT), 40, 6))).reshape(-1, 6)
+    poses = np.asarray(model.forward_kinematics(q))
+    found, status = compiled.inverse(poses, np.empty((len(q), 0)), {})
+    apart = np.abs(np.angle(np.exp(1j * (found - q[:, None])))).max(axis=-1)
+    assert np.nanmin(apart, axis=1).max() < 1e-6
+    wanted = np.isfinite(model.inverse_kinematics(poses)[..., 0]).sum(axis=1)
+    assert np.array_equal((status > 0).sum(axis=1), wanted)
 
 
 @needs_compiler

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,8 @@ from jinja2 import nodes
 from derive.errors import TargetError
 from derive.handouts.latex_writer import latex_template
 from derive.publish.targets import TARGETS, targets_named
-from derive.targets.templating import environment, template_folder
+from derive.targets import templating
+from derive.targets.templating import environment, robot_argument, template_folder
 
 FOLDER = Path(str(template_folder()))
 TEMPLATES = sorted(path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*") if path.is_file())
@@ -48,9 +51,40 @@ def test_the_registry_and_the_templates_agree() -> None:
 
 
 def test_targets_are_chosen_by_name() -> None:
-    """In the registry's order, each once; without a choice those that a build writes unasked."""
+    """In the registry's order, each once, beside those that a build writes unasked unless these alone are wanted."""
     assert [target.name for target in targets_named()] == ["numpy", "casadi", "c", "latex", "readme"]
     assert [target.name for target in targets_named(TARGETS)] == list(TARGETS)
-    assert [target.name for target in targets_named(["latex", "numpy", "latex"])] == ["numpy", "latex"]
+    assert [target.name for target in targets_named(["native"])] == [
+        "numpy",
+        "casadi",
+        "c",
+        "native",
+        "latex",
+        "readme",
+    ]
+    assert [target.name for target in targets_named(["latex", "numpy", "latex"], only=True)] == ["numpy", "latex"]
+    assert targets_named(only=True) == targets_named()
     with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, octave, latex, readme"):
         targets_named(["matlab"])
+
+
+@pytest.mark.parametrize(("name", "argument"), [("puma560-corke", "puma560-corke"), ("my-arm", "my-arm.yaml")])
+def test_hints_name_built_in_robots_and_files_of_others(name: str, argument: str) -> None:
+    """No template writes a name alone, which commands know of built-in robots only."""
+    assert robot_argument(name) == argument
+    assert not [place for place in TEMPLATES if re.search(r"derive [a-z]+ \{\{ name", (FOLDER / place).read_text())]
+
+
+@pytest.mark.parametrize("writes", [True, False])
+def test_templates_are_compiled_once_where_python_keeps_byte_code(
+    writes: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", not writes)
+    monkeypatch.setattr(templating, "cache_from_source", lambda file: str(tmp_path / "templating.pyc"))
+    for _ in range(2):
+        templating.environment.__wrapped__().get_template("package/__init__.py.jinja")
+        assert len(list(tmp_path.iterdir())) == writes
+    for kept in tmp_path.iterdir():
+        kept.write_bytes(b"of another version")
+    again = templating.environment.__wrapped__().get_template("package/__init__.py.jinja")
+    assert "Two" in again.render(title="Two", name="two", version="0")

@@ -192,9 +192,9 @@ def _length(robot: Robot, data: DataPrinter, segment: Segment) -> str:
     cell = joint.a if segment.cell == "a" else joint.d
     if segment.cell == "d" and not joint.is_revolute:
         cell = Sum((Product((Number(Fraction(joint.sign)), Name(joint.variable))), cell))
-    latex = joined(data.value(cell)).tex.strip()
+    latex = joined(data.length(cell)).tex.strip()
     if not any(True for _ in names(cell)):
-        latex += r"\,\mathrm{m}"
+        latex += r"\,\mathrm{mm}" if robot.units.millimetres else r"\,\mathrm{m}"
     if label_width(latex) <= LONGEST_LABEL and "frac{" not in latex and "\\sqrt" not in latex:
         return latex
     behind = segment.cell == "a" and robot.convention is Convention.MODIFIED

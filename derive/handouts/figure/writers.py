@@ -17,7 +17,7 @@ from html import escape
 from io import BytesIO
 from typing import Any
 
-from derive.errors import DeriveError
+from derive.errors import DeriveError, install_extra
 from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Item, Label, Path, label_runs
 
 PREAMBLE = r"""\ifdefined\pdfextension
@@ -197,9 +197,7 @@ def require_matplotlib() -> Any:
     try:
         import matplotlib
     except ImportError:
-        raise DeriveError(
-            "figures need matplotlib, which is not installed", remedy="pip install 'derive-robot[handout]'"
-        ) from None
+        raise DeriveError("figures need matplotlib, which is not installed", remedy=install_extra("handout")) from None
     matplotlib.use("agg")
     return matplotlib
 

@@ -47,7 +47,8 @@ def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None
 
 def _counted(found: Aspects, joints: list[str]) -> str:
     """How many aspects, in words."""
-    what = "sets of configurations that no singularity divides"
+    task = f" of the task {', '.join(found.task)}" if found.task else ""
+    what = f"sets of configurations that no singularity{task} divides"
     if found.count is None:
         group = next(group for group in found.groups if group.parts is None)
         named = listed(joints[k] for k in group.joints)
@@ -99,6 +100,7 @@ def aspects_parts(found: Aspects) -> dict[str, Any]:
     return {
         "count": found.count,
         "why_not": found.why_not,
+        "task": list(found.task),
         "factors": [write(factor.expression) for factor in found.factors],
         "poses": len(found.solutions),
         "poses_with_shared_signs": found.shared,

@@ -69,6 +69,7 @@ def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
         "pose": [[write(entry) for entry in row] for row in found.pose.tolist()],
         "count": found.count,
         "complete": found.complete,
+        "everywhere": found.everywhere,
         "why_not": found.graph.why_not,
         "conditions": [{"left": write(c.left), "right": write(c.right)} for c in found.conditions],
         "definitions": {write(line.symbol): write(line.value) for line in found.definitions},
@@ -183,7 +184,10 @@ def headline(found: InverseKinematics) -> str:
         return f"no closed form: {found.graph.why_not}"
     if not found.complete:
         return f"at most {found.graph.leaves} solutions"
-    count = f"{found.count} solution{'s' if found.count != 1 else ''}, and no more"
+    count = f"{found.count} solution{'s' if found.count != 1 else ''}"
+    count += (
+        ", and no more" if found.everywhere else " of almost every pose that is reached; special ones may have more"
+    )
     leaves = found.graph.leaves
     return count if leaves == found.count else f"{count}; {leaves} choices of signs, some of which miss the pose"
 

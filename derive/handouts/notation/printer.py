@@ -38,6 +38,7 @@ from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
+from derive.robot.units import Unit, in_file_units, symbol_unit
 
 WIDEST_FRACTION = 120.0
 """Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken."""
@@ -46,7 +47,7 @@ MINUS = Piece(Box("-", MINUS_WIDTH))
 
 _HALF, _ONE = S.Half, S.One
 _CIRCULAR = ("cos", "sin", "tan")
-_FUNCTIONS = {"sign": "sgn", "atan2": "atan2", "Abs": "abs", "acos": "arccos", "asin": "arcsin", "atan": "arctan"}
+_FUNCTIONS = {"sign": "sgn", "atan2": "atan2", "acos": "arccos", "asin": "arcsin", "atan": "arctan"}
 _BRACKETS = (("(", ")"), ("[", "]"), ("\\{", "\\}"))
 """By the levels of brackets inside; deeper ones begin again."""
 
@@ -226,6 +227,8 @@ class LatexPrinter:
             if all(term.is_Symbol and term.name in labels for term in terms):  # a plain sum of joint angles
                 variables = tuple(sorted((term.name for term in terms), key=labels.index))
                 return [Piece(self.notation.abbreviation(name[0], variables, exponent), depth=depth)]
+        if name == "Abs" and not exponent.tex:
+            return [Piece(Box("\\lvert ", 5.0)), *self._sum(argument, depth + 1), Piece(Box(" \\rvert", 5.0))]
         if name not in _FUNCTIONS and name not in _CIRCULAR:
             raise TargetError(f"no LaTeX for the function {name}", remedy="use sin, cos, tan, sqrt or atan2")
         head = script(operator(_FUNCTIONS.get(name, name)), sup=exponent)
@@ -301,7 +304,38 @@ class DataPrinter:
         """
         return tuple(LatexPrinter(self.notation).angle(_sympy(cell)))
 
-    def position(self, joint: Joint, cell: Expression | Expr) -> Cell:
+    def length(self, cell: Expression) -> Cell:
+        """A length, its numbers in the units of the robot file.
+
+        Args:
+            cell: The cell.
+
+        Returns:
+            Its pieces, without a unit.
+        """
+        return self.value(in_file_units(cell, Unit.LENGTH, self.robot.units))
+
+    def symbol(self, name: str, number: Expression) -> Cell:
+        """The number of a symbol as the robot file has it, with its unit where that is not the SI unit.
+
+        Args:
+            name: The symbol.
+            number: Its number.
+
+        Returns:
+            Its pieces.
+        """
+        unit = symbol_unit(self.robot, name) if self.robot.units.parameters else Unit.SI
+        if unit is Unit.LENGTH:
+            return (*self.length(number), Piece(self._metres))
+        return self.angle(number) if unit is Unit.ANGLE else self.value(number)
+
+    @property
+    def _metres(self) -> Box:
+        """The unit of lengths behind a number."""
+        return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else Box("\\,\\mathrm{m}", 11.0)
+
+    def position(self, joint: Joint, cell: Expression) -> Cell:
         """A value of a joint variable with its unit.
 
         Args:
@@ -332,11 +366,11 @@ class DataPrinter:
         end = [Piece(unit)] if unit.tex and _CIRCLE not in joined(lower).tex else []
         return (opening, *lower, Piece(list_separator((*lower, *upper))), *upper, closing, *end)
 
-    def _position(self, joint: Joint, cell: Expression | Expr) -> tuple[Cell, Box]:
+    def _position(self, joint: Joint, cell: Expression) -> tuple[Cell, Box]:
         """A value, and the unit behind it; degrees have their circle instead."""
-        value = _sympy(cell)
         if not joint.is_revolute:
-            return self.value(value), Box("\\,\\mathrm{m}", 11.0)
+            return self.length(cell), self._metres
+        value = _sympy(cell)
         if value == 0 and self.notation.degrees:
             return (Piece(Box(f"0{_CIRCLE}", 10.0)),), EMPTY
         pieces = self.angle(value)

@@ -50,9 +50,6 @@ class SignPrinter(TextPrinter):
     def _print_Symbol(self, symbol: Any) -> str:
         return "+-1" if isinstance(symbol, Sign) else str(super()._print_Symbol(symbol))
 
-    def _print_Abs(self, expression: Any) -> str:
-        return f"abs({self._print(expression.args[0])})"
-
     def _print_Add(self, expression: Any, order: Any = None) -> str:
         return re.sub(r" \+ \+-", " +- ", super()._print_Add(expression, order))
 

@@ -39,6 +39,9 @@ class PlainPrinter(StrPrinter):  # type: ignore[misc]
             found = self._printed[expression] = str(super()._print(expression))
         return found
 
+    def _print_Abs(self, expression: Any) -> str:
+        return f"abs({self._print(expression.args[0])})"
+
 
 class TextPrinter(PlainPrinter):
     """Prints the expressions of one robot.

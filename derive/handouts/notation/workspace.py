@@ -38,7 +38,7 @@ def workspace_lines(reach: Reach, form: str, notation: Notation) -> list[str]:
         write = PlainPrinter().doprint
         lines = [f"{write(line.symbol)} = {write(line.value)}" for line in reach.names]
         inside = " and ".join(comparison(bound, write, " <= ") for bound in reach.bounds)
-        return [*lines, f"reached = {inside.replace('Abs(', 'abs(') or True}"]
+        return [*lines, f"reached = {inside or True}"]
     return workspace_text(reach, SignPrinter(found.robot, notation, pose_names(found)).doprint)
 
 

@@ -123,7 +123,7 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
     yield Rows(tuple(equation_lines(variables)))
     used = set(robot_symbols(robot)) - {name for name, _ in robot.parameters}
     given = ((name, cell) for name, cell in robot.figure.values if name in used)
-    lines = equation_lines(Equation(data.notation.glyph(name).box, data.value(cell)) for name, cell in given)
+    lines = equation_lines(Equation(data.notation.glyph(name).box, data.symbol(name, cell)) for name, cell in given)
     if lines:
         yield Paragraph(_("with these numbers for symbols that have none in the robot file's parameters:"))
         yield Rows(tuple(lines))

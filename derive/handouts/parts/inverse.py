@@ -30,7 +30,8 @@ from derive.model.inverse.origins import Form
 from derive.model.inverse.solutions import InverseKinematics
 from derive.model.inverse.solve import MAX_JOINTS, Freedom, solve, usual_task
 from derive.model.model import Model
-from derive.model.singularities.determinant import Posture, SingularFactor
+from derive.model.singularities.conditions import Posture
+from derive.model.singularities.singularities import SingularFactor
 from derive.robot.expression import ZERO
 from derive.robot.inverse_options import POSE, InverseOptions
 
@@ -197,6 +198,11 @@ class _Part:
         _, found = self.context.text, self.found
         if not found.complete:
             return _("A reachable pose has at most %(leaves)s solutions.", leaves=found.graph.leaves)
+        if not found.everywhere:
+            return _(
+                "Solutions, real or complex, of almost all reachable poses: %(count)s. Special poses may have more.",
+                count=found.count,
+            )
         if found.count == 1:
             return _("A reachable pose has one solution, and no more.")
         words = _(

@@ -27,9 +27,11 @@ from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.in_numbers import Numbers
 from derive.model.inverse.solutions import CLOSE, InverseKinematics
 from derive.model.point import DIGITS
+from derive.robot.description import Joint
 from derive.robot.expression import Number
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.robot.units import position_unit
 
 _PLACES = 4
 """Decimals of lengths and radians; two less of degrees."""
@@ -167,7 +169,7 @@ def _assumed(context: Context, poses: RobotPoses) -> str:
     """The numbers of symbols that have none among the parameters of the robot file."""
     free, data = free_symbols(context.robot), context.data
     written = [
-        f"${data.notation.glyph(name).box.tex.strip()} = {joined(data.value(cell)).tex}$"
+        f"${data.notation.glyph(name).box.tex.strip()} = {joined(data.symbol(name, cell)).tex}$"
         for name, cell in context.robot.figure.values
         if name in free
     ]
@@ -180,21 +182,28 @@ def _stated(context: Context, q: Sequence[float]) -> str:
     written = []
     for joint, value in zip(context.robot.joints, q, strict=True):
         symbol = context.notation.glyph(joint.variable).box.tex.strip()
-        unit = _unit(context, joint.is_revolute)
-        written.append(f"${symbol} = {_number(context, value, joint.is_revolute).tex}{unit}$")
+        unit = _unit(context, joint)[0]
+        behind = unit.removeprefix("{}") if "circ" in unit else f"\\,{unit}"
+        written.append(f"${symbol} = {_position(context, value, joint).tex}{behind}$")
     return ("; " if context.text.comma else ", ").join(written)
 
 
-def _unit(context: Context, is_angle: bool) -> str:
-    if is_angle:
-        return "^{\\circ}" if context.notation.degrees else "\\,\\mathrm{rad}"
-    return "\\,\\mathrm{m}"
+def _unit(context: Context, joint: Joint) -> tuple[str, float, int]:
+    """The unit of a joint variable in the robot file, how many are 1 rad or 1 m, and the decimals that it shows."""
+    if not position_unit(joint).differs_in(context.robot.units):
+        return "\\mathrm{rad}" if joint.is_revolute else "\\mathrm{m}", 1.0, _PLACES
+    return ("{}^{\\circ}", math.degrees(1.0), _PLACES - 2) if joint.is_revolute else ("\\mathrm{mm}", 1e3, _PLACES - 3)
 
 
-def _number(context: Context, value: float, is_angle: bool = False) -> Box:
-    """A number with a few decimals, an angle in degrees where the robot file has these."""
-    in_degrees = is_angle and context.notation.degrees
-    shown = f"{math.degrees(value) if in_degrees else value:.{_PLACES - 2 * in_degrees}f}"
+def _position(context: Context, value: float, joint: Joint) -> Box:
+    """A joint variable in the unit of the robot file."""
+    _, size, places = _unit(context, joint)
+    return _number(context, size * value, places)
+
+
+def _number(context: Context, value: float, places: int = _PLACES) -> Box:
+    """A number with a few decimals."""
+    shown = f"{value:.{places}f}"
     if not float(shown):
         shown = shown.removeprefix("-")
     return Box(shown.replace(".", DECIMAL_COMMA) if context.notation.comma else shown, _DIGIT * len(shown) + _DIGIT)
@@ -211,9 +220,9 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     """What an exercise asks for and a page copies, then the configurations as a table."""
     _, joints = context.text, context.robot.joints
     names = [context.notation.glyph(joint.variable).box for joint in joints]
-    units = [_head_unit(context, joint.is_revolute) for joint in joints]
+    units = [_unit(context, joint)[0] for joint in joints]
     heads = [f"{name.tex.strip()}\\,[{unit}]" for name, unit in zip(names, units, strict=True)]
-    cells = [[_number(context, x, j.is_revolute).tex for x, j in zip(s.q, joints, strict=True)] for s in solutions]
+    cells = [[_position(context, x, j).tex for x, j in zip(s.q, joints, strict=True)] for s in solutions]
     body = " \\\\ ".join(" & ".join((str(s.number), *row)) for s, row in zip(solutions, cells, strict=True))
     array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} & {' & '.join(heads)} \\\\ \\hline {body} \\end{{array}}"
     python = "[" + ", ".join("[" + ", ".join(map(_COPIED, s.q)) + "]" for s in solutions) + "]"
@@ -230,13 +239,6 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
         return
     rows = tuple((str(s.number), *map(_aligned, row)) for s, row in zip(solutions, cells, strict=True))
     yield Table((_("Branch"), *(f"${head}$" for head in heads)), rows, is_answer=True)
-
-
-def _head_unit(context: Context, is_angle: bool) -> str:
-    """A unit in brackets."""
-    if is_angle:
-        return "{}^{\\circ}" if context.notation.degrees else "\\mathrm{rad}"
-    return "\\mathrm{m}"
 
 
 def _aligned(number: str) -> str:

@@ -1,8 +1,8 @@
-"""The part with the singularities: a square block of J, its determinant in factors, and where each of them is zero."""
+"""The part with the singularities: the determinant of a task in factors, or all minors, and where they are zero."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import sympy
@@ -18,7 +18,8 @@ from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, bold
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import expanded_terms, of_matrix
-from derive.model.singularities.determinant import MAX_TERMS, Outcome, Posture, SingularFactor, Singularities
+from derive.model.singularities.conditions import Condition, Posture
+from derive.model.singularities.singularities import Outcome, SingularFactor, Singularities
 
 _IS_ZERO = Piece(Box(" = 0", RELATION_WIDTH + 5.0))
 _IF_AND_ONLY_IF = Piece(Box(" \\iff ", 34.0), Break.BINARY)
@@ -37,39 +38,11 @@ def singularities(context: Context) -> Iterator[Block]:
     Yields:
         The blocks of the part.
     """
-    _ = context.text
-    found, n = context.entries.model.singularities, context.robot.n
-    match found.outcome:
-        case Outcome.REDUNDANT:
-            yield Paragraph(
-                _(
-                    "With %(n)s joints $\\mathbf{J}$ has more columns than rows and no determinant. Its rank is less "
-                    "than 6 where $\\det(\\mathbf{J}\\,\\mathbf{J}^T) = 0$, which has too many terms to be printed.",
-                    n=n,
-                )
-            )
-        case Outcome.TOO_LONG:
-            yield Paragraph(
-                _(
-                    "The determinant that says where $\\mathbf{J}$ loses rank has intermediate results of more than "
-                    "%(terms)s terms; it is not derived.",
-                    terms=MAX_TERMS,
-                )
-            )
-        case Outcome.EVERYWHERE if n == 6:
-            yield Paragraph(_("$\\det\\mathbf{J} = 0$ in every configuration: the arm is singular everywhere."))
-        case Outcome.EVERYWHERE:
-            yield Paragraph(
-                _(
-                    "Every block of %(n)s rows of $\\mathbf{J}$ has determinant zero in every configuration: the rank "
-                    "of $\\mathbf{J}$ is always less than %(n)s.",
-                    n=n,
-                )
-            )
-        case Outcome.NEVER if not found.blocks:
-            yield Paragraph(_("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero."))
-        case _:
-            yield from _determinant(context, found)
+    found = context.entries.model.singularities
+    if found.shape[1] == 1 and not found.task:
+        yield Paragraph(context.text("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero."))
+    else:
+        yield from (_determinant if found.blocks else _minors)(context, found)
 
 
 def _determinant(context: Context, found: Singularities) -> Iterator[Block]:
@@ -77,13 +50,14 @@ def _determinant(context: Context, found: Singularities) -> Iterator[Block]:
     formulas = _SingularFormulas(context, found)
     yield from _introduction(context, found)
     if context.steps:
-        one = _("The matrix $%(matrix)s$", matrix=_symbol(context, found).tex)
+        one = _("The matrix $%(matrix)s$", matrix=_symbol(found).tex)
         title = _("The blocks of the Jacobian") if len(found.blocks) > 1 else one
         yield Steps(title, tuple(_matrices(context, found)))
     yield formulas.determinant()
     if found.outcome is Outcome.NEVER:
         words = _("It does not depend on the configuration: as long as it is not zero, no rank is ever lost.")
-        yield Paragraph(words, is_answer=True)
+        never = _("No factor is zero in any configuration: no rank is ever lost.")
+        yield Paragraph(words if found.is_constant else never, is_answer=True)
         return
     yield Paragraph(_("Rank is lost where a factor is zero."), is_answer=True)
     yield formulas.conditions()
@@ -103,19 +77,19 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
         )
         yield Paragraph(words)
         return
-    if context.robot.n == 6:
+    if not found.task:
         words = _("$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes.")
         yield Paragraph(words)
         return
-    rows = ", ".join(map(str, block.rows))
-    if block.rows == (1, 2, 3):
-        words = _("Let $\\mathbf{J}'$ be rows 1, 2, 3 of $\\mathbf{J}$, the linear velocity.")
-    else:
+    if block.rows:
         words = _(
-            "Let $\\mathbf{J}'$ be rows %(rows)s of $\\mathbf{J}$: a task of as many coordinates as the arm has "
-            "joints.",
-            rows=rows,
+            "Let $\\mathbf{J}'$ be rows %(rows)s of $\\mathbf{J}$, for the task %(task)s, which has as many "
+            "coordinates as the arm has joints.",
+            rows=", ".join(map(str, block.rows)),
+            task=_task(context, found),
         )
+    else:
+        words = _("Let $\\mathbf{J}'$ be the Jacobian of the task %(task)s.", task=_task(context, found))
     if block.reference.point is not None:
         words += " " + _("It is that of the point $%(origin)s$.", origin=origin)
     if frame is not None:
@@ -125,27 +99,76 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
         yield Paragraph(_("The other rows are zero."), is_answer=True)
 
 
+def _task(context: Context, found: Singularities) -> str:
+    """The words of a task."""
+    _ = context.text
+    words = {
+        "phi": "$\\varphi$",
+        "position": "$x$, $y$, $z$",
+        "orientation": _("orientation"),
+        "approach": _("direction of the approach"),
+    }
+    turns = {f"rotation about {axis}": _("rotation about $%(axis)s$", axis=axis) for axis in "xyz"}
+    return ", ".join((words | turns).get(word, f"${word}$") for word in found.task)
+
+
+def _minors(context: Context, found: Singularities) -> Iterator[Block]:
+    """Where a matrix that is not square, or is singular everywhere, has less than its usual rank."""
+    _, matrix = context.text, _symbol(found).tex
+    if found.task:
+        yield Paragraph(_("Let $\\mathbf{J}'$ be the Jacobian of the task %(task)s.", task=_task(context, found)))
+    words = _(
+        "$%(matrix)s$ has %(rows)s rows and %(columns)s columns. Singular are the configurations in which its rank is "
+        "less than usual.",
+        matrix=matrix,
+        rows=found.shape[0],
+        columns=found.shape[1],
+    )
+    if found.rank is not None:
+        rank = _("Its rank is %(rank)s, and less only where all its minors of this size are zero.", rank=found.rank)
+        words += " " + rank
+    if found.square:
+        square = found.square.replace("*", "\\,").replace("J", matrix)
+        words += " " + _("That is where $%(condition)s$.", condition=f"\\det({square}) = 0")
+    yield Paragraph(words)
+    if found.families:
+        yield Paragraph(_("Rank is lost where all equations of a line hold."), is_answer=True)
+        yield _SingularFormulas(context, found).conditions()
+    conditions = ", ".join(f"{context.printer.latex(e)} \\ne 0" for e in found.unless)
+    if not found.complete and found.families:
+        closing = _("There may be other such configurations, of which no closed form was found.")
+    elif not found.complete:
+        closing = _("No closed form of this condition was found.")
+    elif found.families:
+        limited = _("Nowhere else is rank lost, as long as $%(conditions)s$.", conditions=conditions)
+        closing = limited if conditions else _("Nowhere else is rank lost.")
+    else:
+        limited = _("The rank is never less, as long as $%(conditions)s$.", conditions=conditions)
+        closing = limited if conditions else _("The rank is never less.")
+    yield Paragraph(closing, is_answer=True)
+
+
 def _matrices(context: Context, found: Singularities) -> Iterator[Block]:
     """The blocks; J_11 and J_22, J, or J', with the frame of the axes above."""
     _ = context.text
-    n, blocks = context.robot.n, found.blocks
-    if n == 6 and any(block.reference.frame is not None for block in blocks):
+    blocks = found.blocks
+    if not found.task and any(block.reference.frame is not None for block in blocks):
         yield Paragraph(_("The upper index is the frame in whose axes a block is written."))
     for k, block in enumerate(blocks):
         frame = EMPTY if block.reference.frame is None else italic(str(block.reference.frame))
         if len(blocks) > 1:
             name = script(bold("J"), italic(block.name[2:]), frame)
         else:
-            name = script(bold("J"), sup=frame) if n == 6 else _symbol(context, found)
-        namer = partial(context.symbols.entry, "J'" if len(block.rows) < 6 and len(blocks) == 1 else "J")
+            name = _symbol(found) if found.task else script(bold("J"), sup=frame)
+        namer = partial(context.symbols.entry, "J'" if found.task else "J")
         quantity = of_matrix(block.matrix)
         group = Group.SINGULARITY_BLOCKS + k
         yield formula(context, context.layouter.lay_out(name, namer, quantity, group=group))
 
 
-def _symbol(context: Context, found: Singularities) -> Box:
-    """The matrix whose determinant is printed: J, or J' for a block of it."""
-    return bold("J") if context.robot.n == 6 or len(found.blocks) > 1 else Box("\\mathbf{J}'", 14.0)
+def _symbol(found: Singularities) -> Box:
+    """The matrix whose determinant is printed: J, or J' for a task."""
+    return Box("\\mathbf{J}'", 14.0) if found.task else bold("J")
 
 
 class _SingularFormulas:
@@ -177,7 +200,7 @@ class _SingularFormulas:
 
     def determinant(self) -> Formula:
         """The determinant in factors, those that are too long by their numbers of terms."""
-        left = concatenate(_DETERMINANT, _symbol(self.context, self.found))
+        left = concatenate(_DETERMINANT, _symbol(self.found))
         if not self._long:
             value = self.found.determinant
             terms = sum(expanded_terms(f.expression) for f in self.found.factors) or int(value not in (None, 0))
@@ -200,39 +223,45 @@ class _SingularFormulas:
         return Formula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)))
 
     def conditions(self) -> Formula:
-        """Where each factor that moves with the arm is zero."""
-        moving = [f for f in self.found.factors if f.condition is not None]
-        lines = [line for f in moving for line in break_lines(EMPTY, list(self._zero(f)))]
-        present = [f.condition.posture for f in moving if f.condition is not None]
+        """Where each factor that moves with the arm is zero, or all factors of a line."""
+        lines = [line for family in self.found.families for line in break_lines(EMPTY, list(self._zeros(family)))]
+        present = [condition.posture for family in self.found.families for condition in family]
         note = " ".join(meaning for posture, (_word, meaning) in self._words.items() if posture in present)
-        symbol = _symbol(self.context, self.found).tex
+        symbol = _symbol(self.found).tex
         task = self.context.text("In which configurations does $%(matrix)s$ lose rank?", matrix=symbol)
         return Formula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
 
-    def _zero(self, factor: SingularFactor) -> Iterator[Piece]:
+    def _zeros(self, family: Sequence[Condition]) -> Iterator[Piece]:
+        for k, condition in enumerate(family):
+            if k:
+                yield Piece(Box(",\\quad ", 14.0), Break.COMMA)
+            yield from self._zero(condition)
+
+    def _zero(self, condition: Condition) -> Iterator[Piece]:
         """``s_5 = 0 <=> q_5 = 0 or pi (wrist)``."""
-        expression, condition = self._short(factor), factor.condition
-        yield from self._printer.pieces(expression)
-        yield _IS_ZERO
-        if condition is None:
-            return
-        if condition.values and expression != condition.variable:
-            yield _IF_AND_ONLY_IF
+        values, text = condition.values, self.context.text
+        if not condition.is_solution:
+            yield from self._printer.pieces(self._short(condition))
+            yield _IS_ZERO
+        if values and condition.expression != condition.variable:
+            if not condition.is_solution:
+                yield _IF_AND_ONLY_IF
             yield from self._printer.pieces(condition.variable)
             yield Piece(EQUALS)
-            values = condition.values
             if len(values) == 2 and values[0] == -values[1]:
                 yield Piece(Box("\\pm ", 8.0))
                 values = values[1:]
             for index, value in enumerate(values):
                 if index:
-                    word = self.context.text("or")
+                    word = text("or")
                     yield Piece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
                 yield from self._printer.angle(value)
-        if condition.posture in self._words:
-            word, _meaning = self._words[condition.posture]
+        real = [] if condition.is_certain else [text("where it has real solutions")]
+        posture = [self._words[condition.posture][0]] if condition.posture in self._words else []
+        for word in posture + real:
             yield Piece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
 
-    def _short(self, factor: SingularFactor) -> Expr:
+    def _short(self, factor: SingularFactor | Condition) -> Expr:
         """The factor, or its symbol."""
-        return next((symbol for symbol, long in self._long.items() if long is factor), factor.expression)
+        same = (symbol for symbol, long in self._long.items() if long.expression == factor.expression)
+        return next(same, factor.expression)

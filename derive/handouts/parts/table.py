@@ -18,6 +18,7 @@ from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot.description import IDENTITY, Link
 from derive.robot.expression import ZERO
 from derive.robot.names import free_symbols
+from derive.robot.units import joint_in_file_units
 from derive.targets.escape import latex_text
 
 BASE = Box("\\mathbf{T}_{\\mathrm{base}}", 30.0)
@@ -53,14 +54,7 @@ def dh_table(context: Context) -> Iterator[Block]:
         kind = _("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
     else:
         kind = _("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
-    if context.robot.units.degrees:
-        units = _(
-            "Angles with a degree sign are in degrees; all other quantities are in SI units, lengths in metres and "
-            "angles in radians."
-        )
-    else:
-        units = _("Angles are in radians, lengths in metres, all other quantities in SI units.")
-    yield Paragraph(f"{kind} {units}")
+    yield Paragraph(f"{kind} {_units(context)}")
     yield table_rows(context)
     frames = end_lines(context)
     if frames:
@@ -72,6 +66,24 @@ def dh_table(context: Context) -> Iterator[Block]:
             )
         )
         yield Rows(tuple(frames))
+
+
+def _units(context: Context) -> str:
+    """In which units the numbers of the tables are."""
+    _, units = context.text, context.robot.units
+    with_degrees = _("Angles with a degree sign are in degrees, all others in radians.")
+    angles = with_degrees if units.degrees else _("Angles are in radians.")
+    if units.millimetres and units.parameters:
+        return f"{angles} {_('Lengths in these tables are in millimetres, all other quantities in SI units.')}"
+    if units.millimetres:
+        lengths = _("Numbers of lengths in these tables are in millimetres; symbols and all else in SI units.")
+        return f"{angles} {lengths}"
+    if units.degrees:
+        return _(
+            "Angles with a degree sign are in degrees; all other quantities are in SI units, lengths in metres and "
+            "angles in radians."
+        )
+    return _("Angles are in radians, lengths in metres, all other quantities in SI units.")
 
 
 def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]:
@@ -88,7 +100,11 @@ def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]
     lines: list[str] = []
     for symbol, frame in ((base, context.robot.base), (tool, context.robot.tool)):
         if frame != IDENTITY:
-            rows = [[context.data.value(cell) for cell in row] for row in frame]
+            data = context.data
+            rows = [
+                [*map(data.value, row[:3]), (data.length if i < 3 else data.value)(row[3])]
+                for i, row in enumerate(frame)
+            ]
             lines += matrix_lines(symbol, rows, entry_namer(symbol))
     return lines
 
@@ -108,9 +124,10 @@ def table_rows(context: Context) -> Block:
     data, rows = context.data, []
     for joint in joints:
         variable = joint.sign * sympy.Symbol(joint.variable)
-        theta, d = expression_to_sympy(joint.theta), expression_to_sympy(joint.d)
+        length = joint_in_file_units(joint, context.robot.units).d
+        theta, d = expression_to_sympy(joint.theta), expression_to_sympy(length)
         theta, d = (theta + variable, d) if joint.is_revolute else (theta, d + variable)
-        moving, fixed = [data.angle(theta), data.value(d)], [data.value(joint.a), data.angle(joint.alpha)]
+        moving, fixed = [data.angle(theta), data.value(d)], [data.length(joint.a), data.angle(joint.alpha)]
         row = moving + fixed if context.is_standard else fixed[::-1] + moving
         rows.append([*row, data.limits(joint)] if has_limits else row)
     boxes = [[joined(cell) for cell in row] for row in rows]
@@ -154,7 +171,9 @@ def parameters(context: Context) -> Iterator[Block]:
     """
     _ = context.text
     data, glyph = context.data, context.data.notation.glyph
-    numbers = equation_lines(Equation(glyph(name).box, data.value(cell)) for name, cell in context.robot.parameters)
+    numbers = equation_lines(
+        Equation(glyph(name).box, data.symbol(name, cell)) for name, cell in context.robot.parameters
+    )
     if numbers:
         yield Paragraph(_("Numbers given in the robot file:"))
         yield Rows(tuple(numbers))
@@ -187,7 +206,7 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
     com: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]
-    parts = [context.data.value(cell) for cell in link.com]
+    parts = [context.data.length(cell) for cell in link.com]
     separator = Piece(list_separator(chain(*parts)))
     for index, part in enumerate(parts):
         if index:  # behind a comma a line may be broken

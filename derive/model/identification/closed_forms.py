@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, cached_property
+from typing import TYPE_CHECKING
 
 import sympy
 
@@ -19,11 +20,11 @@ from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import with_unit_rotors
 from derive.model.dynamic_form import times_rate
-from derive.model.identification.base_parameters import BaseSet, base_set
-from derive.model.identification.parameter_values import grouped_values, standard_values
-from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.model.kinematic_model import KinematicModel
 from derive.robot.inertial_parameters import Parameter, standard_parameters
+
+if TYPE_CHECKING:  # what identifies imports NumPy, which nothing else of a model in closed form needs
+    from derive.model.identification.base_parameters import BaseSet
 
 
 class IdentifiedModel(KinematicModel):
@@ -47,6 +48,8 @@ class IdentifiedModel(KinematicModel):
     def base_set(self) -> BaseSet:
         """Which the base parameters are, and the relations behind them."""
         self._require_links("regressor")
+        from derive.model.identification.base_parameters import base_set
+
         return base_set(self.robot)
 
     @property
@@ -66,6 +69,8 @@ class IdentifiedModel(KinematicModel):
         Of each link mass, first moments and inertia about the origin of its DH frame, ten whether the file gives them
         or not; of its joint rotor mass and inertia, armature and friction where the file gives them.
         """
+        from derive.model.identification.parameter_values import standard_values
+
         values = standard_values(self.robot, self.standard_set, self.domain)
         return sympy.ImmutableMatrix([self.form.dynamic(value) for value in values])
 
@@ -77,6 +82,8 @@ class IdentifiedModel(KinematicModel):
         frame i before its a_i and alpha_i in the standard one. How the set is found and proven is in
         `derive.model.identification.base_parameters` (Gautier and Khalil 1990; Khalil and Dombre, ch. 9).
         """
+        from derive.model.identification.parameter_values import grouped_values
+
         base = self.base_set
         values = grouped_values(self.robot, base, self.domain)
         moved: dict[Parameter, dict[Expr, Polynomial]] = {parameter: {} for parameter in base.parameters}
@@ -107,6 +114,8 @@ class IdentifiedModel(KinematicModel):
     def _regressor(self, parameters: Sequence[Parameter], ends: bool) -> Matrix:
         """``ends``: the links' parameters are those in DH frames, else in joint frames."""
         n, columns = range(self.n), []
+        from derive.model.identification.unit_dynamics import UnitDynamics
+
         units = UnitDynamics(build_chain(with_unit_rotors(self.robot), self.domain), ends=ends)
         for parameter in parameters:
             if parameter.part in ("b", "f"):

@@ -25,7 +25,8 @@ from derive.model.inverse.in_numbers import Numbers, array_value
 from derive.model.inverse.nonsingular_path import CLEAR, Crossing, Roadmap, ScaledDeterminant, random_configurations
 from derive.model.inverse.numeric_chain import Array, NumericChain
 from derive.model.inverse.solutions import InverseKinematics
-from derive.model.singularities.determinant import Condition, Outcome, Singularities
+from derive.model.singularities.conditions import Condition
+from derive.model.singularities.singularities import Outcome, Singularities
 
 POSES = 200
 """Random poses whose solutions are looked at: few have more than two in an arm that is hardly cuspidal."""
@@ -75,6 +76,7 @@ class Aspects:
         crossing: A path between two solutions of one pose; None where none was found.
         signs: The signs of the factors in each solution of `inverse` in closed form, where they are always the same.
         values: Numbers of the parameters with which the arm was looked at.
+        task: Whose determinant is det J; empty for all of J.
     """
 
     inverse: InverseKinematics
@@ -86,6 +88,7 @@ class Aspects:
     crossing: Crossing | None = None
     signs: tuple[tuple[int, ...] | None, ...] = ()
     values: Mapping[str, float] = field(default_factory=dict)
+    task: tuple[str, ...] = ()
 
     @property
     def count(self) -> int | None:
@@ -110,12 +113,12 @@ def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Ma
     if inverse.graph.given:
         return Aspects(inverse, why_not="the arm has more joints than the task needs")
     chain = NumericChain.of(inverse.robot, values)
-    determinant = ScaledDeterminant(chain)
-    if determinant.basis is None:
-        return Aspects(inverse, why_not="no determinant decides the rank of J")
     if singular.outcome is Outcome.NEVER:
         return Aspects(inverse, why_not="the arm is never singular, all configurations are one aspect")
-    look = _Look(inverse, chain, determinant, singular, values)
+    determinant = ScaledDeterminant(chain)
+    look = None if determinant.basis is None else _Look(inverse, chain, determinant, singular, values)
+    if look is None or (not look.is_same and singular.outcome is not Outcome.UNSOLVED):
+        return Aspects(inverse, why_not="no determinant decides the rank of J")
     poses = list(look.poses())
     pairs = [list(look.pairs(q)) for q in poses]
     tried = [pair for near in pairs for pair in near][:PAIRS]
@@ -123,7 +126,7 @@ def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Ma
     shared = sum(1 for near in pairs if near)
     signs = tuple(look.signs_of_branches())
     counts, groups = tuple(map(len, poses)), tuple(look.groups())
-    return Aspects(inverse, look.conditions, groups, "", counts, shared, crossing, signs, values)
+    return Aspects(inverse, look.conditions, groups, "", counts, shared, crossing, signs, values, singular.task)
 
 
 class _Look:
@@ -137,6 +140,7 @@ class _Look:
         values: Numbers of all parameters.
 
     Attributes:
+        is_same: Whether det J in numbers is the product of the factors.
         conditions: The factors by whose signs aspects are told apart; none where det J itself is taken.
     """
 
@@ -156,8 +160,8 @@ class _Look:
         for factor in singular.factors:
             product = product * self._number(factor.expression, sample) ** factor.exponent
         ratio = determinant(sample) / product
-        is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
-        self.conditions = singular.conditions if is_same else ()
+        self.is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
+        self.conditions = singular.conditions if self.is_same else ()
         moving = [tuple(j - 1 for j in condition.joints) for condition in self.conditions]
         self._joints = moving or [self._moving(sample)]
         self._roads: dict[tuple[int, ...], Roadmap] = {}

@@ -8,7 +8,7 @@ exceeds the number of solutions), and of candidates that coincide one is kept.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -17,12 +17,11 @@ import numpy.typing as npt
 
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import SolutionGraph
-from derive.model.inverse.numeric import Status, fit, polish, solve
+from derive.model.inverse.numeric import Status, fit, follow, polish, solve
 from derive.model.inverse.numeric_chain import Array, Entries, NumericChain, Problem
 from derive.model.inverse.rigid_motion import BESIDE, beside
 from derive.model.inverse.walk import Run
 from derive.robot.evaluate import parameter_values
-from derive.robot.inverse_options import FREEDOMS
 from derive.robot.robot import Robot
 from derive.robot.solution_policy import POLICY
 
@@ -86,7 +85,11 @@ class InverseSolver:
         return cls(graph, NumericChain.of(robot, parameters), FloatField(numbers), entries)
 
     def solve(
-        self, poses: npt.ArrayLike, given: npt.ArrayLike | None = None, near: Sequence[float] | None = None
+        self,
+        poses: npt.ArrayLike,
+        given: npt.ArrayLike | None = None,
+        near: Sequence[float] | None = None,
+        tolerance: float = POLICY.orthogonal,
     ) -> Branches:
         """All solutions of poses.
 
@@ -94,6 +97,7 @@ class InverseSolver:
             poses: (..., 4, 4).
             given: (..., k) variables of the given joints, in their order.
             near: (n,) what joints take that a singular pose leaves free; zero unless given.
+            tolerance: Most by which R^T R of a pose may differ from 1; beyond rounding the nearest rotation is taken.
 
         Returns:
             (..., branches, n) and their status; angles in (-pi, pi].
@@ -102,7 +106,7 @@ class InverseSolver:
             ValueError: Poses, given joints or configurations have another shape, are not finite, or poses are none.
             TypeError: They are no real numbers.
         """
-        goal = self._poses(poses)
+        goal = self._poses(poses, tolerance)
         batch, count = goal.shape[:-2], len(self.graph.given)
         values = _real_numbers("given", np.zeros((*batch, 0)) if given is None else given)
         if values.shape[-1:] != (count,) or not np.isfinite(values).all():
@@ -118,7 +122,7 @@ class InverseSolver:
         shape = (*batch, found.q.shape[1])
         return Branches(found.q.reshape(*shape, self.chain.n), found.status.reshape(shape))
 
-    def _poses(self, poses: npt.ArrayLike) -> Array:
+    def _poses(self, poses: npt.ArrayLike, tolerance: float) -> Array:
         """The goals, if that is what they are."""
         goal = _real_numbers("a pose", poses)
         if goal.shape[-2:] != (4, 4):
@@ -132,10 +136,15 @@ class InverseSolver:
         turn = goal[..., :3, :3]
         away = np.abs(np.swapaxes(turn, -1, -2) @ turn - np.eye(3)).max(initial=0.0)
         turns = any(j < 3 for _, j in self.entries)
-        if turns and away > POLICY.orthogonal:
-            raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}")
+        if turns and away > tolerance:
+            remedy = "; give it more digits, or a tolerance= with which the nearest rotation is taken"
+            raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}{remedy}")
         if turns and (np.linalg.det(turn) < 0).any():
             raise ValueError("not a pose: its rotation is a reflection")
+        if turns and away > POLICY.orthogonal:
+            left, _, right = np.linalg.svd(turn)
+            goal = goal.copy()
+            goal[..., :3, :3] = left @ right  # of all rotations the nearest in the sum of squares
         return goal
 
     @property
@@ -163,8 +172,9 @@ class InverseSolver:
             free[stuck] = still
         unsure = np.flatnonzero((suspect & ((status == Status.NONE) | (status == Status.SINGULAR))).any(axis=1))
         if unsure.size:
-            for place, branch, found, alone in self._from_beside(poses[unsure], given[unsure]):
-                self._add(poses, q, status, unsure[place], branch, found, alone)
+            self._add_from(poses, q, status, unsure, self._beside(poses[unsure], given[unsure]))
+            unsure = unsure[self.graph.is_short | (status[unsure] == Status.NONE).all(axis=1)]
+            self._add_from(poses, q, status, unsure, self._spread(poses[unsure], given[unsure]))
         return Branches(np.where((status == Status.NONE)[..., None], np.nan, self._folded(q)), status)
 
     def _leaves(
@@ -186,6 +196,8 @@ class InverseSolver:
             q = np.stack([zero + value for value in run.angles(leaf)], axis=-1)
             statuses.append(np.where(np.isfinite(q).all(axis=-1), np.where(exists, status, -status), Status.NONE))
             candidates.append(np.where(np.isfinite(q), q, 0.0))
+        for table, empty in ((candidates, np.zeros_like(candidates[0])), (statuses, zero), (doubts, no), (frees, no)):
+            table += [empty] * self.graph.spare
         found = (np.stack(each, axis=1) for each in (candidates, statuses, doubts, frees))
         q, status, doubt, freedom = found
         return q, status.astype(np.int8), doubt, freedom
@@ -213,7 +225,7 @@ class InverseSolver:
         settled[pose, row] |= free[pose, row] & (residual <= POLICY.rounding)
         lost = np.flatnonzero(~solved[pose] | (doubt[pose, row] & (residual > REPRODUCED)))
         part = Problem(self.chain, poses[pose[lost]], self.entries, self._free)
-        refined[lost], residual[lost] = fit(part, q[pose[lost], row[lost]], RESCUED)
+        refined[lost], residual[lost] = follow(part, *fit(part, q[pose[lost], row[lost]], RESCUED))
         status[pose[lost], row[lost]] = Status.SINGULAR
         rescued = np.zeros_like(free)
         rescued[pose[lost], row[lost]] = True
@@ -221,25 +233,29 @@ class InverseSolver:
         status[pose, row] = np.where(residual <= REPRODUCED, np.abs(status[pose, row]), Status.NONE)
         return q, self._once(poses, q, status, rescued, free, settled)
 
-    def _from_beside(self, poses: Array, given: Array) -> Iterator[tuple[int, int, Array, bool]]:
-        """Solutions by those of poses a little beside, at which nothing is special.
+    def _beside(self, poses: Array, given: Array) -> Array:
+        """(poses, k, n) the leaves of poses a little beside, at which nothing is special."""
+        unit = Problem(self.chain, poses).unit
+        found = [self._leaves(beside(poses, k, unit), given, None)[0] for k in range(len(BESIDE))]
+        return np.concatenate(found, axis=1)
 
-        Returns:
-            The number of the pose, that of the branch, the configuration, and whether it is none of a continuum.
-        """
-        goal = Problem(self.chain, poses, self.entries, self._free)
-        tables = [self._leaves(beside(poses, which, goal.unit), given, None)[0] for which in range(len(BESIDE))]
-        if self._free.sum() < sum(FREEDOMS.get(row, 1) for row in self.graph.task):
-            spread = starts(self.chain.n) * np.where(self.chain.revolute, math.pi, goal.unit[:, None])[:, None]
-            tables.append(np.where(self._free, spread, tables[0][:, :1]))
-        q = np.concatenate(tables, axis=1)
-        place, branch = (each.ravel() for each in np.indices(q.shape[:2]))
-        part = Problem(self.chain, poses[place], self.entries, self._free)
-        found, residual = fit(part, q.reshape(-1, self.chain.n), NEIGHBOURS)
+    def _spread(self, poses: Array, given: Array) -> Array:
+        """(poses, k, n) configurations that fill the joint space evenly, joints that are given where they are."""
+        spread = starts(self.chain.n) * Problem(self.chain, poses).scale[:, None]
+        spread[..., self.chain.revolute] *= math.pi
+        spread[..., ~self._free] = given[:, None]
+        return spread
+
+    def _add_from(self, poses: Array, q: Array, status: Array, rows: Array, starts: Array) -> None:
+        """Add solutions to which damped steps from (rows, k, n) configurations lead."""
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        part = Problem(self.chain, poses[rows[place]], self.entries, self._free)
+        found, residual = follow(part, *fit(part, starts.reshape(-1, self.chain.n), NEIGHBOURS))
         reached = np.flatnonzero(residual <= REPRODUCED)
         slopes = replace(part, poses=part.poses[reached]).errors(found[reached])[1]
         alone = np.linalg.svd(slopes, compute_uv=False)[..., -1] > ALONE
-        return zip(place[reached].tolist(), branch[reached].tolist(), found[reached], alone.tolist(), strict=True)
+        for k, is_alone in zip(reached.tolist(), alone.tolist(), strict=True):
+            self._add(poses, q, status, rows[place[k]], branch[k], found[k], is_alone)
 
     def _add(self, poses: Array, q: Array, status: Array, row: int, branch: int, found: Array, alone: bool) -> None:
         """Add a solution that is not listed, in the place of its branch where that is none.

@@ -47,13 +47,15 @@ def candidates(problem: EigenProblem, pose: Array, real: float = POLICY.real) ->
     values, vectors, turn, singular = problem.eigen(pose)
     loop, hidden = problem.loop, problem.elimination.hidden
     size = 1.0 + np.abs(values) ** 2
-    near = (np.abs(values.imag) <= real * size) & np.isfinite(values)
+    hides = problem.position(turn[:, None], values.real)
+    near = (np.abs(values.imag) <= real * size) & (loop.revolute[hidden] | (np.abs(hides) < POLICY.far))
+    near &= np.isfinite(values)
     place, which = np.nonzero(near)
     line = np.sort(np.where(near, np.arctan(values.real), np.nan), axis=1)
     doubtful: Array = singular | np.any(np.diff(line, axis=1) < POLICY.shared, axis=1)
     joints = np.full((len(place), loop.n), np.nan)
-    t, v = values[place, which].real, vectors[place, :, which]
-    joints[:, hidden] = turn[place] + 2.0 * np.arctan(t) if loop.revolute[hidden] else t
+    v = vectors[place, :, which]
+    joints[:, hidden] = hides[place, which]
     largest = np.take_along_axis(v, np.abs(v).argmax(axis=1)[:, None], axis=1)
     v = (v / np.where(largest == 0, 1.0, largest)).real.reshape(len(v), *problem.shape)
     for axis, joint in enumerate(problem.others):

@@ -21,7 +21,7 @@ from derive.model.inverse.elementary import Sign
 from derive.model.inverse.in_numbers import Numbers, parameter_numbers
 from derive.model.inverse.solutions import InverseKinematics
 from derive.model.point import DIGITS, value_of
-from derive.model.singularities.determinant import SingularFactor
+from derive.model.singularities.singularities import SingularFactor
 
 LOOKED_AT = 3
 """Zeros of a factor that are looked at."""

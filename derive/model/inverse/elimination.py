@@ -12,7 +12,8 @@ rank, because a rotation moves few combinations of the fifteen numbers by z: row
 after multiplication with 1 + i t, and the factors 1 + t^2 of the determinant, which are no solutions, are gone before
 the eigenvalues are computed: sixteen of them for a general arm, not twenty-four.
 
-Angles are counted from a turn of the hidden joint at which M is far from singular, so that t = infinity is no solution.
+Angles are counted from a turn of the hidden joint at which M is far from singular, so that t = infinity is no solution;
+likewise the lengths of a slide, of which M is singular at infinity in some arms.
 An elimination is used only where M is regular at generic poses: then every solution is among the eigenvalues.
 """
 
@@ -51,11 +52,12 @@ class EliminationPolicy:
         real: Imaginary part of tan(theta/2), relative to 1 + |t|^2, up to which a candidate is tried.
         residual: Largest error of an entry of a solution's pose, lengths relative to the reach.
         apart: Solutions closer than this are one.
-        turns: Turns of the hidden joint that are tried as the place of t = infinity.
+        turns: Places of the hidden joint that are tried as that of t = infinity.
         steps: Most Newton steps of a candidate.
         trials: Poses at which eliminations are compared.
         options: Eliminations that are compared, those with the fewest eigenvalues.
         shared: Angles tan^-1 t closer than this are one eigenvalue, as where solutions share the hidden joint.
+        regular: Entries of that inverse up to which the lengths of a slide are taken as they are.
         singular: Entries of the inverse of the leading rows from which on M is singular for every t.
         far: Slides beyond this many reaches are no solutions but rounding of infinite ones.
         approach: Most steps from poor candidates at poses with infinitely many solutions.
@@ -73,6 +75,7 @@ class EliminationPolicy:
     trials: int = 24
     options: int = 24
     shared: float = 1e-5
+    regular: float = 1e3
     singular: float = 1e8
     far: float = 1e3
     approach: int = 60
@@ -190,21 +193,25 @@ class Equations:
         rest = left_null(_adjoint(taken), m - taken.shape[-2])
         return cls(reduction, left, constant, free, rest)
 
-    def rows(self, forms: Array, turn: Array | None) -> tuple[Array, Array, Array]:
+    def rows(self, forms: Array, turn: Array, turns: bool) -> tuple[Array, Array, Array]:
         """Coefficients of t^0, t^1 and t^2 of the rows of degree 0, 1 and 2.
 
         Args:
             forms: (poses, equations, 3, products), the second last axis for the hidden joint.
-            turn: (poses,) where the angle of the hidden joint is counted from; None for a slide.
+            turn: (poses,) where the hidden joint is counted from, as `EigenProblem.position` has it.
+            turns: Whether the hidden joint turns.
 
         Returns:
             (poses, rows of the degree, degree + 1, products) for each degree.
         """
         fixed, one, two = forms[:, :, 0], forms[:, :, 1], forms[:, :, 2]
-        if turn is None:
-            zero = self.constant @ fixed
-            first = np.stack([self.linear @ fixed, self.linear @ one], axis=2)
-            return zero[:, :, None], first, np.stack([self.rest @ part for part in (fixed, one, two)], axis=2)
+        if not turns:  # d = (s + c t)/(c - s t)
+            c, s = np.cos(0.5 * turn)[:, None, None], np.sin(0.5 * turn)[:, None, None]
+            first = np.stack([self.linear @ part for part in (c * fixed + s * one, c * one - s * fixed)], axis=2)
+            middle = 2.0 * c * s * (two - fixed) + (c * c - s * s) * one
+            ends = c * c * fixed + c * s * one + s * s * two, s * s * fixed - c * s * one + c * c * two
+            second = np.stack([self.rest @ part for part in (ends[0], middle, ends[1])], axis=2)
+            return (self.constant @ fixed)[:, :, None], first, second
         c, s = np.cos(turn)[:, None, None], np.sin(turn)[:, None, None]
         one, two = one * c + two * s, two * c - one * s
         still, turned = self.linear @ fixed, self.linear @ one
@@ -252,17 +259,18 @@ class EigenProblem:
         unit = np.eye(FEATURES)
         return replace(problem, tables=tuple(problem._of_features(each, unit) for each in equations))
 
-    def matrices(self, forms: Sequence[Array], turn: Array | None) -> tuple[Array, Array, Array]:
+    def matrices(self, forms: Sequence[Array], turn: Array) -> tuple[Array, Array, Array]:
         """The rows of M by degree, each as coefficients of powers of t.
 
         Args:
             forms: For each way around the loop the result of `forms`.
-            turn: (poses,) where the angle of the hidden joint is counted from; None for a slide.
+            turn: (poses,) where the hidden joint is counted from, as `position` has it.
 
         Returns:
             (poses, rows of the degree, degree + 1, columns) for each degree.
         """
-        parts = [each.rows(form, turn) for each, form in zip(self.equations, forms, strict=True)]
+        turns = self.loop.revolute[self.elimination.hidden]
+        parts = [each.rows(form, turn, turns) for each, form in zip(self.equations, forms, strict=True)]
         joined = [np.concatenate([part[degree] for part in parts], axis=1) for degree in range(3)]
         return tuple(
             np.einsum("kr,nrpx->nkpx", mixer, self.multiplied(rows))
@@ -299,6 +307,16 @@ class EigenProblem:
     def shape(self) -> tuple[int, ...]:
         """How many entries of v belong to each of the other joints."""
         return tuple(self.powers(joint) + (joint == self.elimination.multiplied) for joint in self.others)
+
+    def position(self, turn: Array, t: Array) -> Array:
+        """The hidden joint: its angle is turn + 2 atan t, its length tan(turn/2 + atan t), so that none is at infinity.
+
+        Args:
+            turn: Where it is counted from.
+            t: The eigenvalue.
+        """
+        half = 0.5 * turn + np.arctan(t)
+        return 2.0 * half if self.loop.revolute[self.elimination.hidden] else np.tan(half)
 
     def powers(self, joint: int) -> int:
         """How many of 1, c, s or 1, d, d^2 occur in the equations.
@@ -340,13 +358,14 @@ class EigenProblem:
         forms, count = self.forms(pose), len(pose)
         turns = self.loop.revolute[self.elimination.hidden]
         best: list[Array] = []
-        for k in range(POLICY.turns if turns else 1):
-            turn = np.full(count, 0.3 + 2.0 * math.pi * k / POLICY.turns)
-            rows = self.matrices(forms, turn if turns else None)
+        for k in range(POLICY.turns):
+            if k and not turns and (best[0] < POLICY.regular).all():
+                break
+            turn = np.full(count, 0.3 * turns + 2.0 * math.pi * k / POLICY.turns)
+            rows = self.matrices(forms, turn)
             rows = tuple(part / _norm(part) for part in rows)  # type: ignore[assignment]
             leading = np.concatenate([part[:, :, -1] for part in rows], axis=1)
-            inverse = _inverse(leading)
-            size = np.abs(inverse).max(axis=(1, 2))
+            inverse, size = _inverse(leading)
             if not best:
                 best = [size, turn, inverse, *rows]
                 continue
@@ -373,11 +392,16 @@ def _companion(first: Array, second: Array, inverse: Array) -> Array:
     return result
 
 
-def _inverse(matrices: Array) -> Array:
+def _inverse(matrices: Array) -> tuple[Array, Array]:
+    """The inverses, and the size of their entries: infinite for a pseudoinverse, where a matrix has no inverse."""
     try:
-        return np.linalg.inv(matrices)
+        inverse: Array = np.linalg.inv(matrices)
     except np.linalg.LinAlgError:
-        return np.linalg.pinv(matrices)
+        regular: Array = np.linalg.slogdet(matrices)[0] != 0.0
+        inverse = np.linalg.pinv(matrices)
+        inverse[regular] = np.linalg.inv(matrices[regular])
+        return inverse, np.where(regular, np.abs(inverse).max(axis=(1, 2)), np.inf)
+    return inverse, np.abs(inverse).max(axis=(1, 2))
 
 
 def _norm(rows: Array) -> Array:

@@ -34,6 +34,9 @@ _SHARES = (0.97, 0.4)
 _INEXACT = (1e-6, 1e-3)
 """Errors of candidates above which others are better; far from usual ones, so that no processor's rounding decides."""
 
+_FOUND = 1e-3
+"""Without units: so near is a configuration that was found, however close to a singular one."""
+
 
 def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
     """Every way to make a regular eigenvalue problem of a loop.
@@ -112,7 +115,7 @@ def _rows(loop: Loop, pose: Array, elimination: Elimination) -> tuple[int, int, 
     hidden, factor = elimination.hidden, 1 if elimination.multiplied is None else 2
     zero, one, two = (factor * count for count in elimination.available(loop))
     trial = EigenProblem.of(loop, replace(elimination, rows=(zero, one, two)))
-    turn = np.array([0.37]) if loop.revolute[hidden] else None
+    turn = np.array([0.37 * loop.revolute[hidden]])
     columns = math.prod(trial.shape)
     kept: list[int] = []
     stacked = np.zeros((0, columns))
@@ -158,7 +161,16 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
     best: dict[tuple[int, int], Elimination] = {}
     for _, _, option in _ranked(results):
         best.setdefault((option.start, option.hidden), option)
-    return tuple(best.values())
+    solution = GeneralSolution(tuple(given), entries, tuple(best.values()))
+    return solution.eliminations if best and _finds_all(solution, chain, q, poses, values) else ()
+
+
+def _finds_all(solution: GeneralSolution, chain: NumericChain, q: Array, poses: Array, values: Array | None) -> bool:
+    """Whether the configurations that poses were made of are among their solutions."""
+    with np.errstate(all="ignore"):
+        apart = np.abs(solution.solve(chain, poses, values) - q[:, None])
+    apart = np.where(chain.revolute, np.abs((apart + math.pi) % (2.0 * math.pi) - math.pi), apart / chain.reach)
+    return bool((np.nan_to_num(apart.max(axis=-1), nan=np.inf).min(axis=1, initial=np.inf) < _FOUND).all())
 
 
 def _ranked(results: Sequence[Result]) -> list[Result]:

@@ -32,6 +32,9 @@ PAIR = 2
 FULL = {POSE: 6, POSITION: 3}
 """With as many joints as a task has dimensions the number of real solutions is even at regular poses."""
 
+SPECIAL = 4
+"""Solutions that special poses of arms with few joints have (`derive.model.inverse.graph.SPECIAL`)."""
+
 
 @dataclass(frozen=True, eq=False)
 class GeneralSolution:
@@ -51,7 +54,9 @@ class GeneralSolution:
 
     @property
     def branches(self) -> int:
-        """The largest number of solutions that a regular pose can have."""
+        """The largest number of solutions that a regular pose can have, with room for those of special ones."""
+        if self.count and self.entries == POSE and self.eliminations[0].finish.joints < FULL[POSE]:
+            return max(self.count, SPECIAL)
         return self.count or 2 * self.eliminations[0].eigenvalues  # two where the joints between are not unique
 
     def solve(self, chain: NumericChain, poses: Array, given: Array | None = None) -> Array:
@@ -136,7 +141,8 @@ class GeneralSolution:
         distinct = _distinct(_table(place[good], q[good], len(poses)), chain, self.given)
         numbers = np.isfinite(distinct[..., 0]).sum(axis=1)
         doubtful |= numbers == 0
-        doubtful[place[~good & (first < POLICY.near)]] = True
+        # where a start was lucky M is inexact, and others may have had no luck
+        doubtful[place[np.where(good, first >= POLICY.rough, first < POLICY.near)]] = True
         if goal.free.sum() == FULL[self.entries]:
             doubtful |= numbers % 2 == 1
         return Attempt(distinct, doubtful, certain, float(np.quantile(first[good], 0.9)) if good.any() else math.inf)

@@ -14,8 +14,11 @@ from derive.algebra.ring import Polynomial
 from derive.model.inverse.nodes import Equation, Formula, Kind, Unknown
 from derive.model.inverse.unknowns import InverseDomain
 from derive.robot.expression import Expression
-from derive.robot.inverse_options import ROWS, Task
+from derive.robot.inverse_options import FREEDOMS, ROWS, Task
 from derive.robot.robot import Robot
+
+SPECIAL = 4
+"""Solutions that stand alone at special poses of arms with few joints, where a generic pose has one or two."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,7 @@ class SolutionGraph:
         conditions: Polynomials of pose (and of nodes) that vanish at every reachable pose, for fewer than six joints.
         count: Number of complex solutions of a generic reachable pose; 0 where it is not known.
         complete: Whether that number is certain.
+        everywhere: Whether it is certain, too, that no pose has more of them that stand alone (`solve.Freedom.fills`).
         why_not: Why there is no closed form; empty where there is one.
         to_end: Whether the last matrix of the equations ends at the end effector, whose orientation is not told.
         from_base: Whether the first one begins in the world, for a task that tells some rows of a turned base.
@@ -80,6 +84,7 @@ class SolutionGraph:
     conditions: tuple[Equation, ...] = ()
     count: int = 0
     complete: bool = False
+    everywhere: bool = False
     why_not: str = ""
     to_end: bool = False
     from_base: bool = False
@@ -112,6 +117,16 @@ class SolutionGraph:
     def slots(self) -> int:
         """The product of the numbers of branches, those included that only formulas for special poses have."""
         return prod(node.branches for node in self.nodes)
+
+    @property
+    def spare(self) -> int:
+        """For how many solutions of special poses there is room beside the branches."""
+        return 0 if self.everywhere or not self.is_short else max(0, SPECIAL - self.slots)
+
+    @property
+    def is_short(self) -> bool:
+        """Whether there are fewer joints than the task has dimensions."""
+        return self.robot.n - len(self.given) < sum(FREEDOMS.get(row, 1) for row in self.task)
 
     @property
     def places(self) -> tuple[tuple[int, int], ...]:

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.model.inverse.numeric_chain import POSE, Array, Entries, NumericChain, Problem
+from derive.robot.solution_policy import POLICY as STALLED
 
 
 class Status(IntEnum):
@@ -151,6 +152,40 @@ def fit(problem: Problem, q: Array, steps: int = POLICY.steps) -> tuple[Array, A
             new_cost[better],
         )
     return q, np.abs(error).max(axis=-1)
+
+
+def follow(problem: Problem, q: Array, residual: Array) -> tuple[Array, Array]:
+    """Where damped steps stall at (starts, n) beside a singular pose: from there along the bottom of a valley."""
+    # Beside a pose with a self-motion the error is small on all of its curve, and zero at single points. A step along
+    # the curve leaves it by the square of its length, which costs more than it gains; steps across, damped so that they
+    # do not go along it, bring it back before the errors are compared.
+    at = np.flatnonzero((residual > POLICY.residual) & (residual < STALLED.stalled))
+    part, x = replace(problem, poses=problem.poses[at]), q[at]
+    damping, refused = np.full(len(at), STALLED.along), np.zeros(len(at), dtype=int)
+    error, slope = part.errors(x)
+    for _ in range(STALLED.valley if at.size else 0):
+        step = _damped_step(error, slope, damping)
+        moved = part.moved(x, step / np.maximum(2.0 * np.abs(step).max(axis=-1, keepdims=True), 1.0))
+        for _ in range(4):
+            moved = part.moved(moved, _damped_step(*part.errors(moved), np.full(len(at), STALLED.across)))
+        new_error, new_slope = part.errors(moved)
+        better = ((new_error**2).sum(axis=-1) < (error**2).sum(axis=-1)) & (refused < 6)
+        x, error = np.where(better[:, None], moved, x), np.where(better[:, None], new_error, error)
+        slope = np.where(better[:, None, None], new_slope, slope)
+        damping, refused = damping * np.where(better, 0.1, 10.0), np.where(better, 0, refused + 1)
+        if (refused >= 6).all() or np.abs(error).max() <= POLICY.converged:
+            break
+    q, residual = q.copy(), residual.copy()
+    q[at], residual[at] = x, np.abs(error).max(axis=-1)
+    return q, residual
+
+
+def _damped_step(error: Array, slope: Array, damping: Array) -> Array:
+    """-(J^T J + damping)^-1 J^T e by singular values, of which no digits are lost."""
+    left, sizes, right = np.linalg.svd(slope, full_matrices=False)
+    along = np.einsum("...ij,...i->...j", left, error) * sizes / (sizes**2 + damping[..., None])
+    step: Array = -np.einsum("...ji,...j->...i", right, along)
+    return step
 
 
 def solve(

@@ -10,22 +10,21 @@ import random
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-import mpmath
 import numpy as np
-import sympy
 
-from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.floats import FloatDomain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.model.inverse.branch_names import Shape, Vector, branch_names, placed
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import SolutionGraph
-from derive.model.inverse.in_numbers import ArrayDomain, Numbers, parameter_numbers
 from derive.model.inverse.walk import Run
-from derive.model.point import value_of
+from derive.robot.description import Joint
+from derive.robot.evaluate import Values, parameter_values, to_float
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
@@ -43,13 +42,13 @@ class Postures:
     Attributes:
         names: What each is called; ``#3`` where words do not tell the third one from others, empty where it is the only
             one or exists at none of the poses.
-        parameters: Numbers of the parameters.
+        parameters: Numbers of the parameters: those of the file, random ones for the others.
         q: (n, poses) the configurations that the poses are made of.
         branches: (n, poses) for each branch, not a number where it does not exist.
     """
 
     names: tuple[str, ...]
-    parameters: Numbers
+    parameters: Values
     q: Vector
     branches: tuple[Vector, ...]
 
@@ -88,7 +87,9 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
         One for each leaf, in order.
     """
     rng = np.random.default_rng(12)
-    known = parameter_numbers(robot, random.Random(12))
+    numbers, known = random.Random(12), parameter_values(robot)
+    for name in robot_symbols(robot):
+        known.setdefault(name, Fraction(numbers.randint(20, 90), 97))
     q = np.stack(
         [rng.uniform(-3, 3, LOOKED_AT) if j.is_revolute else rng.uniform(-1, 1, LOOKED_AT) for j in robot.joints]
     )
@@ -97,8 +98,7 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
         [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
         for row, place in zip(end.rotation, end.position, strict=True)
     ]
-    field = FloatField({str(symbol): float(value) for symbol, value in known.items()})
-    run: Run[Any, Any] = Run(graph, field, rows, [q[k] for k in graph.given])
+    run: Run[Any, Any] = Run(graph, FloatField(known), rows, [q[k] for k in graph.given])
     branches = []
     with np.errstate(all="ignore"):  # where a branch does not exist its numbers are any
         for leaf in run.leaves():
@@ -108,7 +108,7 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
     return Postures(_names(robot, known, q, branches), known, q, tuple(branches))
 
 
-def _names(robot: Robot, known: Numbers, q: Vector, branches: Sequence[Vector]) -> tuple[str, ...]:
+def _names(robot: Robot, known: Values, q: Vector, branches: Sequence[Vector]) -> tuple[str, ...]:
     """Words for the branches where they hold wherever the arm is looked at, else their numbers."""
     names = [""] * len(branches)
     real = [np.isfinite(own).all(axis=0) for own in branches]
@@ -122,17 +122,25 @@ def _names(robot: Robot, known: Numbers, q: Vector, branches: Sequence[Vector]) 
     return tuple(names)
 
 
-def _chain(robot: Robot, known: Numbers, q: Vector) -> Chain[Any]:
+def _chain(robot: Robot, known: Values, q: Vector) -> Chain[Any]:
     """The arm at many configurations."""
     bare = replace(robot, links=(), gravity=None)
-    return build_chain(bare, ArrayDomain(bare, list(q), known))
+    return build_chain(bare, _Arrays(bare, list(q), known))
+
+
+class _Arrays(FloatDomain):
+    """The joint variables are arrays of floats, one entry for each configuration."""
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
+        """Cosines and sines of the angles of a revolute joint."""
+        value = joint.sign * self.q[index] + self.constant(joint.theta)
+        return np.cos(value), np.sin(value)
 
 
 def _up(robot: Robot) -> Vector | None:
     """The direction against gravity, where the robot file has one; a symbol in it counts as positive."""
     if robot.gravity is None:
         return None
-    known = dict.fromkeys(map(sympy.Symbol, robot_symbols(robot)), mpmath.mpf(1))
-    down = [float(value_of(expression_to_sympy(cell), known)) for cell in robot.gravity]
+    down = [to_float(cell, dict.fromkeys(robot_symbols(robot), 1)) for cell in robot.gravity]
     length = float(np.linalg.norm(down))
     return -np.array(down) / length if length else None

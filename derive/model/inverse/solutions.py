@@ -130,16 +130,22 @@ class InverseKinematics:
         graph: The graph of its elementary equations.
         robot: The robot.
         style: How sums are grouped.
+        asked: Task and given joints, where they are not those of the file.
 
     Attributes:
         graph: The graph of its elementary equations.
         robot: The robot.
     """
 
-    def __init__(self, graph: SolutionGraph, robot: Robot, style: Style) -> None:
+    def __init__(self, graph: SolutionGraph, robot: Robot, style: Style, asked: tuple[Any, ...] = ()) -> None:
         self.graph, self.robot = graph, robot
+        self._origin = (robot, style, *asked)
         self._variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
         self._derivation = Derivation(graph, robot, style)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """It is derived again, once in each process: FLINT's polynomials cannot be pickled."""
+        return inverse_kinematics, self._origin
 
     def __repr__(self) -> str:
         return f"<InverseKinematics of {self.robot.name}, {self.count} solutions>"
@@ -223,13 +229,18 @@ class InverseKinematics:
 
     @property
     def count(self) -> int:
-        """The number of solutions of a generic reachable pose, over the complex numbers: no pose has more."""
+        """The number of solutions of a generic reachable pose, over the complex numbers."""
         return self.graph.count
 
     @property
     def complete(self) -> bool:
         """Whether it is certain that no solution is missing."""
         return self.graph.complete
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether it is certain that no pose has more solutions that stand alone."""
+        return self.graph.everywhere
 
     @property
     def conditions(self) -> tuple[PrintedEquation, ...]:
@@ -256,7 +267,7 @@ class InverseKinematics:
             return unnamed
         found = postures(self.robot, self.graph)
         q = dict(zip(self._variables, found.q, strict=True))
-        values = self.values_at({symbol: float(x) for symbol, x in found.parameters.items()}, q, ArrayDomain)
+        values = self.values_at({sympy.Symbol(k): float(x) for k, x in found.parameters.items()}, q, ArrayDomain)
         places = found.places([self._joint_arrays(branch, values, q) for branch in unnamed])
         ordered = sorted(zip(places, unnamed, strict=True), key=lambda pair: pair[0])
         return tuple(replace(branch, name=found.names[k] or f"#{k + 1}") for k, branch in ordered)
@@ -413,4 +424,5 @@ def inverse_kinematics(
         task: The rows of the task; default as the file says.
         given: Indices of the joints that are arguments; default as the file says.
     """
-    return InverseKinematics(solve(robot, task, given), robot, style)
+    asked = () if task is None and given is None else (task, given)
+    return InverseKinematics(solve(robot, task, given), robot, style, asked)

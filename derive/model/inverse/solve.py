@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import lru_cache
 from itertools import combinations
 
@@ -77,7 +78,8 @@ def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> Solutio
     wanted = sum(FREEDOMS.get(row, 1) for row in task)
     for arm in (robot, with_numbers(robot, baked(robot))):
         with suppress(CoincidenceError):
-            return _solved(arm, task, choices, wanted - freedom.rank)
+            graph = _solved(arm, task, choices, wanted - freedom.rank)
+            return replace(graph, everywhere=graph.complete and freedom.fills(graph.given))
     return refusal(robot, task, choices[0], "parameters whose numbers coincide with what no symbol says")
 
 
@@ -147,6 +149,8 @@ class Freedom:
             moved = [v[i - 1] if j == 4 else cross(v[3:], column(rotation, j - 1))[i - 1] for v in columns]
             rows.append([int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in moved])
         self._table, self._prime = np.array(rows, dtype=np.int64), residues.prime
+        self._wanted = sum(FREEDOMS.get(row, 1) for row in task)
+        self._twists = [[int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in v] for v in columns]
         self.rank = self._rank(range(robot.n))
         links = Links(self.robot, residues, lambda k, _: self._motion(chain.joints[k]))
         self._pool = Pool(links, identity_atoms(links, deep=False))
@@ -176,6 +180,42 @@ class Freedom:
             f"with {listed([variables[k] for k in given]) or 'no joint'} given the others are not determined",
             allowed=f"{count} joint{'s' if count > 1 else ''} more to be given of {listed(more)}",
         )
+
+    def fills(self, given: Sequence[int]) -> bool:
+        """Whether no pose has more solutions that stand alone than a generic one, as far as that is proven."""
+        twists = [own for k, own in enumerate(self._twists) if k not in given]
+        return len(twists) == self._wanted or (self._wanted == 6 and self._stand_alone(twists))
+
+    def _stand_alone(self, twists: Sequence[Sequence[int]]) -> bool:
+        """Whether poses of joints with these twists have nowhere more solutions that stand alone."""
+        # So it is where the joints map onto a smooth variety of their own dimension, by Zariski's main theorem
+        # (Hartshorne, Algebraic Geometry, III.11.4): onto a group of motions, whose Lie algebra the twists generate; of
+        # two joints, whose motions are equal at rest alone; and where the first or last joint has one value at each
+        # pose, because none of its motions is one of the group of the others. Where other arms reach, poses may meet.
+        if len(twists) <= 2 or len(self._generated(twists)) == len(twists):
+            return True
+        for one, rest in ((twists[0], twists[1:]), (twists[-1], twists[:-1])):
+            group = self._generated(rest)
+            if len(self._basis([*group, one])) > len(group) and self._stand_alone(rest):
+                return True
+        return False
+
+    def _generated(self, twists: Sequence[Sequence[int]]) -> list[list[int]]:
+        """A basis of the Lie algebra of some twists."""
+        basis, before = self._basis(twists), 0
+        while before < len(basis):
+            before = len(basis)
+            basis = self._basis([*basis, *(self._bracket(a, b) for a, b in combinations(basis, 2))])
+        return basis
+
+    def _basis(self, twists: Sequence[Sequence[int]]) -> list[list[int]]:
+        return list(echelon(np.array(twists, dtype=np.int64), self._prime)[1].tolist())
+
+    def _bracket(self, a: Sequence[int], b: Sequence[int]) -> list[int]:
+        """Of two twists: velocities of a point, then angular velocities."""
+        (va, wa), (vb, wb) = (((x[0], x[1], x[2]), (x[3], x[4], x[5])) for x in (a, b))
+        moved = (x - y for x, y in zip(cross(wa, vb), cross(wb, va), strict=True))
+        return [x % self._prime for x in (*moved, *cross(wa, wb))]
 
     def choices(self) -> Iterator[tuple[int, ...]]:
         """Which joints may be given so that the task determines the others, the usual choice first.

@@ -1,20 +1,25 @@
-"""Which square blocks of J a robot is judged by.
+"""Which matrix an arm is judged by: all of J, or the rows of a task of as many coordinates as it has joints.
+
+A task is that of the robot file; else the one that is natural for the arm: the coordinates in which it moves if these
+are as many as its joints (the plane of a planar arm and the turn about its normal, x, y, z and the turn of a SCARA, the
+orientation of a wrist), the position for three other joints, the position in its plane for two. Rows are those of the
+world, or of frame 0 where the base is slanted, since the rank is the same and the entries are not.
 
 Six joints: all of J, about the wrist centre if axes 4, 5 and 6 meet there, for then J_12 = 0 and det J = det J_11 det
-J_22 (Siciliano et al., Robotics, sec. 3.3.1). Fewer joints: the rows that are not zero everywhere, if these are as many
-as joints; else the first rows, linear ones first, whose determinant is not zero everywhere. Rows are those of the
-world, or of frame 0 where the base is slanted, since the rank is the same and the entries are not.
+J_22 (Siciliano et al., Robotics, sec. 3.3.1).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from itertools import combinations
 
-from derive.algebra.ring import Polynomial, determinant
+from derive.algebra.ring import Polynomial, TooManyTerms, determinant
+from derive.mechanics.vectors import column, dot
 from derive.model.kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
 from derive.robot.expression import ONE, ZERO, number
+from derive.robot.inverse_options import FREEDOMS, POSE, TASKS
 from derive.robot.robot import Robot
 
 ALL = (1, 2, 3, 4, 5, 6)
@@ -26,11 +31,12 @@ class SquareBlock:
 
     Attributes:
         name: ``J``, or ``J_11`` and ``J_22`` of a block triangular J.
-        rows: Its rows of J, from 1.
+        rows: Its rows of J, from 1; none where they are combinations of these.
         columns: Its columns of J, from 1.
         reference: The point and the axes.
         entries: Its entries, row by row.
         others_are_zero: Whether the rows of J that are left out are zero everywhere.
+        task: What its rows are the velocities of; empty for all of J.
     """
 
     name: str
@@ -39,6 +45,7 @@ class SquareBlock:
     reference: Reference
     entries: tuple[tuple[Polynomial, ...], ...]
     others_are_zero: bool
+    task: tuple[str, ...] = ()
 
     def determinant(self) -> Polynomial:
         """Its determinant."""
@@ -46,16 +53,19 @@ class SquareBlock:
 
 
 def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
-    """The diagonal blocks whose determinants multiply to the one that is looked for.
+    """The diagonal blocks whose determinants multiply to the one that is looked for; none where no square one decides.
 
     Args:
-        kinematics: Of an arm with at most six joints.
-
-    Returns:
-        One block, or J_11 and J_22; none if all square blocks of n rows are singular in every configuration.
+        kinematics: Of the arm.
     """
-    if kinematics.robot.n < 6:
+    robot = kinematics.robot
+    if robot.inverse.task != POSE:
+        is_square = sum(FREEDOMS.get(word, 1) for word in robot.inverse.task) == robot.n
+        return (min(_task_rows(kinematics), key=_length),) if is_square else ()
+    if robot.n < 5:
         return next(((block,) for block in _candidates(kinematics) if block.determinant()), ())
+    if robot.n != 6:
+        return ()
     centre = _wrist_centre(kinematics)
     if centre is None:
         return (_shortest(kinematics, "J", ALL, [Reference(k, k) for k in range(7)]),)
@@ -82,20 +92,64 @@ def _shortest(
 ) -> SquareBlock:
     """The diagonal block about the reference where its entries have the fewest terms; the first of equals."""
     blocks = [_block(name, places, places, r, jacobian_columns(kinematics, r)) for r in references]
-    return min(blocks, key=lambda block: sum(len(entry) for row in block.entries for entry in row))
+    return min(blocks, key=_length)
+
+
+def _length(block: SquareBlock) -> int:
+    return sum(len(entry) for row in block.entries for entry in row)
+
+
+def matrices(kinematics: Kinematics) -> Iterator[Sequence[Sequence[Polynomial]]]:
+    """What an arm without a square block is judged by, in several axes and about several points: its task or all of J.
+
+    Args:
+        kinematics: Of the arm.
+    """
+    robot = kinematics.robot
+    if robot.inverse.task != POSE:
+        yield from (block.entries for block in _task_rows(kinematics))
+        return
+    for k in range(robot.n + 1) if robot.n <= 7 else (robot.n // 2,):
+        with suppress(TooManyTerms):
+            yield tuple(zip(*jacobian_columns(kinematics, Reference(k, k)), strict=True))
+
+
+def task_words(task: Sequence[str]) -> tuple[str, ...]:
+    """A task of the robot file with its name, where it has one: ``position``."""
+    return next(((name,) for name, rows in TASKS.items() if rows == tuple(task)), tuple(task))
+
+
+def _task_rows(kinematics: Kinematics) -> Iterator[SquareBlock]:
+    """The Jacobian of the file's task, in all axes that it allows; the two of the approach are the end effector's."""
+    robot, turn, derivative = kinematics.robot, kinematics.end.rotation, kinematics.domain.derivative
+    task, joints, angular = robot.inverse.task, range(robot.n), kinematics.angular_columns(robot.n)
+    is_turned = len({"x", "y", "z"} & set(task)) in (0, 3)
+    for frame in (None, *range((robot.n + 1) * is_turned)):
+        of_arm = tuple(zip(*jacobian_columns(kinematics, Reference(frame)), strict=True))
+        numbers, rows = list[int](), list[tuple[Polynomial, ...]]()
+        for word in task:
+            if word == "phi":  # the numerator of the derivative of atan2(r21, r11)
+                across, along = turn[1][0], turn[0][0]
+                rows.append(tuple(along * derivative(across, k) - across * derivative(along, k) for k in joints))
+            elif word == "approach":
+                rows += [tuple(dot(column(turn, i), w) for w in angular) for i in (0, 1)]
+            else:
+                numbers += [4, 5, 6] if word == "orientation" else ["xyz".index(word) + 1]
+                rows += [of_arm[number - 1] for number in numbers[len(rows) :]]
+        known = tuple(numbers) if len(numbers) == len(rows) else ()
+        columns = tuple(joint + 1 for joint in joints)
+        yield SquareBlock("J", known, columns, Reference(frame), tuple(rows), False, task_words(task))
 
 
 def _candidates(kinematics: Kinematics) -> Iterator[SquareBlock]:
-    """Blocks of all columns of an arm with fewer than six joints, in the order in which they are preferred."""
+    """Blocks of all columns of an arm with a natural task, in the order in which they are preferred."""
     n, end = kinematics.robot.n, Reference(frame=0 if _is_slanted(kinematics.robot) else None)
     columns = tuple(range(1, n + 1))
     yield from _nonzero_rows(kinematics, [Reference(), Reference(frame=0)])
-    entries = jacobian_columns(kinematics, end)
     if n == 3:
-        yield _block("J", (1, 2, 3), columns, end, entries)
-    yield from _nonzero_rows(kinematics, [Reference(frame, m) for m in range(n + 1) for frame in (None, 0)])
-    for rows in combinations(ALL, n):
-        yield _block("J", rows, columns, end, entries)
+        yield _block("J", (1, 2, 3), columns, end, jacobian_columns(kinematics, end))
+    frames = (None, *range(n + 1))
+    yield from _nonzero_rows(kinematics, [Reference(k, m) for m in (None, *range(n + 1)) for k in frames])
 
 
 def _is_slanted(robot: Robot) -> bool:
@@ -104,13 +158,23 @@ def _is_slanted(robot: Robot) -> bool:
 
 
 def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> Iterator[SquareBlock]:
-    """The rows that are not zero everywhere, where they are as many as the joints."""
+    """The coordinates in which an arm moves, where they are as many as the joints; of two joints in a plane its own."""
     n = kinematics.robot.n
     for reference in references:
         columns = jacobian_columns(kinematics, reference)
         rows = tuple(r for r in ALL if any(column[r - 1] for column in columns))
-        if len(rows) == n:
+        linear, angular = (tuple(r for r in rows if (r > 3) == is_turn) for is_turn in (False, True))
+        if n == 2 and reference.point is None and (len(linear), len(angular)) == (2, 1):
+            rows = linear
+        if len(rows) == n and (len(angular) <= 1 or rows == (4, 5, 6)):
             yield _block("J", rows, tuple(range(1, n + 1)), reference, columns)
+
+
+def _words(rows: tuple[int, ...]) -> tuple[str, ...]:
+    """What rows of J are the velocities of."""
+    turns = rows[sum(r <= 3 for r in rows) :]
+    names = ("x", "y", "z", "rotation about x", "rotation about y", "phi" if len(turns) == 1 else "rotation about z")
+    return ("orientation",) if turns == (4, 5, 6) else task_words([names[r - 1] for r in rows])
 
 
 def _block(
@@ -122,4 +186,5 @@ def _block(
 ) -> SquareBlock:
     chosen = tuple(tuple(entries[c - 1][r - 1] for c in columns) for r in rows)
     others = (entries[c - 1][r - 1] for c in columns for r in ALL if r not in rows)
-    return SquareBlock(name, rows, columns, reference, chosen, not any(others))
+    task = _words(rows) if len(entries) < 6 else ()
+    return SquareBlock(name, rows, columns, reference, chosen, not any(others), task)

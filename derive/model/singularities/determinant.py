@@ -1,15 +1,16 @@
-"""Where the Jacobian of an arm loses rank: the determinant of a square block, its factors and their zeros.
+"""Where the Jacobian of an arm loses rank: the zeros of the determinant of a task in factors, or those of all minors.
+
+An arm with a task of as many coordinates as joints is judged by its determinant, as is one of six joints. Any other is
+singular where the rank of J is less than usual, `derive.model.singularities.rank`.
 
 Everything is exact: the factors multiply to the determinant as polynomials modulo s^2 + c^2 = 1. Their rational factors
-are moved where a reader expects them: 0.43*c2 + 0.41*s23, not 43*c2 + 41*s23. Where a zero can be read off a factor,
-q2 = 0 or pi, it is, and the posture gets its name.
+are moved where a reader expects them: 0.43*c2 + 0.41*s23, not 43*c2 + 41*s23.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from enum import StrEnum
+from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from math import gcd, lcm
 
@@ -17,222 +18,29 @@ import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factors import Factor, Factoring
-from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
-from derive.model.kinematics import Kinematics, Reference
-from derive.model.matrices import aligned_latex
-from derive.model.singularities.blocks import square_blocks
+from derive.model.kinematics import Kinematics
+from derive.model.singularities.blocks import matrices, square_blocks, task_words
+from derive.model.singularities.conditions import Condition, zero_condition
+from derive.model.singularities.rank import Zero, rank_loss
+from derive.model.singularities.real_zeros import RealZeros
+from derive.model.singularities.singularities import JacobianBlock, Outcome, SingularFactor, Singularities
 from derive.robot.expression import Number
+from derive.robot.inverse_options import FREEDOMS, POSE
 from derive.robot.robot import Robot
-from derive.robot.style import Style
-
-Write = Callable[[Polynomial], Expr]
-
-
-class Posture(StrEnum):
-    """What a singular posture is called (Siciliano et al., Robotics, sec. 3.3.2 and 3.3.3).
-
-    Attributes:
-        WRIST: Axes 4 and 6 are aligned.
-        ELBOW: The arm is stretched out or folded: the wrist centre lies in the plane of axes 2 and 3.
-        SHOULDER: The wrist centre lies on axis 1, or in the plane through it that is parallel to axis 2.
-    """
-
-    WRIST = "wrist"
-    ELBOW = "elbow"
-    SHOULDER = "shoulder"
-
-
-@dataclass(frozen=True)
-class Condition:
-    """Where one factor is zero.
-
-    Attributes:
-        expression: The factor.
-        variable: The joint variable, or the sum of angles, that can be solved for; None if none can.
-        values: What it is there, angles in (-pi, pi]; empty if nothing can be solved.
-        posture: What the arm looks like, where that is certain.
-        joints: The joints (from 1) whose variables it holds.
-    """
-
-    expression: Expr
-    variable: Expr | None
-    values: tuple[Expr, ...]
-    posture: Posture | None
-    joints: tuple[int, ...]
-
-
-def moving_joints(domain: PolynomialDomain, p: Polynomial) -> tuple[int, ...]:
-    """The joints whose variables change a polynomial.
-
-    Args:
-        domain: Its domain.
-        p: The polynomial.
-
-    Returns:
-        Their numbers, from 0.
-    """
-    return tuple(i for i in range(domain.robot.n) if domain.derivative(p, i))
-
-
-def zero_condition(
-    domain: PolynomialDomain, factor: Factor, expression: Expr, write: Write, has_wrist: bool
-) -> Condition | None:
-    """Where a factor of the determinant is zero.
-
-    Args:
-        domain: Its domain.
-        factor: The factor.
-        expression: The same as it is printed.
-        write: Writes a polynomial.
-        has_wrist: Whether the determinant is that of an arm with a spherical wrist.
-
-    Returns:
-        The condition; None if the factor does not move.
-    """
-    joints = moving_joints(domain, factor.value)
-    if not joints:
-        return None
-    variable: Expr | None = None
-    values: tuple[Expr, ...] = ()
-    if factor.kind is not None:  # a sine or cosine alone
-        variable = expression_to_sympy(domain.angle_sum(factor.joints))
-        zeros = (sympy.S.Zero, sympy.pi) if factor.kind is Kind.SINE else (-sympy.pi / 2, sympy.pi / 2)
-        offset = expression_to_sympy(domain.offset_sum(factor.joints))
-        values = tuple(_in_one_turn(zero - offset) for zero in zeros)
-    elif len(joints) == 1:
-        values = _solved(domain, factor.value, joints[0], write)
-        variable = sympy.Symbol(domain.robot.joints[joints[0]].variable) if values else None
-    robot, posture = domain.robot, None
-    articulated = all(joint.is_revolute for joint in robot.joints[:3]) and (has_wrist or robot.n == 3)
-    elbow = any({1, 2} <= set(group) and 0 not in group for group in domain.groups)
-    if has_wrist and joints == (4,):
-        posture = Posture.WRIST
-    elif articulated and elbow:
-        posture = {(2,): Posture.ELBOW, (1, 2): Posture.SHOULDER}.get(joints)
-    return Condition(expression, variable, values, posture, tuple(j + 1 for j in joints))
-
-
-def _in_one_turn(angle: Expr) -> Expr:
-    """An angle with its multiple of pi in (-1, 1]."""
-    turns = sympy.ceiling((angle.coeff(sympy.pi) - 1) / 2)
-    return angle - 2 * turns * sympy.pi
-
-
-def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
-    """q of k*q + rest = 0 where k is a number; both angles of a*c + b*s = 0, the arc tangents of -a/b."""
-    slope = domain.derivative(p, joint)
-    if not domain.robot.joints[joint].is_revolute:
-        if not slope.is_constant:
-            return ()
-        rest = p - slope * domain.ring.generator(domain.robot.joints[joint].variable)
-        return (write(rest * (-1 / slope.constant_term)),)
-    c, s = domain.cosine_sine_of(joint, offset=True)
-    offset = expression_to_sympy(domain.offsets[joint])
-    a, b = p * c - slope * s, p * s + slope * c
-    if moving_joints(domain, a) or moving_joints(domain, b):
-        return ()
-    ways = (sympy.atan2(write(-a), write(b)), sympy.atan2(write(a), write(-b)))
-    return tuple(_in_one_turn(way - offset) for way in ways)
-
+from derive.robot.style import Contraction, Style
 
 MAX_TERMS = 20_000
 """Budget of any polynomial on the way to the determinant."""
 
-MAX_JOINTS = 6
+MAX_JOINTS = 10
+"""Of longer arms no closed form is looked for."""
+
+MAX_MINOR_TERMS = 3_000
 
 MOST_WHOLE = 10**9
 """Whole numbers that are larger read no better than decimals."""
-
-
-class Outcome(StrEnum):
-    """What was found.
-
-    Attributes:
-        FOUND: The rank drops where a factor is zero.
-        NEVER: The determinant is a constant, or there is but one joint.
-        EVERYWHERE: Every square block of n rows is singular in every configuration.
-        REDUNDANT: More than six joints; J has no square block of all its columns, and det(J J^T) is the measure.
-        TOO_LONG: The determinant has more terms than the budget.
-    """
-
-    FOUND = "found"
-    NEVER = "never"
-    EVERYWHERE = "everywhere"
-    REDUNDANT = "redundant"
-    TOO_LONG = "too long"
-
-
-@dataclass(frozen=True)
-class JacobianBlock:
-    """A square block of J.
-
-    Attributes:
-        name: ``J``, or ``J_11`` and ``J_22`` where J is block triangular about the wrist centre.
-        rows: Its rows of J, from 1.
-        columns: Its columns of J, from 1.
-        reference: The point and the axes that J is taken about and in.
-        others_are_zero: Whether the rows of J that are left out are zero everywhere.
-        matrix: The block.
-    """
-
-    name: str
-    rows: tuple[int, ...]
-    columns: tuple[int, ...]
-    reference: Reference
-    others_are_zero: bool
-    matrix: Matrix
-
-
-@dataclass(frozen=True)
-class SingularFactor:
-    """A factor of the determinant.
-
-    Attributes:
-        expression: The factor.
-        exponent: Its power.
-        condition: Where it is zero; None if it does not move with the arm.
-    """
-
-    expression: Expr
-    exponent: int
-    condition: Condition | None
-
-
-@dataclass(frozen=True)
-class Singularities:
-    """Where an arm is singular.
-
-    Attributes:
-        outcome: What was found.
-        blocks: The diagonal blocks whose determinants are multiplied.
-        determinant: Their product as a product of factors; 0 if singular everywhere, None where it was not
-            computed.
-        factors: Its factors.
-    """
-
-    outcome: Outcome
-    blocks: tuple[JacobianBlock, ...] = ()
-    determinant: Expr | None = None
-    factors: tuple[SingularFactor, ...] = ()
-
-    @property
-    def conditions(self) -> tuple[Condition, ...]:
-        """Where the rank drops: where any of these holds."""
-        return tuple(f.condition for f in self.factors if f.condition is not None)
-
-    def _repr_latex_(self) -> str:
-        if self.determinant is None:
-            return aligned_latex([f"\\text{{singular: {self.outcome.value}}}"])
-        lines = [f"\\det = {sympy.latex(self.determinant)}"]
-        for condition in self.conditions:
-            values = " \\text{ or } ".join(map(sympy.latex, condition.values))
-            solved = f" \\iff {sympy.latex(condition.variable)} = {values}" if values else ""
-            posture = f" \\quad \\text{{({condition.posture.value})}}" if condition.posture else ""
-            lines.append(f"{sympy.latex(condition.expression)} = 0{solved}{posture}")
-        return aligned_latex(lines)
 
 
 def find_singularities(robot: Robot, style: Style | None = None) -> Singularities:
@@ -243,42 +51,90 @@ def find_singularities(robot: Robot, style: Style | None = None) -> Singularitie
         style: How expressions are grouped; by default as the robot file says.
 
     Returns:
-        The determinant in factors, and where each of them is zero.
+        The determinant of its task in factors, or the common zeros of all minors, and where each of them is zero.
     """
-    if robot.n == 1:
-        return Singularities(Outcome.NEVER)
-    if robot.n > MAX_JOINTS:
-        return Singularities(Outcome.REDUNDANT)
-    try:
-        return _singularities(robot, style or robot.style)
-    except TooManyTerms:
-        return Singularities(Outcome.TOO_LONG)
+    if robot.n == 1 and robot.inverse.task == POSE:
+        return Singularities(Outcome.NEVER, shape=(6, 1), rank=1)
+    chosen, stated = style or robot.style, robot.inverse.task
+    rows = sum(FREEDOMS.get(word, 1) for word in stated)
+    for derived in (_of_determinant, _of_minors) if robot.n <= MAX_JOINTS else ():
+        with suppress(TooManyTerms):
+            if found := derived(robot, chosen):
+                return found
+    task = () if stated == POSE else task_words(stated)
+    return Singularities(Outcome.UNSOLVED, task=task, shape=(rows, robot.n), complete=False)
 
 
-def _singularities(robot: Robot, style: Style) -> Singularities:
+def _of_determinant(robot: Robot, style: Style) -> Singularities | None:
+    """By the determinant of a task; None where there is no such task, or it is zero everywhere."""
     domain = PolynomialDomain(robot, contraction=style.contraction, rates=False, offsets=True, max_terms=MAX_TERMS)
-    write = LectureForm(domain, style=style).kinematic
+    write, zeros = LectureForm(domain, style=style).kinematic, RealZeros(domain)
     blocks = square_blocks(Kinematics(robot, domain))
     determinants = [block.determinant() for block in blocks]
+    if not blocks or not all(determinants):
+        return None
     written = []
     for b in blocks:
         matrix = sympy.ImmutableMatrix([[write(entry) for entry in row] for row in b.entries])
         written.append(JacobianBlock(b.name, b.rows, b.columns, b.reference, b.others_are_zero, matrix))
-    if not blocks or not all(determinants):
-        return Singularities(Outcome.EVERYWHERE, tuple(written), sympy.S.Zero)
     found = []
-    for factor in _factors(domain, determinants):
+    for factor in _factors(zeros, determinants):
+        if zeros.vanishes(factor.value):
+            return None
         expression = write(factor.value)
-        condition = zero_condition(domain, factor, expression, write, has_wrist=len(blocks) == 2)
-        found.append(SingularFactor(expression, factor.exponent, condition))
+        is_position, has_wrist = blocks[0].task == ("position",), len(blocks) == 2
+        condition = zero_condition(zeros, factor, expression, write, is_position=is_position, has_wrist=has_wrist)
+        found.append(SingularFactor(expression, factor.exponent, condition, bool(zeros.moving(factor.value))))
     determinant = sympy.Mul(*(f.expression**f.exponent for f in found))
-    moving = any(f.condition is not None for f in found)
-    return Singularities(Outcome.FOUND if moving else Outcome.NEVER, tuple(written), determinant, tuple(found))
+    families = tuple((f.condition,) for f in found if f.condition is not None)
+    outcome = Outcome.FOUND if families else Outcome.NEVER
+    shape, task = (robot.n, robot.n), blocks[0].task
+    return Singularities(outcome, tuple(written), determinant, tuple(found), task, shape, robot.n, families)
 
 
-def _factors(domain: PolynomialDomain, determinants: list[Polynomial]) -> list[Factor]:
+def _of_minors(robot: Robot, style: Style) -> Singularities:
+    """By the common zeros of the largest minors of the file's task, else of J."""
+    contraction, most = Contraction.OPPOSED, MAX_MINOR_TERMS
+    domain = PolynomialDomain(robot, contraction=contraction, rates=False, offsets=True, max_terms=most)
+    write, zeros = LectureForm(domain, style=style).kinematic, RealZeros(domain)
+    loss = rank_loss(domain, matrices(Kinematics(robot, domain)))
+
+    def _condition(zero: Zero) -> Condition:
+        _, factor = _scaled(domain, zero.factor, [])
+        found = zero_condition(zeros, factor, write(factor.value), write, is_position=False, has_wrist=False)
+        if found is None or zero.value is None or found.variable is None:
+            return found or Condition(write(factor.value), None, (), None, ())
+        value = found.values[zero.value]
+        return replace(found, expression=found.variable - value, values=(value,))
+
+    families = tuple(_together([_condition(zero) for zero in family]) for family in loss.families)
+    alone = tuple(SingularFactor(family[0].expression, 1, family[0]) for family in families if len(family) == 1)
+    task = () if robot.inverse.task == POSE else task_words(robot.inverse.task)
+    shape = (sum(FREEDOMS.get(word, 1) for word in robot.inverse.task), robot.n)
+    if loss.rank < min(shape):
+        outcome = Outcome.EVERYWHERE
+    elif families:
+        outcome = Outcome.FOUND
+    else:
+        outcome = Outcome.NEVER if loss.complete else Outcome.UNSOLVED
+    zero = sympy.S.Zero if outcome is Outcome.EVERYWHERE else None
+    unless = tuple(map(write, loss.unless))
+    return Singularities(outcome, (), zero, alone, task, shape, loss.rank, families, loss.complete, unless)
+
+
+def _together(family: list[Condition]) -> tuple[Condition, ...]:
+    """Conditions that hold together: one without solutions may have none where another one moves its joints."""
+    return tuple(
+        c
+        if c.values or not any(set(c.joints) & set(other.joints) for other in family if other is not c)
+        else replace(c, is_certain=False)
+        for c in family
+    )
+
+
+def _factors(zeros: RealZeros, determinants: list[Polynomial]) -> list[Factor]:
     """The factors of all blocks: one number, what does not move, then what does, from the base outwards."""
-    robot, factoring = domain.robot, Factoring(domain)
+    domain, robot, factoring = zeros.domain, zeros.domain.robot, Factoring(zeros.domain)
     cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)] + [row[3] for row in robot.tool[:3]]
     lengths = sorted({abs(cell.value) for cell in cells if isinstance(cell, Number) and cell.value})
     number, powers = domain.ring.one, dict[Polynomial, Factor]()
@@ -290,7 +146,7 @@ def _factors(domain: PolynomialDomain, determinants: list[Polynomial]) -> list[F
             exponent = scaled.exponent + (known.exponent if known else 0)
             powers[scaled.value] = Factor(scaled.value, exponent, scaled.kind, scaled.joints)
     rest = [f for f in powers.values() if f.value != 1]
-    rest.sort(key=lambda factor: moving_joints(domain, factor.value))
+    rest.sort(key=lambda factor: zeros.moving(factor.value))
     return [Factor(number, 1)] * (number != 1) + rest
 
 

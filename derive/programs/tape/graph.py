@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import NewType
+from typing import Any, NewType
 
 from derive.algebra import constants
 from derive.algebra.constants import Constant, Key
@@ -93,8 +93,8 @@ class Graph:
         layer: On what each node depends.
         constants: The numbers of constant nodes.
         sources: Where input nodes come from.
-        sums: Of values added before; `differences` and `products` likewise. A recursion that is traced many times with
-            small changes finds most of its operations here.
+        sums: Values of pairs added before, as `Value` keeps them; `differences` and `products` likewise. A recursion
+            that is traced many times with small changes finds most of its operations here.
     """
 
     def __init__(self) -> None:
@@ -103,9 +103,9 @@ class Graph:
         self.layer: list[Layer] = []
         self.constants: dict[int, Constant] = {}
         self.sources: dict[int, Source] = {}
-        self.sums: dict[tuple[Ref, Ref], Ref] = {}
-        self.differences: dict[tuple[Ref, Ref], Ref] = {}
-        self.products: dict[tuple[Ref, Ref], Ref] = {}
+        self.sums: dict[tuple[Ref, Ref], Any] = {}
+        self.differences: dict[tuple[Ref, Ref], Any] = {}
+        self.products: dict[tuple[Ref, Ref], Any] = {}
         self._nodes: dict[tuple[Op, tuple[int, ...]], Ref] = {}
         self._numbers: dict[Key, Ref] = {}
         self._inputs: dict[Source, Ref] = {}

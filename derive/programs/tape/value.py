@@ -28,8 +28,8 @@ class Value:
         pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
         found = graph.sums.get(pair)
         if found is None:
-            found = graph.sums[pair] = graph.add(*pair)
-        return Value(graph, found)
+            found = graph.sums[pair] = Value(graph, graph.add(*pair))
+        return found
 
     __radd__ = __add__
 
@@ -38,8 +38,8 @@ class Value:
         pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
         found = graph.differences.get(pair)
         if found is None:
-            found = graph.differences[pair] = graph.subtract(*pair)
-        return Value(graph, found)
+            found = graph.differences[pair] = Value(graph, graph.subtract(*pair))
+        return found
 
     def __rsub__(self, other: Value | int | Fraction, /) -> Value:
         return Value(self.graph, self.graph.subtract(self._other(other), self.ref))
@@ -49,8 +49,8 @@ class Value:
         pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
         found = graph.products.get(pair)
         if found is None:
-            found = graph.products[pair] = graph.multiply(*pair)
-        return Value(graph, found)
+            found = graph.products[pair] = Value(graph, graph.multiply(*pair))
+        return found
 
     __rmul__ = __mul__
 

@@ -22,7 +22,7 @@ def test_a_ring_is_written_with_its_radii() -> None:
         "2 solutions inside",
     ]
     (_, row, _) = lines("planar-2r-perugia", "latex")
-    assert row == r"  \operatorname{abs}(a_{1} - a_{2}) \le \sqrt{p_{x}^{2} + p_{y}^{2}} \le a_{1} + a_{2} \\"
+    assert row == r"  \lvert a_{1} - a_{2} \rvert \le \sqrt{p_{x}^{2} + p_{y}^{2}} \le a_{1} + a_{2} \\"
 
 
 def test_python_can_run_what_is_written_for_it() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
 from derive.handouts.assemble import context_of, section_of
 from derive.handouts.document import Paragraph, Rows, Section, Table
 from derive.handouts.parts.table import dh_table
@@ -63,3 +65,41 @@ def test_links_state_what_is_not_zero() -> None:
     assert "\\text{mass}" in data
     assert "\\text{gear ratio}" in data
     assert "\\text{armature}" not in data
+
+
+MIXED = """\
+name: arm
+convention: standard
+units: {angle: deg, length: mm}
+joints:
+  - {type: revolute, d: 400, a: a1 + 20, alpha: beta - 90}
+  - {type: prismatic, d: q2 - 10, limits: [0, 180]}
+tool: [[1, 0, 0, 12.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+links: [{mass: 2, com: [150, 0, 0]}, {mass: m}]
+parameters: {a1: 0.3, beta: pi/6, m: 3}
+"""
+
+
+@pytest.mark.parametrize("in_file", [False, True])
+def test_tables_have_the_units_of_the_file(in_file: bool) -> None:
+    """Lengths in millimetres, angles with a degree sign; numbers of symbols as the file has them, with their unit."""
+    text = MIXED
+    if in_file:
+        text = text.replace("mm}", "mm, parameters: file}").replace("a1: 0.3, beta: pi/6", "a1: 300, beta: 30")
+    robot = Robot.from_text(text)
+    first, second = ([" ".join(cell.split()) for cell in row] for row in table(robot).rows)
+    assert first[2:] == ["$q_{1}$", "$400$", "$20 + a_{1}$", "$\\beta - 90^{\\circ}$", "$\\text{--}$"]
+    assert second[3] == "$-10 + q_{2}$"
+    assert second[6] == "$[0,\\, 180]\\,\\mathrm{mm}$"
+    blocks = [*section(robot, "table").blocks, *section(robot, "parameters").blocks]
+    lines = " ".join(
+        word for block in blocks if isinstance(block, Rows) for line in block.lines for word in line.split()
+    )
+    assert "12.5" in lines
+    assert "(150,\\, 0,\\, 0)" in lines
+    assert ("a_{1} = 300\\,\\mathrm{mm}" if in_file else "a_{1} = 0.3") in lines
+    assert ("\\beta = 30^{\\circ}" if in_file else "\\pi") in lines
+    words = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
+    assert "ables are in millimetres" in words
+    assert ("symbols and all else in SI units" in words) is not in_file
+    assert "lengths in metres" not in words

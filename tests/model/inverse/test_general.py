@@ -1,11 +1,13 @@
 """Arms that no order of one-joint equations solves."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from derive.model.inverse.candidates import finished
 from derive.model.inverse.elimination_choice import find_general
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.general import GeneralSolution, _distinct, free_loop, scaled
@@ -69,6 +71,23 @@ def test_joints_that_are_given_keep_their_numbers_beyond_a_turn_too():
     chain = NumericChain.of(CASES["jaco"].robot(choice=False), {})
     table = np.full((1, 2, chain.n), 4.0)
     assert (_distinct(table, chain, (2,))[0, 0] == [4.0 - 2 * math.pi] * 2 + [4.0] + [4.0 - 2 * math.pi] * 3).all()
+
+
+def test_no_solution_is_lost_where_an_elimination_is_so_inexact_that_its_candidates_are_only_near(monkeypatch):
+    chain, general = solution_of("jaco")
+    poses = chain.pose_and_jacobian(configurations(chain, 20, seed=4))[0]
+    wanted = general.solve(chain, poses)
+
+    def inexact(problem, found, pose):
+        values = finished(problem, found, pose)
+        if problem.elimination != general.eliminations[0]:
+            return values
+        two = [i for i, place in enumerate(values.place) if (values.place[:i] == place).sum() < 2]
+        return replace(values, place=values.place[two], joints=values.joints[two] + 1e-3)
+
+    monkeypatch.setattr("derive.model.inverse.general.finished", inexact)
+    found = general.solve(chain, poses)
+    assert np.array_equal(np.isfinite(found[..., 0]).sum(axis=1), np.isfinite(wanted[..., 0]).sum(axis=1))
 
 
 @pytest.mark.sweep

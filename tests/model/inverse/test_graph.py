@@ -32,7 +32,7 @@ def planar_graph() -> SolutionGraph:
         Node(1, (one,), (Formula(Kind.TYPE_3, (first, second)),), (0,), 1),
     )
     reach = a1 * a1 + a2 * a2 + x * x + y * y
-    return SolutionGraph(robot, domain, ("x", "y"), (), (), reach, nodes, shifts, (), 2, True)
+    return SolutionGraph(robot, domain, ("x", "y"), (), (), reach, nodes, shifts, (), 2, True, True)
 
 
 def test_a_node_has_a_value_for_each_branch_of_what_it_needs() -> None:

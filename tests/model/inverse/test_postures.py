@@ -48,7 +48,7 @@ def in_numbers(inverse: InverseKinematics, lines: Sequence[Line]) -> np.ndarray:
     looked, robot = postures(inverse.robot, inverse.graph), inverse.robot
     variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
     q = dict(zip(variables, looked.q, strict=True))
-    known = inverse.values_at({symbol: float(x) for symbol, x in looked.parameters.items()}, q, ArrayDomain)
+    known = inverse.values_at({sympy.Symbol(k): float(x) for k, x in looked.parameters.items()}, q, ArrayDomain)
     with np.errstate(all="ignore"):
         for line in lines:
             known[line.symbol] = array_value(line.value, known)

@@ -154,9 +154,20 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     found = [np.zeros((0, 2, 2)), *(_circle(radius, 4 * cells) for radius in _extreme_radii(rest, cells))]
     if not way.full:
         curves = _curves(rest, cells)
-        curves = np.concatenate([curves, _bridges(curves, gap)])
+        curves = np.concatenate([curves, _bridges(curves, gap), _whole_line(rest)])
         found += [curves @ _turned(angle).T for angle in (way.lower, way.upper)]
     return np.concatenate(found)
+
+
+def _whole_line(plane: PlaneMap) -> Array:
+    """The line of all places of an arm that is seen from its edge, and has no fold; more cells do no harm."""
+    places = plane.places(plane.point.random(64, plane.joints))
+    middle = places.mean(axis=1)
+    directions, spread, _ = np.linalg.svd(places - middle[:, None], full_matrices=False)
+    if spread[1] > _ALIKE * plane.point.size:
+        return np.zeros((0, 2, 2))
+    along = 3.0 * plane.point.size * directions[:, 0]
+    return np.stack([middle - along, middle + along])[None]
 
 
 def _bridges(segments: Array, gap: float) -> Array:

@@ -42,6 +42,9 @@ _LAYERS = 3
 _DOUBT = 0.05
 """Part of a cell by which the boundary may be off on average; arms that have an exact one show less than 0.01."""
 
+_SETTLED = 1e-3
+"""Part of a cell by which a distance shrinks where it matters to its neighbours."""
+
 _REACHED = 1e-6
 _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
 
@@ -90,11 +93,8 @@ class _Cells:
         found: Array = self.origin[:, None] + self.width * nodes
         return found
 
-    def starts(self, nodes: Nodes) -> tuple[Nodes, Array]:
-        """Configurations known at nodes and around them.
-
-        Args:
-            nodes: Rows and columns, (2, k).
+    def starts(self, nodes: Nodes, best: bool = False) -> tuple[Nodes, Array]:
+        """Configurations known at nodes and around them: those nearest to each node, or the best of every neighbour.
 
         Returns:
             Which node each belongs to, and the configurations.
@@ -102,7 +102,7 @@ class _Cells:
         rows, found = [], []
         for i, j in ((0, 0), *_NEIGHBOURS):
             a, b = np.clip(nodes[0] + i, 0, self.shape[0] - 1), np.clip(nodes[1] + j, 0, self.shape[1] - 1)
-            for kept in range(_KEPT):
+            for kept in range(1 if best else _KEPT):
                 q = self.known[kept][:, a, b]
                 good = ~np.isnan(q[0])
                 rows.append(np.flatnonzero(good))
@@ -110,19 +110,12 @@ class _Cells:
         row, q = np.concatenate(rows), np.concatenate(found, axis=1)
         away = np.sum((self.plane.places(q) - self.places(nodes)[:, row]) ** 2, axis=0)
         order = np.argsort(away, kind="stable")
-        nearest = order[_rank(row[order]) < _TRIED]
+        nearest = order[_rank(row[order]) < (len(_NEIGHBOURS) + 1 if best else _TRIED)]
         return row[nearest], q[:, nearest]
 
-    def visit(self, nodes: Nodes) -> Mask:
-        """Finds out how far nodes are from what is reached, and remembers the configurations.
-
-        Args:
-            nodes: Rows and columns, (2, k).
-
-        Returns:
-            Which of them are reached.
-        """
-        rows, starts = self.starts(nodes)
+    def visit(self, nodes: Nodes, best: bool = False) -> Mask:
+        """Finds out how far nodes are from what is reached, remembers configurations, and says which are reached."""
+        rows, starts = self.starts(nodes, best)
         q, _, distance = self.plane.nearest(self.places(nodes)[:, rows], starts)
         order = np.argsort(distance, kind="stable")
         rows, q, distance = rows[order], q[:, order], distance[order]
@@ -136,6 +129,21 @@ class _Cells:
         reached: Mask = self.distance[nodes[0], nodes[1]] <= _REACHED * self.plane.point.size
         self.reached[nodes[0], nodes[1]] |= reached
         return reached
+
+    def settle(self) -> None:
+        """Tries at each node outside what is best at its neighbours, until no distance shrinks.
+
+        Where two kinds of postures meet, all that a node remembers may be of the kind that ends at a limit before it.
+        """
+        outside = ~self.reached & (self.distance < _LAYERS * self.width)
+        fresh = outside
+        while fresh.any():
+            nodes = np.stack(np.nonzero(fresh))
+            before = self.distance[fresh]
+            self.visit(nodes, best=True)
+            shrunk = np.zeros(self.shape, dtype=bool)
+            shrunk[fresh] = self.distance[fresh] < before - _SETTLED * self.width
+            fresh = _grown(shrunk, 1) & outside
 
     def try_again(self, nodes: Nodes) -> Mask:
         """Looks for configurations that reach nodes far from those known around them, as behind a narrow limit.
@@ -177,6 +185,7 @@ def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
     while grid.is_cut:  # samples of many joints seldom stretch the arm
         grid, far = _Cells(plane, cells, far), 2.0 * far
         _spread(grid)
+    grid.settle()
     from contourpy import contour_generator
 
     outside = np.where(grid.reached, 0.0, np.minimum(grid.distance, (_LAYERS + 1) * grid.width))
@@ -222,7 +231,7 @@ def _grown(area: Mask, layers: int) -> Mask:
 def _on_boundary(cells: _Cells, line: Array) -> Array:
     """The nearest places that are reached from points around the area: (k, 2) on its boundary."""
     nodes = line.T
-    rows, starts = cells.starts(np.rint(nodes).astype(int))
+    rows, starts = cells.starts(np.rint(nodes).astype(int), best=True)
     _, found, distance = cells.plane.nearest(cells.places(nodes)[:, rows], starts)
     order = np.lexsort((distance, rows))
     first = order[np.r_[True, np.diff(rows[order]) > 0]]

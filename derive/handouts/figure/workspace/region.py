@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from derive.errors import DeriveError
+from derive.errors import DeriveError, install_extra
 from derive.handouts.figure.drawing import Array
 from derive.handouts.figure.workspace.critical import boundary_candidates
 from derive.handouts.figure.workspace.point import TURN, Picture, PlaneMap
@@ -25,8 +25,9 @@ Region: TypeAlias = Any
 CELLS = 400
 """Parts into which the range of a joint is cut where critical curves are followed."""
 
-_GRID = 1e-10
-"""Corners are rounded to this part of the arm's size, so that curves that meet share a corner."""
+_GRID = 1e-8
+"""Corners are rounded to this part of the arm's size, so that curves that meet share a corner; with a hundredth of it
+straight curves that run back on themselves are cut at wrong places, and cells beside them run into one."""
 
 _THIN = 2e-5
 """Cells thinner than this part of the arm's size lie between two approximations of one curve."""
@@ -126,8 +127,7 @@ def shapely() -> Any:
     try:
         import shapely as package
     except ImportError as error:
-        remedy = "install it with: pip install 'derive-robot[handout]'"
-        raise DeriveError("workspaces need Shapely, which is not installed", remedy=remedy) from error
+        raise DeriveError("workspaces need Shapely, which is not installed", remedy=install_extra("handout")) from error
     return package
 
 
@@ -138,8 +138,10 @@ def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
         plane: The map, of at most two variables and one that turns the picture.
         cells: Parts into which the range of a joint is cut where critical curves are followed.
     """
+    if len(plane.joints) < 2:  # a line, which may close and yet covers nothing
+        return Area(shapely().Polygon(), shapely().Polygon())
     fine, coarse = (_reached_cells(plane, boundary_candidates(plane, parts), parts) for parts in (cells, cells // 2))
-    return Area(joined(fine, plane.point.size), joined(coarse, plane.point.size), cells=tuple(fine))
+    return _area(plane, fine, coarse)
 
 
 def formula_area(plane: PlaneMap, curves: Callable[[int], Array], holds: Callable[[Array], Array]) -> Area:
@@ -154,8 +156,13 @@ def formula_area(plane: PlaneMap, curves: Callable[[int], Array], holds: Callabl
     for parts in (CELLS, CELLS // 2):
         faces = _cells(plane, curves(parts))
         found.append(faces[holds(_places_inside(faces))] if len(faces) else faces)
-    fine, coarse = found
-    return Area(joined(fine, plane.point.size), joined(coarse, plane.point.size), cells=tuple(fine))
+    return _area(plane, *found)
+
+
+def _area(plane: PlaneMap, fine: Any, coarse: Any) -> Area:
+    """The area of cells, whose corners are off by a rounding."""
+    size = plane.point.size
+    return Area(joined(fine, size), joined(coarse, size), _GRID * size, tuple(fine))
 
 
 def _cells(plane: PlaneMap, segments: Array) -> Any:

@@ -6,6 +6,7 @@ Kumar and Waldron, The workspaces of a mechanical manipulator, 1981.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -51,12 +52,14 @@ class Wrist:
     Attributes:
         centre: The point in the axes of the end effector [m].
         hand: Its distance from the end effector's origin [m].
+        joints: Its joints, from 0.
         complete: Whether its joints turn the hand into every orientation.
         planar: Whether it is one joint, and all orientations are those about the axis.
     """
 
     centre: tuple[float, float, float]
     hand: float
+    joints: tuple[int, ...]
     complete: bool
     planar: bool
 
@@ -94,7 +97,7 @@ class Workspace:
         volume: Of what is reached; None for a flat workspace.
         dexterous_volume: Of what is dexterous; None where that is not known.
         wrist: The last joints, where they turn the hand about one point.
-        ranges: The ways of the joints that move it.
+        ranges: The ways of the joints that move it, and of the wrist where something is said about orientations.
     """
 
     views: tuple[WorkspaceView, ...]
@@ -122,7 +125,9 @@ def find_workspace(poses: RobotPoses, tell: Callable[[str], None] | None = None)
     point = ArmPoint(poses, joint_ranges(poses))
     wrist = find_wrist(point)
     search = _Search(point, wrist, tell or (lambda stage: None))
-    return Workspace(search.views, *search.volumes, wrist, tuple(point.ranges[j] for j in point.moving))
+    turned = wrist.joints if wrist is not None and wrist.complete else ()
+    ranges = tuple(point.ranges[j] for j in sorted({*point.moving, *turned}))
+    return Workspace(search.views, *search.volumes, wrist, ranges)
 
 
 def find_wrist(point: ArmPoint) -> Wrist | None:
@@ -142,7 +147,9 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
         lever = origins[:, last] - origins[:, -1]
         lever = lever - axes[:, last] * np.sum(lever * axes[:, last], axis=1)[:, None]
         places = np.einsum("nji,nj->ni", hands, lever)
-        return _wrist(point, places, point.ranges[last].full, planar=True)
+        if np.ptp(places, axis=0).max() > 1e-7 * point.size:  # a joint that slides makes the hand longer and shorter
+            return None
+        return _wrist(places, point, (last,), point.ranges[last].full, planar=True)
     n = len(point.ranges)
     if n < 3 or revolute[-3:] != [n - 3, n - 2, n - 1]:
         return None
@@ -150,14 +157,14 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
     places = np.einsum("nji,nj->ni", hands, np.array([c for c, _ in centres]) - origins[:, -1])
     if max(miss for _, miss in centres) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
         return None
-    return _wrist(point, places, _turns_everywhere(point), planar=False)
+    return _wrist(places, point, (n - 3, n - 2, n - 1), _turns_everywhere(point), planar=False)
 
 
-def _wrist(point: ArmPoint, places: Array, complete: bool, planar: bool) -> Wrist:
+def _wrist(places: Array, point: ArmPoint, joints: tuple[int, ...], complete: bool, planar: bool) -> Wrist:
     """The wrist whose centre has been seen at several configurations, in the axes of the end effector."""
     centre = np.where(np.abs(places[0]) < _SAME * point.size, 0.0, places[0])
     x, y, z = (float(part) for part in centre)
-    return Wrist((x, y, z), float(np.linalg.norm(centre)), complete, planar)
+    return Wrist((x, y, z), float(np.linalg.norm(centre)), joints, complete, planar)
 
 
 def _meeting(origins: Array, axes: Array) -> tuple[Array, float]:
@@ -168,7 +175,11 @@ def _meeting(origins: Array, axes: Array) -> tuple[Array, float]:
 
 
 def _turns_everywhere(point: ArmPoint) -> bool:
-    """Whether the last three joints reach every orientation: the outer ones turn all around, the middle one half."""
+    """Whether the last three joints reach every orientation.
+
+    (q4, q5, q6) and (q4 + pi, -q5, q6 + pi) are one orientation: the outer joints turn all around and the middle one
+    half, or the middle one and an outer one turn all around and the other one half.
+    """
     first, middle, last = range(len(point.ranges) - 3, len(point.ranges))
     low, high = point.ranges[middle].lower, point.ranges[middle].upper
     angles = []
@@ -179,7 +190,11 @@ def _turns_everywhere(point: ArmPoint) -> bool:
         if abs(axes[0] @ axes[1]) > _SAME or abs(axes[1] @ axes[2]) > _SAME:
             return False
     covered = max(angles) > 1.0 - 1e-4 and min(angles) < 1e-4 - 1.0
-    return covered and point.ranges[first].full and point.ranges[last].full
+    outer = (point.ranges[first], point.ranges[last])
+    if all(way.full for way in outer):
+        return covered
+    half = all(way.upper - way.lower >= math.pi - _SAME for way in outer)
+    return half and point.ranges[middle].full and any(way.full for way in outer)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,8 @@ import pytest
 from derive.handouts.figure.workspace.point import Picture
 from derive.handouts.figure.workspace.refinement import refined_area
 from derive.handouts.figure.workspace.region import exact_area
-from tests.handouts.figure.workspace.arms import GANTRY, LIMITED, TUBE, arm, plane
+from derive.robot.robot import Robot
+from tests.handouts.figure.workspace.arms import GANTRY, LIMITED, TUBE, arm, limited_joints, plane
 
 shapely = pytest.importorskip("shapely")
 pytest.importorskip("contourpy")
@@ -33,6 +34,27 @@ def test_corners_of_a_gantry_are_sharp() -> None:
     width, height = np.ptp(seen.values(seen.point.random(5000, seen.joints))[0], axis=1)
     assert (right - left, high - low) == pytest.approx((width, height), rel=0.01)
     assert area.region.area == pytest.approx((right - left) * (high - low), rel=1e-3)
+
+
+def test_where_one_kind_of_postures_ends_at_a_limit_another_goes_on() -> None:
+    """Seen along its axis the arm reaches all of a circle: now with one shoulder, now with the other."""
+    seen = plane(Robot.load("puma560-usp"), Picture.TOP)
+    radii = np.hypot(*np.asarray(refined_area(seen, 60).region.exterior.coords).T)
+    values = seen.point.poses.values
+    d2, a2, a3, d4, d6 = (float(values[name]) for name in ("d2", "a2", "a3", "d4", "d6"))
+    reach = math.hypot(d2, a2 + math.hypot(a3, d4)) + d6
+    assert np.abs(radii - reach).max() <= 1e-3 * reach
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(40))
+def test_arms_with_limits_have_one_area_in_both_ways(seed: int) -> None:
+    seen = plane(arm(limited_joints(np.random.default_rng(seed))), Picture.TOP)
+    exact, followed = exact_area(seen, 150), refined_area(seen, 60)
+    width = seen.point.size / 60
+    assert followed.size.value == pytest.approx(exact.size.value, abs=0.1 * width * exact.region.length)
+    for inner, outer in ((exact, followed), (followed, exact)):
+        assert inner.region.buffer(-1.5 * width).difference(outer.region).area <= 1e-3 * exact.size.value
 
 
 def test_a_redundant_planar_arm_covers_its_disc() -> None:

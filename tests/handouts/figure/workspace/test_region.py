@@ -18,7 +18,19 @@ from derive.handouts.figure.workspace.region import (
     is_reached,
 )
 from derive.robot.robot import Robot
-from tests.handouts.figure.workspace.arms import CORNERED, CUSPIDAL, CYLINDRICAL, HOLED, LIMITED, TUBE, arm, plane
+from tests.handouts.figure.workspace.arms import (
+    CLOSED,
+    CORNERED,
+    CUSPIDAL,
+    CYLINDRICAL,
+    EDGEWISE,
+    HOLED,
+    LIMITED,
+    STRAIGHT,
+    TUBE,
+    arm,
+    plane,
+)
 
 shapely = pytest.importorskip("shapely")
 
@@ -43,6 +55,22 @@ def assert_measured(measure: Measure, wanted: float) -> None:
 def test_areas_are_the_closed_forms_within_their_error(case: tuple[str, Picture, float]) -> None:
     joints, picture, wanted = case
     assert_measured(exact_area(plane(arm(joints), picture), 60).size, wanted)
+
+
+def test_a_curve_that_closes_covers_nothing() -> None:
+    assert exact_area(plane(arm(CLOSED), Picture.SECTION), 60).region.is_empty
+
+
+@pytest.mark.parametrize("cells", [50, 100, 150])
+def test_straight_curves_that_run_back_bound_an_area_too(cells: int) -> None:
+    """However many cells: its places lie within the limits of joint 1 and what the others turn beyond them."""
+    region = exact_area(plane(arm(STRAIGHT), Picture.TOP), cells).region
+    assert region.area == pytest.approx(0.5687, rel=2e-3)
+    assert region.bounds[3] < 0.0
+
+
+def test_an_arm_that_is_seen_from_its_edge_is_as_wide_as_joint_1_turns() -> None:
+    assert exact_area(plane(arm(EDGEWISE), Picture.TOP), 60).size.value == pytest.approx(5.1156, rel=2e-3)
 
 
 def test_the_hole_around_a_base_is_round() -> None:

@@ -1,0 +1,84 @@
+"""``derive completion``: what lets a shell complete commands, options, robots and quantities."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from typing import Any
+
+DESCRIPTION = """\
+Print a script with which the shell completes commands, options, names of robots, plans, quantities, targets and files.
+The shell reads it when it starts; derive itself is not run while you type. Print it again after an update of derive.
+
+  derive completion bash > ~/.local/share/bash-completion/completions/derive
+  derive completion zsh > ~/.zfunc/_derive
+  derive completion fish > ~/.config/fish/completions/derive.fish
+"""
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The shell.
+
+    Args:
+        parser: Where the arguments are added.
+    """
+    parser.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the script.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status.
+    """
+    import shtab
+
+    from derive.cli.main import whole_parser
+
+    parser, commands = whole_parser()
+    offered = _offered()
+    for command in commands:
+        for action in command._actions:
+            if not action.choices and (found := offered.get(action.metavar) or offered.get(action.dest)):
+                action.complete = found  # type: ignore[attr-defined]
+    print(shtab.complete(parser, shell=arguments.shell))
+    return 0
+
+
+def _offered() -> dict[object, Any]:
+    """What is completed, by the name that help gives a value, or by that of its option."""
+    import shtab
+
+    from derive.api.robots import catalogue
+    from derive.handouts.language import languages
+    from derive.model.quantities import DESCRIBED, REGISTRY
+    from derive.motion.catalogue import plan_names
+    from derive.publish.targets import EVERY, TARGETS
+
+    robots, plans = (_words(*found, files=True) for found in (("robots", catalogue()), ("plans", plan_names())))
+    return {
+        "ROBOT": robots,
+        "PLAN": plans,
+        "QUANTITY": _words("quantities", [*REGISTRY, *DESCRIBED]),
+        "CODE": _words("languages", languages()),
+        "target": _words("targets", [*TARGETS, EVERY]),
+        "FILE": shtab.FILE,
+        "DIR": shtab.DIRECTORY,
+    }
+
+
+def _words(what: str, words: Iterable[str], *, files: bool = False) -> dict[str, Any]:
+    """Words, and files beside them, in the languages of the shells; bash takes what is called a file for one."""
+    name, listed = f"_derive_{'file_' if files else ''}{what}", " ".join(words)
+    bash, zsh, fish = ("; compgen -f -- $1", " 'files:file:_files'", "; __fish_complete_path (commandline -ct)")
+    functions = {
+        "bash": f"{name}() {{ compgen -W '{listed}' -- $1{bash * files}; }}",
+        "zsh": f"{name}() {{ _alternative '{what}:{what}:({listed})'{zsh * files} }}",
+        "fish": f"function {name}; printf '%s\\n' {listed}{fish * files}; end",
+    }
+    return {"bash": name, "zsh": name, "fish": f"({name})", "preamble": functions}

@@ -1,0 +1,48 @@
+"""Options that several commands have, one name and one meaning each; and the names that options had before."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+STDOUT = Path("-")
+"""Instead of a file: what is written is printed."""
+
+
+def file_or_stdout(text: str) -> Path | None:
+    """The path of a file; None for ``-``, standard output."""
+    return None if text == str(STDOUT) else Path(text)
+
+
+_OUT = ("-o", "--out")
+_FLAG = {"action": "store_true"}
+_BODIES: dict[str, Any] = {"choices": ("given", "possible"), "default": "given"}
+
+SHARED: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
+    "robot": (("robot",), {"metavar": "ROBOT", "help": "robot file or catalogue name"}),
+    "out": (_OUT, {"metavar": "FILE", "type": file_or_stdout, "help": "file to write (default: standard output)"}),
+    "folder": (_OUT, {"metavar": "DIR", "type": Path}),
+    "at": (("--at",), {"metavar": "V1,V2,...", "action": "append", "default": []}),
+    "format": (("--format",), {"metavar": "FORMAT"}),
+    "style": (("--style",), {"metavar": "STYLE"}),
+    "task": (("--task",), {"metavar": "ROWS"}),
+    "inertia": (("--inertia",), _BODIES | {"help": "bodies as given, or the nearest that exist"}),
+    "lang": (("--lang",), {"metavar": "CODE", "help": "language: en, it, pt or another that has a message catalogue"}),
+    "force": (("--force",), _FLAG | {"help": "overwrite files that exist"}),
+    "strict": (("--strict",), _FLAG | {"help": "remarks on the robot file are errors"}),
+    "quiet": (("--quiet",), _FLAG | {"help": "no progress and no report"}),
+    "json": (("--json",), _FLAG | {"help": "machine-readable output, errors included"}),
+}
+"""Names and settings by what `add_shared` calls them."""
+
+_POINT = {"-q": "--at"}
+OLD = {"check": {"--report": "--out"}, "export": {"--to": "--format"}, "handout": _POINT, "plot": _POINT}
+"""Of each command the names that options had; they are understood and not shown."""
+
+
+def add_shared(parser: argparse._ActionsContainer, *names: str, **settings: Any) -> None:
+    """Add options that several commands have, with what a command says otherwise about them."""
+    for name in names:
+        flags, usual = SHARED[name]
+        parser.add_argument(*flags, **usual | settings)

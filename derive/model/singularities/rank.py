@@ -1,0 +1,291 @@
+"""Where the rank of a matrix of polynomials falls: the common zeros of its largest minors.
+
+1. An entry p that does not move takes its row and its column out of the matrix, and the rank with them: what is left is
+   p times the Schur complement, whose entries are short in the middle of an arm.
+2. The rank is that of the largest minors that are not zero everywhere; it falls where all of these are zero.
+3. Every minor is a product of factors, so their common zeros are the union over all choices of one factor of each. A
+   factor whose zeros are angles or displacements is put into the other minors, which then have shorter factors.
+
+Nothing is lost on the way but where factors of several joints are left that share a joint: then the families that were
+found are not said to be all, unless intervals prove that such factors have no common zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import combinations
+from math import comb
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.factors import Factor, Factoring
+from derive.algebra.generators import Kind
+from derive.algebra.ring import Polynomial, TooManyTerms, determinant
+from derive.model.singularities.real_zeros import RealZeros
+
+Rows = Sequence[Sequence[Polynomial]]
+Equation = Mapping[str, Factor]
+"""The factors of a minor by their keys: it is zero where one of them is."""
+
+MAX_MINORS = 200
+MAX_STEPS = 400
+"""Choices of factors that are followed."""
+
+
+@dataclass(frozen=True)
+class Zero:
+    """A factor that is zero.
+
+    Attributes:
+        factor: The factor.
+        value: Which of its solutions is meant, see `CommonZeros.images`; None for all.
+    """
+
+    factor: Factor
+    value: int | None = None
+
+    @property
+    def key(self) -> tuple[str, int | None]:
+        """The same for the same zeros."""
+        return _key(self.factor), self.value
+
+
+Family = tuple[Zero, ...]
+"""Factors that are zero together."""
+
+
+@dataclass(frozen=True)
+class RankLoss:
+    """Where a matrix has less than its usual rank.
+
+    Attributes:
+        rank: The usual rank.
+        families: The rank is less where all factors of one of these are zero.
+        complete: Whether it is less nowhere else.
+        unless: Polynomials without a number that do not move and are taken not to be zero.
+    """
+
+    rank: int
+    families: tuple[Family, ...]
+    complete: bool
+    unless: tuple[Polynomial, ...]
+
+
+def rank_loss(domain: PolynomialDomain, matrices: Iterable[Rows]) -> RankLoss:
+    """Where the rank of a matrix falls.
+
+    Args:
+        domain: Of its entries.
+        matrices: The matrix in several axes, of which the one is taken that gets shortest.
+
+    Raises:
+        TooManyTerms: Its entries are too long.
+    """
+    solver = CommonZeros(domain)
+    found = []
+    for rows in matrices:
+        with suppress(TooManyTerms):
+            found.append(solver.reduced(rows))
+    if not found:
+        raise TooManyTerms(domain.ring.max_terms)
+    rank, rows, pivots = min(found, key=lambda reduced: sum(len(entry) for row in reduced[1] for entry in row))
+    for pivot in pivots:
+        solver.moving_factors(pivot)
+    try:
+        size, minors = solver.minors(rows)
+        families = solver.largest(solver.families(minors)) if minors else []
+    except TooManyTerms:
+        return RankLoss(rank + solver.zeros.rank(rows), (), complete=False, unless=())
+    return RankLoss(rank + size, tuple(families), solver.complete, tuple(solver.unless.values()))
+
+
+def _key(factor: Factor) -> str:
+    return factor.value.normalised()[1]
+
+
+class CommonZeros:
+    """Solves systems of products.
+
+    Args:
+        domain: Of the polynomials.
+
+    Attributes:
+        complete: Whether every common zero lies in the families that were given out.
+        unless: What was taken not to be zero, by keys.
+    """
+
+    def __init__(self, domain: PolynomialDomain) -> None:
+        self._domain, self._factoring, self.zeros = domain, Factoring(domain), RealZeros(domain)
+        self.complete, self.unless, self._steps = True, dict[str, Polynomial](), 0
+
+    def reduced(self, rows: Rows) -> tuple[int, Rows, list[Polynomial]]:
+        """The rank that entries which do not move take out of a matrix, the rest of it, and these entries."""
+        left, pivots = [list(row) for row in rows if any(row)], list[Polynomial]()
+        while True:
+            still = [(i, j) for i, row in enumerate(left) for j, p in enumerate(row) if self._stands(p)]
+            if not still:
+                return len(pivots), left, pivots
+            _, i, j = min((self._cost(left, i, j), i, j) for i, j in still)
+            own = left.pop(i)
+            p = own.pop(j)
+            pivots.append(p)
+            by, weight = (1 / p.constant_term, 1) if p.is_constant else (1, p)
+            pairs = ((row.pop(j) * by, row) for row in left)
+            left = [[x * weight - first * y for x, y in zip(row, own, strict=True)] for first, row in pairs]
+            left = [row for row in left if any(row)]
+
+    @staticmethod
+    def _cost(rows: Rows, i: int, j: int) -> tuple[int, ...]:
+        """Numbers first, then those that are short and change fewest other entries."""
+        fill = sum(map(bool, rows[i])) * sum(bool(row[j]) for row in rows)
+        return not rows[i][j].is_constant, len(rows[i][j]), fill
+
+    def _stands(self, p: Polynomial) -> bool:
+        return not self.zeros.moving(p) and not self.zeros.vanishes(p)
+
+    def minors(self, rows: Rows) -> tuple[int, list[Polynomial]]:
+        """The largest minors that are not zero everywhere, and their size."""
+        width = len(rows[0]) if rows else 0
+        for size in range(self.zeros.rank(rows), 0, -1):
+            if comb(len(rows), size) * comb(width, size) > MAX_MINORS:
+                raise TooManyTerms(MAX_MINORS)
+            pairs = ((r, c) for r in combinations(rows, size) for c in combinations(range(width), size))
+            found = (determinant([[row[k] for k in columns] for row in chosen]) for chosen, columns in pairs)
+            if minors := [p for p in found if self.moving_factors(p) is not None]:
+                return size, minors
+        return 0, []
+
+    def moving_factors(self, p: Polynomial) -> Equation | None:
+        """The factors of a polynomial that can be zero; None where it is zero everywhere."""
+        if self.zeros.vanishes(p):
+            return None
+        found = {}
+        for factor in self._factoring.factors(p):
+            key = _key(factor)
+            if self.zeros.moving(factor.value):
+                if self.zeros.exist((factor.value,)) is not False:
+                    found[key] = factor
+            elif not self.zeros.is_number(factor.value):
+                self.unless[key] = factor.value
+        return found
+
+    def families(self, polynomials: Iterable[Polynomial]) -> list[Family]:
+        """The common zeros of polynomials."""
+        read = [self.moving_factors(p) for p in polynomials]
+        return self._solved([equation for equation in read if equation is not None])
+
+    def _solved(self, equations: Sequence[Equation]) -> list[Family]:
+        self._steps += 1
+        if self._steps > MAX_STEPS:
+            self.complete = False
+            return []
+        needed: list[Equation] = []
+        for equation in sorted(equations, key=len):  # one with all factors of another follows from it
+            if not any(set(other) <= set(equation) for other in needed):
+                needed.append(equation)
+        if not needed or not needed[0]:
+            return [()] if not needed else []
+        common = set.intersection(*map(set, needed))
+        found: list[Family] = [(Zero(needed[0][key]),) for key in needed[0] if key in common]
+        rest = [{key: factor for key, factor in e.items() if key not in common} for e in needed]
+        if not all(rest):
+            return found
+        first = min(rest, key=self._effort)
+        if self._effort(first)[0]:
+            return found + self._together([factor for equation in rest for factor in equation.values()])
+        for key, factor in first.items():
+            found += self._with(factor, [e for e in rest if e is not first and key not in e])
+        return found
+
+    def _effort(self, equation: Equation) -> tuple[int, ...]:
+        unsolved = sum(not self.images(factor) for factor in equation.values())
+        terms = sum(len(factor.value) for factor in equation.values())
+        return len(equation) == unsolved == 1, len(equation), unsolved, terms
+
+    def _together(self, factors: Sequence[Factor]) -> list[Family]:
+        """Factors without solutions of their own are a family if they share no joint."""
+        joints = [set(self.zeros.moving(factor.value)) for factor in factors]
+        if not any(a & b for a, b in combinations(joints, 2)):
+            return [tuple(map(Zero, factors))]
+        self.complete = self.complete and self.zeros.exist([factor.value for factor in factors]) is False
+        return []
+
+    def _with(self, factor: Factor, others: Sequence[Equation]) -> list[Family]:
+        """The families in which a factor is zero; its solutions together where the others are the same for all."""
+        images = self.images(factor)
+        if not images:
+            return self._solved([{_key(factor): factor}, *others])
+        tables = []
+        for image in images:
+            before: dict[tuple[str, int | None], Zero] = {}
+            put = [self._put_in(equation, image, before) for equation in others]
+            solved = self._solved([equation for equation in put if equation is not None])
+            pairs = [(family, tuple(before.get(zero.key, zero) for zero in family)) for family in solved]
+            tables.append({frozenset(zero.key for zero in read): (family, read) for family, read in pairs})
+        shared = [name for name in tables[0] if all(name in table for table in tables)]
+        alone = [(k, own) for k, table in enumerate(tables) for name, (own, _) in table.items() if name not in shared]
+        return [(Zero(factor), *tables[0][name][1]) for name in shared] + [(Zero(factor, k), *own) for k, own in alone]
+
+    def _put_in(
+        self, equation: Equation, image: Mapping[int, Polynomial], before: dict[tuple[str, int | None], Zero]
+    ) -> Equation | None:
+        """An equation with a solution put in, None where it holds then; and which factors were others before."""
+        found: dict[str, Factor] = {}
+        for factor in equation.values():
+            parts = self.moving_factors(self._put(factor.value, image))
+            if parts is None:
+                return None
+            for key, part in parts.items():
+                if len(parts) == 1 and (self.images(factor) or not self.images(part)):
+                    before[key, None] = Zero(factor)
+            found |= parts
+        return found
+
+    def _put(self, p: Polynomial, image: Mapping[int, Polynomial]) -> Polynomial:
+        ring = self._domain.ring
+        return ring.wrap(p.raw.compose(*(image[i].raw if i in image else g for i, g in enumerate(ring.context.gens()))))
+
+    def images(self, factor: Factor) -> list[dict[int, Polynomial]]:
+        """What each solution of a factor makes of the generators of one joint; none where it has no such solutions.
+
+        The zeros of a sine are 0 and pi, those of a cosine -pi/2 and pi/2.
+        """
+        domain, ring = self._domain, self._domain.ring
+        if factor.kind is None:
+            joints = self.zeros.moving(factor.value)
+            slope = domain.derivative(factor.value, joints[0])
+            if len(joints) > 1 or domain.robot.joints[joints[0]].is_revolute or not slope.is_constant:
+                return []
+            rest = factor.value - slope * ring.generator(domain.robot.joints[joints[0]].variable)
+            return [{domain.places[Kind.VARIABLE, joints[0]]: rest * (-1 / slope.constant_term)}]
+        first, last = factor.joints[0], factor.joints[-1]
+        group = domain.angles[last]  # its generator's angle is the sum over these, so that of the ones before is left
+        before = group[: group.index(first)]
+        c0, s0 = ring.one, ring.zero
+        if before:
+            c0, s0 = (
+                ring.wrap(ring.context.gens()[domain.places[kind, before[-1]]]) for kind in (Kind.COSINE, Kind.SINE)
+            )
+        turn = domain.directions[first] * domain.directions[group[0]]
+        values = ((1, 0), (-1, 0)) if factor.kind is Kind.SINE else ((0, -turn), (0, turn))
+        cosine, sine = domain.places[Kind.COSINE, last], domain.places[Kind.SINE, last]
+        return [{cosine: c * c0 - s * s0, sine: s * c0 + c * s0} for c, s in values]
+
+    def largest(self, families: Sequence[Family]) -> list[Family]:
+        """The families that do not lie in others."""
+        kept: list[Family] = []
+        for family in sorted(families, key=lambda f: (len(f), sum(len(zero.factor.value) for zero in f))):
+            if not any(all(self._implies(family, zero) for zero in other) for other in kept):
+                kept.append(family)
+        return kept
+
+    def _implies(self, family: Family, zero: Zero) -> bool:
+        if zero.value is not None or zero.key in {own.key for own in family}:
+            return zero.key in {own.key for own in family}
+        left = [zero.factor.value]
+        for own in family:
+            images = self.images(own.factor)
+            chosen = images if own.value is None else images[own.value : own.value + 1]
+            left = [self._put(p, image) for p in left for image in chosen or [{}]]
+        return not any(left)

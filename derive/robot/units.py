@@ -1,0 +1,203 @@
+"""Every cell of a robot with its place, what it is a number of, and so in which unit the number of a symbol is.
+
+In a file that says ``parameters: file``, the number of a symbol is in the unit of the cells in which it stands by
+itself: a symbol that is a length in a file in millimetres has a number in millimetres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from enum import Enum
+from functools import partial
+from typing import TYPE_CHECKING
+
+from derive.errors import RobotFileError
+from derive.robot.description import Description, FileUnits, Joint
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Pi,
+    Product,
+    add,
+    children,
+    is_constant,
+    linear_terms,
+    multiply,
+    names,
+    number,
+    power,
+)
+
+if TYPE_CHECKING:  # names of symbols are asked for where no YAML is read
+    from derive.robot.document import KeyPath
+
+
+class Unit(Enum):
+    """What a cell is a number of, as far as files differ in it."""
+
+    SI = "a quantity in SI units"
+    LENGTH = "a length"
+    ANGLE = "an angle"
+
+    def differs_in(self, units: FileUnits) -> bool:
+        """Whether the file has another unit for it than SI and radians."""
+        return (self is Unit.ANGLE and units.degrees) or (self is Unit.LENGTH and units.millimetres)
+
+
+def position_unit(joint: Joint) -> Unit:
+    """What the variable of a joint is."""
+    return Unit.ANGLE if joint.is_revolute else Unit.LENGTH
+
+
+def cell_unit(path: KeyPath, robot: Description) -> Unit:
+    """What the cell at a place of the file is."""
+    match path:
+        case ("joints", int(row), "limits", _) | ("figure", "q", int(row)):
+            return position_unit(robot.joints[row])
+        case ("joints", _, "theta" | "alpha"):
+            return Unit.ANGLE
+        case ("joints", _, "d" | "a") | ("links", _, "com", _) | ("base" | "tool", 0 | 1 | 2, 3):
+            return Unit.LENGTH
+    return Unit.SI
+
+
+def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expression]]:
+    """Every expression of the robot.
+
+    Args:
+        robot: The robot.
+
+    Yields:
+        Its path in the file, and the expression.
+    """
+    for key, matrix in (("base", robot.base), ("tool", robot.tool)):
+        yield from (((key, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
+    for index, joint in enumerate(robot.joints):
+        row: KeyPath = ("joints", index)
+        cells = (("theta", joint.theta), ("d", joint.d), ("a", joint.a), ("alpha", joint.alpha))
+        yield from (((*row, key), expression) for key, expression in cells)
+        yield from (((*row, "limits", k), limit) for k, limit in enumerate(joint.limits or ()))
+    yield from ((("gravity", k), entry) for k, entry in enumerate(robot.gravity or ()))
+    for index, link in enumerate(robot.links):
+        row = ("links", index)
+        yield (*row, "mass"), link.mass
+        yield from (((*row, "com", k), entry) for k, entry in enumerate(link.com))
+        for key in ("xx", "yy", "zz", "xy", "xz", "yz"):
+            yield (*row, "inertia", key), getattr(link.inertia, key)
+        for key in ("mass", "inertia", "ratio") if link.motor is not None else ():
+            yield (*row, "motor", key), getattr(link.motor, key)
+        yield (*row, "armature"), link.armature
+        yield (*row, "friction", "viscous"), link.viscous
+        yield (*row, "friction", "coulomb"), link.coulomb
+
+
+def is_turn(expression: Expression) -> bool:
+    """Whether it is a sine, cosine or tangent."""
+    return isinstance(expression, Call) and expression.function in ("sin", "cos", "tan")
+
+
+def turned_angles(expression: Expression) -> Iterator[Expression]:
+    """The arguments of sin, cos and tan in a cell."""
+    if is_turn(expression):
+        yield from children(expression)
+    for part in children(expression):
+        yield from turned_angles(part)
+
+
+def symbolic_factors(term: Expression) -> list[Expression]:
+    """What of a term is neither a number nor a sine, cosine or tangent."""
+    factors = term.factors if isinstance(term, Product) else (term,)
+    return [factor for factor in factors if not is_constant(factor) and not is_turn(factor)]
+
+
+def symbol_unit(robot: Description, name: str) -> Unit:
+    """What a symbol is a number of, `Unit.SI` also where the units of the file make no difference.
+
+    A term ``2*cos(beta)*a1`` of a length cell says that a1 is a length; products of symbols say nothing.
+
+    Args:
+        robot: The robot.
+        name: A symbol of it, or of a formula beside it.
+
+    Raises:
+        RobotFileError: It stands for several things with different units, or only where nothing tells what it is.
+    """
+    alone, others = set[Unit](), set[Unit]()
+    for path, cell in located_expressions(robot):
+        unit = cell_unit(path, robot)
+        for whole, what in [(cell, unit), *((angle, Unit.ANGLE) for angle in turned_angles(cell))]:
+            for _, term in linear_terms(whole):
+                factors = symbolic_factors(term)
+                if factors == [Name(name)]:
+                    alone.add(what)
+                elif any(name in names(factor) for factor in factors):
+                    others |= {Unit.SI, Unit.LENGTH if what is Unit.SI else what}
+    found = {unit if unit.differs_in(robot.units) else Unit.SI for unit in alone or others}
+    if len(found) < 2:
+        return next(iter(found), Unit.SI)
+    meanings = " and ".join(unit.value for unit in Unit if unit in alone)
+    raise RobotFileError(
+        f"'{name}' stands for {meanings}" if alone else f"'{name}' stands in products alone, which tell no unit",
+        allowed="with parameters: file, allowed: symbols that stand by themselves, and for one kind of quantity",
+        remedy="write its number into these cells, use two symbols, or leave out parameters: file and write SI units",
+    )
+
+
+def are_units_clear(robot: Description) -> bool:
+    """Whether every symbol with a number has one unit in the file."""
+    try:
+        return all(symbol_unit(robot, name) for name, _ in (*robot.parameters, *robot.figure.values))
+    except RobotFileError:
+        return False
+
+
+def in_file_units(cell: Expression, unit: Unit, units: FileUnits) -> Expression:
+    """A cell as the file has it: terms without a name are in its units.
+
+    Args:
+        cell: In SI units and radians.
+        unit: What it is.
+        units: Those of the file.
+    """
+    if not unit.differs_in(units):
+        return cell
+    factor = number(1000) if unit is Unit.LENGTH else multiply(number(180), power(Pi(), -1))
+    terms = []
+    for coefficient, term in linear_terms(cell):
+        if not is_constant(term):
+            terms.append(multiply(number(coefficient), term))
+            continue
+        parts = list(product.factors if isinstance(product := multiply(factor, term), Product) else (product,))
+        if Pi() in parts and power(Pi(), -1) in parts:
+            parts.remove(Pi())
+            parts.remove(power(Pi(), -1))
+        terms.append(multiply(number(coefficient), *parts))
+    return add(*terms)
+
+
+def joint_in_file_units(joint: Joint, units: FileUnits) -> Joint:
+    """A joint whose numbers are as the file has them."""
+    angle, length = (partial(in_file_units, unit=unit, units=units) for unit in (Unit.ANGLE, Unit.LENGTH))
+    position, limits = angle if joint.is_revolute else length, joint.limits
+    return replace(
+        joint,
+        theta=angle(joint.theta),
+        d=length(joint.d),
+        a=length(joint.a),
+        alpha=angle(joint.alpha),
+        limits=limits and (position(limits[0]), position(limits[1])),
+        speed=joint.speed and position(joint.speed),
+    )
+
+
+def in_symbol_units(robot: Description, name: str, value: Expression) -> Expression:
+    """The number of a symbol as a user types it: in SI units unless the file says otherwise.
+
+    Args:
+        robot: The robot.
+        name: The symbol.
+        value: Its number [SI units, rad].
+    """
+    return in_file_units(value, symbol_unit(robot, name), robot.units) if robot.units.parameters else value

@@ -1,0 +1,179 @@
+"""One option, one name in every command: properties over the parsers of all of them."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from derive.cli.main import COMMANDS, whole_parser
+from derive.cli.options import OLD, SHARED, STDOUT, file_or_stdout
+from tests.cli.command import derive, is_one_message
+
+PARSERS = dict(zip(COMMANDS, whole_parser()[1], strict=True))
+
+
+def options() -> Iterator[tuple[str, argparse.Action]]:
+    """Every option of every command."""
+    for name, parser in PARSERS.items():
+        yield from ((name, action) for action in parser._actions if action.option_strings)
+
+
+def test_an_option_has_one_name_and_a_name_one_option() -> None:
+    names: dict[str, set[tuple[str, ...]]] = {}
+    meanings: dict[str, set[str]] = {}
+    for _, action in options():
+        names.setdefault(action.dest, set()).add(tuple(action.option_strings))
+        for text in action.option_strings:
+            meanings.setdefault(text, set()).add(action.dest)
+    assert {dest: found for dest, found in names.items() if len(found) > 1} == {}
+    assert {text: found for text, found in meanings.items() if len(found) > 1} == {}
+
+
+def test_shared_options_take_the_same_kind_of_value_everywhere() -> None:
+    kinds: dict[str, set[object]] = {}
+    for _, action in options():
+        if action.dest in SHARED:
+            kinds.setdefault(action.dest, set()).add((type(action), action.nargs))
+    assert {dest: found for dest, found in kinds.items() if len(found) > 1} == {}
+    assert {"out", "at", "json", "quiet", "force", "format", "lang", "strict"} <= kinds.keys()
+
+
+def test_every_command_answers_a_program_and_every_writer_can_be_forced_and_silenced() -> None:
+    having = {dest: {name for name, action in options() if action.dest == dest} for dest in ("json", "force", "quiet")}
+    assert having["json"] >= COMMANDS.keys() - {"completion"}
+    written = {name for name, action in options() if action.type in (Path, file_or_stdout)} | {"new"}
+    assert having["force"] >= written - {"verify"}  # its folder is read
+    assert having["quiet"] >= written
+
+
+@pytest.mark.parametrize("command", OLD)
+def test_old_names_mean_the_new_ones_and_are_not_shown(command: str) -> None:
+    parser, known = PARSERS[command], PARSERS[command]._option_string_actions
+    for old, new in OLD[command].items():
+        assert new in known
+        assert old not in known
+        assert not re.search(rf"{old}\b", parser.format_help())
+
+
+@pytest.mark.parametrize(
+    "old", ["-q 0.5,-0.5", "-q=-0.5,0.5", "-q-0.5,0.5", "-q -0.5,0.5", "--at -0.5,0.5", "--at=0,1"]
+)
+def test_joint_values_are_read_however_they_are_given(old: str, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    values = re.sub(r"(-q|--at)[ =]?", "", old).replace(" ", ",").split(",")
+    done = derive("plot", "planar-2r-perugia", *old.split(), "-o", "a.svg", folder=tmp_path)
+    assert f"q1 = {float(values[0]):.4g} rad, q2 = {float(values[1]):.4g} rad" in done.stdout, done.stderr
+
+
+def test_old_names_do_what_they_did(tmp_path: Path) -> None:
+    new, old = (derive("export", "kuka-kr5", name, "csv", folder=tmp_path) for name in ("--format", "--to"))
+    assert new.stdout == old.stdout != ""
+
+
+def examples(command: str) -> list[list[str]]:
+    """The arguments of each example in a command's help; a line that goes on is indented further."""
+    assert PARSERS[command].epilog is not None
+    text = PARSERS[command].epilog.partition("examples:\n")[2].replace("\n    ", " ")
+    lines = [line.partition(" > ")[0] for line in text.splitlines()]
+    return [shlex.split(line) for line in lines]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_examples_of_help_are_commands_that_parse(command: str) -> None:
+    found = examples(command)
+    assert found
+    for program, name, *arguments in found:
+        assert (program, name) == ("derive", command)
+        assert argparse.ArgumentParser.parse_known_args(PARSERS[command], arguments)[1] == []
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("shwo", "show"),
+        ("biuld", "build"),
+        ("help shwo", "show"),
+        ("list --jsn", "--json"),
+        ("show puma560-corke p --fromat text", "--format"),
+        ("plot puma560-corke --ot a.svg", "--out"),
+        ("plot puma560-corke --forec -o a.svg", "--force"),
+        ("show puma560-corke p --format latx", "latex"),
+        ("export kuka-kr5 --format urfd", "urdf"),
+        ("export kuka-kr5 --to mjfc", "mjcf"),
+        ("build thumb --effort quik", "quick"),
+        ("build thumb --target numpi", "numpy"),
+        ("convert thumb --convention modifed", "modified"),
+        ("convert puma560-corke --inertia posible", "possible"),
+        ("handout thumb --lang eng", "en"),
+        ("handout thumb --parts tabel", "table"),
+        ("show thumb inverse --task positon", "position"),
+        ("show puma560-crke p", "puma560-corke"),
+        ("show puma560-corke potentail", "potential"),
+        ("move scara-pick-and-plce", "scara-pick-and-place"),
+        ("completion bsh", "bash"),
+    ],
+)
+def test_a_slip_is_answered_with_what_was_meant(typed: str, meant: str, tmp_path: Path) -> None:
+    done = derive(*typed.split(), folder=tmp_path)
+    assert (done.status, done.stdout) == (2, "")
+    assert is_one_message(done.stderr)
+    assert re.search(rf"did you mean '?{re.escape(meant)}'?\?", done.stderr), done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("typed", "message"),
+    [
+        ("--quiet list", "no option '--quiet' before the command; see 'derive --help'"),
+        ("--vers", "no option '--vers'; did you mean '--version'?"),
+        ("completion tcsh", "no shell 'tcsh'; allowed: bash, zsh, fish; see"),
+        ("plot thumb -o", "-o/--out: expected one argument"),
+        ("show -thumb p", "no option '-thumb'"),
+    ],
+)
+def test_what_is_not_understood_is_named_as_what_it_is(typed: str, message: str, tmp_path: Path) -> None:
+    done = derive(*typed.split(), folder=tmp_path)
+    assert (done.status, done.stdout, is_one_message(done.stderr)) == (2, "", True)
+    assert message in done.stderr
+
+
+def test_an_argument_too_many_is_named_by_its_command(tmp_path: Path) -> None:
+    assert "'b' is an argument too many; see 'derive new --help'" in derive("new", "a", "b", folder=tmp_path).stderr
+
+
+@pytest.mark.parametrize("arguments", ["", "help", "help help"])
+def test_help_of_all_is_asked_for_in_every_way(arguments: str, tmp_path: Path) -> None:
+    assert derive(*arguments.split(), folder=tmp_path) == derive("--help", folder=tmp_path)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_is_asked_for_in_both_ways(command: str, tmp_path: Path) -> None:
+    done = derive("help", command, folder=tmp_path)
+    assert done == derive(command, "--help", folder=tmp_path)
+    assert (done.status, "examples:\n  derive " + command in done.stdout) == (0, True)
+
+
+def test_quiet_leaves_the_report_out_and_no_file(tmp_path: Path) -> None:
+    assert derive("new", "arm", "--quiet", folder=tmp_path).stdout == ""
+    for typed in ("convert arm.yaml -o a.yaml", "export kuka-kr5 --format csv -o a.csv"):
+        done = derive(*typed.split(), "--quiet", folder=tmp_path)
+        assert (done.status, done.stdout) == (0, ""), done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"arm.yaml", "a.yaml", "a.csv"}
+
+
+def test_a_program_is_told_which_file_was_written(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    assert json.loads(derive("new", "arm", "--json", folder=tmp_path).stdout) == {"file": "arm.yaml"}
+    drawn = json.loads(derive("plot", "arm.yaml", "-o", "a.svg", "--json", folder=tmp_path).stdout)
+    assert (drawn["robot"], drawn["file"]) == ("arm", "a.svg")
+
+
+def test_standard_output_is_no_file() -> None:
+    assert file_or_stdout(str(STDOUT)) is None
+    assert file_or_stdout("a.yaml") == Path("a.yaml")

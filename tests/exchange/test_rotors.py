@@ -1,0 +1,108 @@
+"""What is written with possible bodies exists, is taken by MuJoCo, and moves as the equations say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+import pytest
+
+from derive.exchange.body_chain import body_chain
+from derive.exchange.formats import exported
+from derive.exchange.rotors import lost_coupling, with_rotors
+from derive.exchange.space import exactly
+from derive.exchange.witness import NoSuchBodies
+from derive.robot.description import Motor
+from derive.robot.expression import number
+from derive.robot.robot import Robot
+from tests.exchange.arms import numeric
+from tests.exchange.random_arms import random_arm
+from tests.exchange.test_to_mjcf import worst
+from tests.exchange.urdfs import Reading
+
+mujoco = pytest.importorskip("mujoco")
+pytest.importorskip("clarabel")
+
+SEEDS = [*range(6), *(pytest.param(seed, marks=pytest.mark.sweep) for seed in range(6, 500))]
+
+TWO = """
+name: two
+convention: standard
+joints:
+  - {type: revolute, theta: q1, a: 0.5}
+  - {type: revolute, theta: q2, a: 0.4}
+gravity: [0, -9.81, 0]
+links:
+  - {mass: 2, com: [-0.25, 0, 0], inertia: {xx: 0.001, yy: 0.02, zz: 0.021}, motor: {inertia: 0.03, ratio: 50}}
+  - {mass: 1, com: [-0.2, 0, 0], inertia: {xx: 0.001, yy: 0.02, zz: 0.021}, motor: {inertia: 0.03, ratio: 50}}
+"""
+
+WRIST = """
+name: wrist
+convention: modified
+joints:
+  - {type: revolute, theta: q1, d: 0.3}
+  - {type: revolute, theta: -q2, a: 0.1, alpha: pi/2}
+  - {type: prismatic, d: q3, theta: 0.3, alpha: 0.7}
+  - {type: revolute, theta: -q4, a: 0.2, alpha: -pi/2}
+  - {type: revolute, theta: q5, d: 0.1, alpha: pi/2}
+gravity: [0, 0, -9.81]
+links:
+  - {mass: 9, com: [0, 0.02, -0.1], inertia: {xx: 0.3, yy: 0.3, zz: 0.2}}
+  - {mass: 6, com: [0.1, 0, 0.1], inertia: {xx: 0.2, yy: 0.3, zz: 0.2}, motor: {inertia: 0.001, ratio: 90}}
+  - {mass: 4, com: [0, 0.1, 0], inertia: {xx: 0.2, yy: 0.2, zz: 0.2}}
+  - {mass: 3, com: [0, 0, 0.1], inertia: {xx: 0.1, yy: 0.1, zz: 0.1}, motor: {mass: 0.2, inertia: 0.0005, ratio: -80}}
+  - {mass: 2, com: [0, 0, 0.1], inertia: {xx: 0.1, yy: 0.1, zz: 0.05}, motor: {inertia: 0.0005, ratio: 60}}
+"""
+
+
+def room(text: str) -> float:
+    """The least of mass, moments and A + B - C of the links of a URDF, of the largest moment of each."""
+    found = []
+    for inertial in Xml.fromstring(text).iter("inertial"):
+        xx, yy, zz, xy, xz, yz = (
+            float(inertial.find("inertia").get(f"i{k}")) for k in ("xx", "yy", "zz", "xy", "xz", "yz")
+        )
+        a, b, c = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        found += [min(a, a + b - c) / c if c else 0.0, float(inertial.find("mass").get("value"))]
+    return min(found)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_random_arm_is_taken_by_mujoco_and_accelerates_as_ours_or_the_remark_says_how_much_not(seed: int) -> None:
+    robot = random_arm(seed, motors=seed % 2 == 1)
+    try:
+        made, plain = exported(robot, "mjcf", "possible"), exported(robot, "urdf", "possible")
+    except NoSuchBodies:  # some, where bodies of so little inertia carry such a rotor, or are points
+        pytest.skip("refused")
+    acceleration, pose = worst(robot, made.text)
+    told = [float(remark.partition("by up to ")[2].split()[0]) for remark in made.remarks if "coupling" in remark]
+    assert pose < 1e-12
+    assert acceleration < 10 * told[0] if told else acceleration < 1e-11
+    assert room(plain.text) >= 0
+    states = np.random.default_rng(seed).uniform(-1, 1, (3, robot.n))
+    names = [joint.variable for joint in robot.joints]
+    ours, theirs = (Reading(text, names).torque(*states) for text in (exported(robot, "urdf").text, plain.text))
+    assert np.abs(ours - theirs).max() < 1e-9 * np.abs(ours).max()
+
+
+@pytest.mark.parametrize("robot", [numeric("scara-matlab"), Robot.from_text(TWO)], ids=["scara", "two"])
+def test_bodies_are_repaired_with_the_rotors_that_they_carry(robot: Robot) -> None:
+    assert room(exported(robot, "urdf").text) < 0
+    assert room(exported(robot, "urdf", "possible").text) > 0
+
+
+@pytest.mark.parametrize("inertia", ["given", "possible"])
+def test_a_rotor_whose_coupling_varies_is_divided_where_both_links_can_be(inertia: str) -> None:
+    robot = Robot.from_text(WRIST)
+    made = exported(robot, "mjcf", inertia)
+    assert "the rotor of q4, q5 is divided between the links beside the joint, and its armature" in made.remarks
+    assert max(worst(robot, made.text)) < 1e-12
+    heavier = replace(robot.links[4], motor=Motor(inertia=number("0.01"), ratio=number(60)))
+    other = replace(robot, links=(*robot.links[:4], heavier))
+    made = exported(other, "mjcf", inertia)
+    assert any("of q5; where accelerations are up to 1, they differ by up to" in remark for remark in made.remarks)
+    with exactly():
+        written, _ = with_rotors(body_chain(other), lambda rotor: False, inertia)
+        assert lost_coupling(other, written, lambda rotor: False) > 1e-3
