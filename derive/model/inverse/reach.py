@@ -267,8 +267,9 @@ class _Reading:
     # -- bounds
 
     def _bound(self, unknown: Expr, left: Expr, right: Expr) -> Bound | None:
-        """right^2 <= left as a bound of one quantity; None where it depends on more than places."""
-        if any(e.has(sympy.sin, sympy.cos) or e.free_symbols & self._pose - self._places for e in (left, right)):
+        """right^2 <= left as a bound of one quantity; None where it depends on more than places, or on other joints."""
+        more = self._pose - self._places | {sympy.Symbol(joint.variable) for joint in self._found.robot.joints}
+        if any(e.has(sympy.sin, sympy.cos) or e.free_symbols & more for e in (left, right)):
             return None
         has_left, has_right = (bool(e.free_symbols & self._places) for e in (left, right))
         if has_right and not has_left:

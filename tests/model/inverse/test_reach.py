@@ -104,3 +104,11 @@ def test_numbers_of_bounds_are_those_of_the_file() -> None:
     assert [float(number) for number in numbers if number is not None] == pytest.approx([0.150051, 0.877008], abs=1e-6)
     planar = reach_of(catalogue("planar-2r-perugia"))
     assert planar.numbers(planar.bounds[0]) is None
+
+
+def test_a_slide_that_is_found_before_bounds_no_place() -> None:
+    """Where q1 is real depends on q3 there, which the pose tells; a comparison with its sign ended in a fault."""
+    rows = "[{type: revolute, d: d1}, {type: revolute, alpha: pi/2}, {type: prismatic, a: a2, alpha: pi/4}]"
+    found = reach_of(Robot.from_text("name: arm\nconvention: modified\njoints: " + rows))
+    assert [str(bound.least) for bound in found.bounds] == ["a2**2"]
+    assert sympy.Symbol("q1") in found.others
