@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-sweep test-release test-robots test-toolbox test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
+.PHONY: all setup models test test-sweep test-release test-robots test-toolbox test-fast check errata generated-check verify-generated messages bench golden wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -78,6 +78,10 @@ $(BENCH)/.ready: pyproject.toml constraints.txt
 	$(BENCH)/bin/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
 	-$(BENCH)/bin/python -m pip install --quiet --constraint constraints.txt '.[bench-inverse]'
 	@touch $@
+
+# Digests of all that derive writes, some three minutes; with BASE=REVISION what differs from that revision's.
+golden: $(READY)
+	$(BIN)/python bench/golden.py $(if $(BASE),--base $(BASE))
 
 # The documentation as a site, in docs/_build/html; the gallery of the built-in robots is drawn by derive itself.
 docs: $(READY)

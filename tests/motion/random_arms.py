@@ -62,13 +62,14 @@ def simulated(random: Random) -> str:
     profile = random.choice(["quintic", "cubic", "trapezoidal", "spline", "septic", "harmonic"])
     law = random.choice(["none", "pd", "pd-gravity", "computed-torque"])
     period = "" if law == "none" else _perhaps(0.3, lambda: f", period: {random.choice([0.005, 0.02, 0.013])}")
+    gains = "" if law == "none" else ", kp: 100, kd: 20"
     push = f"[{{joint: q{random.integers(1, n + 1)}, torque: 3, start: 0.3, end: 0.8}}]"
     return (
         arm(random, n, rough=True)
         + points(random, n, "abc")
         + f"profile: {profile}\nfriction: {random.choice(['none', 'smooth', 'exact'])}\n"
         + f"path: [a, {{to: b, time: 1{_perhaps(0.5, _load)}}}, {{to: c, time: 1{_perhaps(0.5, _load)}}}]\n"
-        + f"control: {{law: {law}, kp: 100, kd: 20{period}}}\n"
+        + f"control: {{law: {law}{gains}{period}}}\n"
         + _perhaps(0.4, lambda: f"disturbance: {push}\n")
         + _perhaps(0.3, lambda: "base: {x: sin(2*t)/3, z: t**2/4, rpy: [t/2, 0.3, t**2/3]}\n")
         + _perhaps(0.4, lambda: f"plant: {{payload: {cells([random.uniform(0.1, 1)])}}}\n")
