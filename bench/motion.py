@@ -26,10 +26,10 @@ from bench.robots import FOLDER as ROBOTS
 from bench.robots import load
 from bench.tables import ABSENT, environment_line, section, table
 from bench.terminal import say
-from derive.motion.film import Film
-from derive.motion.functions import Functions
 from derive.motion.motion import Motion
-from derive.motion.simulation import Run
+from derive.motion.output.film import Film
+from derive.motion.simulation.simulation import Run
+from derive.motion.torques.functions import Functions
 
 TOOLBOX = "roboticstoolbox"
 

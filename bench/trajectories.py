@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Float, Integer, Rational
 
-from derive.motion.hermite import Array, Piece
-from derive.motion.profile import ZERO, AnyPiece, Profile, rest_to_rest, trapezoid
-from derive.motion.trajectory import Segment, Trajectory
+from derive.arrays import Array
+from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.plans.hermite import Piece
+from derive.plans.profile import ZERO, AnyPiece, Profile, rest_to_rest, trapezoid
 
 MOST = 1e-12
 """Largest difference, relative to the largest value of a position, velocity or acceleration."""

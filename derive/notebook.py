@@ -11,17 +11,17 @@ from functools import partial
 from typing import Any
 
 from derive.errors import QuantityError
-from derive.handouts.context import Context
-from derive.handouts.language import Text
 from derive.handouts.notation.symbols import bold
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.language import Text
+from derive.lecture.matrices import aligned_latex
 from derive.model.assumptions import Assumptions, View
 from derive.model.dynamic_entries import ModelEntries
-from derive.model.matrices import aligned_latex
 from derive.model.model import Model as ClosedForms
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
+from derive.robot.options.style import Style
 from derive.robot.robot import Robot
-from derive.robot.style import Style
 from derive.version import __version__
 
 MOST_LINES = 40

@@ -24,7 +24,7 @@ import numpy.typing as npt
 from mpc_casadi import LIMITS, ROBOT, STEP, generated_model, step_function
 
 import derive
-from derive.motion.code import module_of
+from derive.motion.output.code import module_of
 
 PLAN = Path(__file__).with_name("swing-path.yaml")
 HORIZON, STEPS = 8, 80

@@ -17,8 +17,8 @@ from itertools import combinations, pairwise
 
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Expression, Number, Pi, Power, Product, Sum, add, multiply
+from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
-from derive.robot.style import Contraction
 
 Terms = tuple[tuple[Expression, Fraction], ...]
 

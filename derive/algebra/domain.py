@@ -25,8 +25,8 @@ from derive.errors import ExpressionError
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
 from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
-from derive.robot.style import Contraction
 
 
 class PolynomialDomain:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from derive.api.robots import RobotLike, load, load_all
 from derive.errors import OutputError, VerificationError
-from derive.programs.search_policy import Effort, effort_named
+from derive.programs.optimise.search_policy import Effort, effort_named
 
 if TYPE_CHECKING:  # what builds and verifies takes longer to import than a refusal of its input to be told
     from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress

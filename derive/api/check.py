@@ -9,12 +9,12 @@ from pathlib import Path
 from derive.api.robots import RobotLike, load, tell
 from derive.checking.comparison import check_expression
 from derive.checking.files import check_path
-from derive.checking.findings import FileReport, Finding, judge
-from derive.checking.inverse_latex import gives_joints
-from derive.checking.inverse_solutions import check_inverse as compare_inverse
-from derive.checking.inverse_solutions import inverse_text, names_inverse
-from derive.checking.latex_check import check_latex as compare_latex
-from derive.checking.printed import Asked
+from derive.checking.formulas.findings import FileReport, Finding, judge
+from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.latex import gives_joints
+from derive.checking.inverse.solutions import check_inverse as compare_inverse
+from derive.checking.inverse.solutions import inverse_text, names_inverse
+from derive.checking.latex.check import check_latex as compare_latex
 from derive.checking.report import (
     Printout,
     difference_text,
@@ -29,7 +29,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.model.model import Model
 from derive.robot.description import Remark
-from derive.robot.inverse_options import chosen_task
+from derive.robot.options.inverse import chosen_task
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
 

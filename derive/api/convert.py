@@ -7,7 +7,7 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load
 from derive.exchange.convert import Converted, convention_named, converted
-from derive.exchange.possible import wants_possible, with_chosen_bodies
+from derive.model.identification.possible import wants_possible, with_chosen_bodies
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.description import Convention
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError, RobotFileWarning, near_miss, quoted
 from derive.exchange.formats import Exported, exported
-from derive.exchange.possible import wants_possible
+from derive.model.identification.possible import wants_possible
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value
 from derive.robot.expression import Expression

@@ -13,9 +13,9 @@ from derive.errors import DeriveError, TargetError, listed
 from derive.handouts.fragment import fragment_text
 from derive.handouts.render import Addition, Format, handout_files, sheet_names
 from derive.publish.atomic_folder import refuse_taken, write_files
-from derive.robot.handout_options import Derivation, chosen_notation, chosen_pages, chosen_parts
+from derive.robot.options.handout import Derivation, chosen_notation, chosen_pages, chosen_parts
+from derive.robot.options.style import Style, choice_named
 from derive.robot.robot import Robot
-from derive.robot.style import Style, choice_named
 
 if TYPE_CHECKING:
     from derive.motion.motion import Motion
@@ -141,7 +141,7 @@ def handout(
 def _motion_of(plan: Motion | str | Path, robot: Robot, *, drawn: bool) -> Addition:
     """A motion in the handout of its robot; drawn on paper, while the page has plots of its own."""
     from derive.motion.motion import Motion
-    from derive.motion.page import motion_figure, plan_part
+    from derive.motion.output.page import motion_figure, plan_part
 
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
     moved = motion.plan.robot

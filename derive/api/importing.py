@@ -14,9 +14,9 @@ from derive.exchange.certificate import Certificate, certify
 from derive.exchange.from_urdf import Imported, ImportKeywords, ImportOptions, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
 from derive.exchange.source import Source, open_urdf, opened, relative
-from derive.exchange.space import exactly
 from derive.exchange.urdf import Urdf
-from derive.exchange.witness import NoSuchBodies
+from derive.mechanics.space import exactly
+from derive.model.identification.witness import NoSuchBodies
 from derive.publish.atomic_folder import write_files
 from derive.robot.load import is_robot_name, robot_file_bytes
 from derive.robot.robot import Robot

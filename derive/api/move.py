@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 from derive.api.robots import tell
 from derive.errors import DeriveError
-from derive.motion.catalogue import plan_names
 from derive.motion.motion import Motion
-from derive.motion.table import csv_bytes
+from derive.motion.output.table import csv_bytes
+from derive.plans.catalogue import plan_names
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 
 if TYPE_CHECKING:
-    from derive.motion.code import VerifiedCode
+    from derive.motion.output.code import VerifiedCode
 
 if TYPE_CHECKING:
-    from derive.motion.simulation import Run
+    from derive.motion.simulation.simulation import Run
 
 MotionLike = Motion | str | Path
 """A motion, the path of a plan, or the name of a built-in one."""
@@ -43,26 +43,26 @@ class Form:
 
 
 def _film(motion: Motion, run: Run | None, ending: str) -> bytes:
-    from derive.motion.film import Film
+    from derive.motion.output.film import Film
 
     film = Film(motion, run)
     return film.gif() if ending == ".gif" else film.mp4()
 
 
 def _page(motion: Motion, run: Run | None, _ending: str) -> bytes:
-    from derive.motion.page import motion_page
+    from derive.motion.output.page import motion_page
 
     return motion_page(motion, run).encode()
 
 
 def _part(motion: Motion, _run: Run | None, ending: str) -> bytes:
-    from derive.motion.page import motion_sheet
+    from derive.motion.output.page import motion_sheet
 
     return motion_sheet(motion, ending)
 
 
 def _plot(motion: Motion, run: Run | None, ending: str) -> bytes:
-    from derive.motion.plot import plot_bytes
+    from derive.motion.output.plot import plot_bytes
 
     return plot_bytes(motion, ending, run)
 
@@ -74,13 +74,13 @@ def _needs_figures() -> None:
 
 
 def _needs_pictures() -> None:
-    from derive.motion.film import require_pillow
+    from derive.motion.output.film import require_pillow
 
     require_pillow()
 
 
 def _needs_films() -> None:
-    from derive.motion.film import ffmpeg
+    from derive.motion.output.film import ffmpeg
 
     _needs_pictures()
     ffmpeg()
@@ -166,7 +166,7 @@ def move(
         raise DeriveError(f"two contents for {min(twice)!r}", remedy="name two files")
     of_code: list[Path] = []
     if code is not None:
-        from derive.motion.code import FILES, verified_code
+        from derive.motion.output.code import FILES, verified_code
 
         of_code = [Path(code) / file for file in FILES]
     refuse_taken([*paths.values(), *of_code], force=force)

@@ -11,15 +11,15 @@ from pathlib import Path
 from derive.api.robots import RobotLike, configuration, load
 from derive.errors import DeriveError
 from derive.handouts.figure.arm import arm_drawing
-from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.figure.workspace.plot import workspace_bytes
-from derive.handouts.figure.workspace.region import Measure
-from derive.handouts.figure.workspace.workspace import Workspace, WorkspaceView, find_workspace
+from derive.handouts.figure.workspace_plot import workspace_bytes
 from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
+from derive.workspace.region import Measure
+from derive.workspace.views import Workspace, WorkspaceView, find_workspace
 
 SUFFIXES = (".pdf", ".svg", ".png")
 """Forms of a figure, by the ending of its file."""

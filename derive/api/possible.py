@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from derive.api.robots import Robot, RobotLike, load
-from derive.exchange.possible import Possible
-from derive.exchange.possible import possible as nearest
+from derive.model.identification.possible import Possible
+from derive.model.identification.possible import possible as nearest
 
 
 def possible(robot: RobotLike) -> Possible:

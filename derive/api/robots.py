@@ -50,7 +50,7 @@ class Robot(PlainRobot):
             DeriveError: No such convention, or the robot's own, or there are no possible bodies.
         """
         from derive.exchange.convert import convention_named, converted  # `import derive` and `load` need no algebra
-        from derive.exchange.possible import with_chosen_bodies
+        from derive.model.identification.possible import with_chosen_bodies
 
         return Robot.of(converted(with_chosen_bodies(self, inertia)[0], convention_named(convention)).robot)
 

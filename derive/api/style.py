@@ -11,18 +11,18 @@ from derive.api.check import latex_file
 from derive.api.robots import RobotLike, load
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
-from derive.checking.findings import Outcome
-from derive.checking.latex_check import check_latex
+from derive.checking.formulas.findings import Outcome
+from derive.checking.latex.check import check_latex
 from derive.checking.style_finding import Example, ExampleFinding, StyleEvidence, printed_examples
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.text import TextPrinter
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model
-from derive.robot.document import YamlMapping, read_tree
 from derive.robot.load import file_bytes
+from derive.robot.options.style import DEFAULT_STYLE, NAMED_STYLES
+from derive.robot.options.style import Style as Options
+from derive.robot.reading.document import YamlMapping, read_tree
 from derive.robot.robot import Robot
-from derive.robot.style import DEFAULT_STYLE, NAMED_STYLES
-from derive.robot.style import Style as Options
 
 _LATEX = re.compile(r"[\\^{}_]")
 EXAMPLE = "--example"
@@ -116,7 +116,7 @@ class FoundStyle:
 
 
 class Style(Options):
-    """How a book writes its expressions: a few independent options; see `derive.robot.style.Style`.
+    """How a book writes its expressions: a few independent options; see `derive.robot.options.style.Style`.
 
     `from_examples` finds the options from formulas as the book prints them.
     """

@@ -9,11 +9,9 @@ from itertools import pairwise, product
 
 import sympy
 
-from derive.checking.diagnosis import Question, other_orders
-from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
-from derive.checking.inverse_solutions import check_inverse
-from derive.checking.latex_check import check_latex
-from derive.checking.printed import (
+from derive.checking.formulas.diagnosis import Question, other_orders
+from derive.checking.formulas.findings import FileReport, Finding, Role, undecidable, verdict_at
+from derive.checking.formulas.printed import (
     CorpusFile,
     Factorisation,
     Identity,
@@ -22,6 +20,8 @@ from derive.checking.printed import (
     PrintedQuantity,
     PrintedText,
 )
+from derive.checking.inverse.solutions import check_inverse
+from derive.checking.latex.check import check_latex
 from derive.checking.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula

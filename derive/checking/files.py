@@ -11,18 +11,18 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from derive.checking import reading
 from derive.checking.comparison import check_file
-from derive.checking.findings import FileReport
+from derive.checking.formulas import reading
+from derive.checking.formulas.findings import FileReport
+from derive.checking.formulas.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.checking.formulas.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.frames_file import NO_ROBOT, check_frames
-from derive.checking.inverse_solutions import read_inverse
+from derive.checking.inverse.solutions import read_inverse
 from derive.checking.methods_file import SETS, check_methods
-from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
-from derive.checking.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.solutions import read_solutions
 from derive.errors import CheckError, Location, quoted
-from derive.robot.document import Node, YamlMapping, YamlScalar, read_tree
 from derive.robot.load import file_bytes
+from derive.robot.reading.document import Node, YamlMapping, YamlScalar, read_tree
 from derive.robot.robot import Robot
 
 UNREAD = ("singularities", "trajectory")

@@ -17,18 +17,18 @@ from collections.abc import Iterator, Mapping
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
-from derive.checking import reading
-from derive.checking.diagnosis import Question
-from derive.checking.findings import FileReport, Finding, Role, verdict_at
+from derive.checking.formulas import reading
+from derive.checking.formulas.diagnosis import Question
+from derive.checking.formulas.findings import FileReport, Finding, Role, verdict_at
 from derive.errors import CheckError, DeriveError, ExpressionError, Location, quoted
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.robot.description import Convention
-from derive.robot.document import Node, YamlMapping, YamlScalar
 from derive.robot.expression import Expression
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
+from derive.robot.reading.document import Node, YamlMapping, YamlScalar
+from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FORMULA_LIMITS
 
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
 """Formulas about frames have symbols and no joints."""

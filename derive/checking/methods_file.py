@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from derive.checking import reading
-from derive.checking.diagnosis import Repair
-from derive.checking.edits import SlipKind
-from derive.checking.findings import FileReport, Finding, Role
-from derive.checking.reading import required_text
-from derive.checking.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
+from derive.checking.formulas import reading
+from derive.checking.formulas.diagnosis import Repair
+from derive.checking.formulas.edits import SlipKind
+from derive.checking.formulas.findings import FileReport, Finding, Role
+from derive.checking.formulas.reading import required_text
+from derive.checking.formulas.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
 from derive.errors import CheckError, listed, near_miss, quoted
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, newton_euler_base, newton_euler_link
 from derive.model.equality import Verdict
-from derive.robot.document import Node, YamlMapping, YamlScalar
 from derive.robot.expression import Name
+from derive.robot.reading.document import Node, YamlMapping, YamlScalar
 from derive.robot.robot import Robot
 
 Array = Any

@@ -8,8 +8,8 @@ from itertools import groupby
 from math import isnan
 from typing import Any
 
-from derive.checking.findings import FileReport, Finding, Judgement, Outcome, Role, judge
-from derive.checking.printed import Citation
+from derive.checking.formulas.findings import FileReport, Finding, Judgement, Outcome, Role, judge
+from derive.checking.formulas.printed import Citation
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample
 from derive.robot.description import Remark

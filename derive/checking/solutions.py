@@ -9,17 +9,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from derive.checking import reading
-from derive.checking.diagnosis import Question
-from derive.checking.findings import Finding, Role, undecidable, verdict_at
-from derive.checking.printed import Printed, Solution
-from derive.checking.reading import Abbreviations, read_printed, required_text
+from derive.checking.formulas import reading
+from derive.checking.formulas.diagnosis import Question
+from derive.checking.formulas.findings import Finding, Role, undecidable, verdict_at
+from derive.checking.formulas.printed import Printed, Solution
+from derive.checking.formulas.reading import Abbreviations, read_printed, required_text
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import evaluate
 from derive.model.model import Model
-from derive.robot.document import Node, YamlMapping, YamlSequence
 from derive.robot.expression import ZERO, Call, Expression, Name, add, multiply, names, negate, number, substitute
 from derive.robot.names import robot_symbols
+from derive.robot.reading.document import Node, YamlMapping, YamlSequence
 from derive.robot.robot import Robot
 
 POSE_NAMES = ("ox", "oy", "oz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "sgn")

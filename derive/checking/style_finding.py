@@ -2,7 +2,7 @@
 
 Every printed formula is cut into parts that are written independently of each other: an equation of motion into what
 multiplies accelerations, what multiplies velocities, gravity and friction; any other formula is one part. A part
-depends on few options (`derive.robot.style.Style`), so every style is judged from a few trials. From each named set the
+depends on few options (`Style`), so every style is judged from a few trials. From each named set the
 options are changed, one or two at a time, as long as more formulas come out in the printed form; what no formula
 decides stays as in the set that fits best.
 """
@@ -16,7 +16,7 @@ from functools import cached_property
 from itertools import combinations, product
 
 from derive.algebra.angles import contracted_groups
-from derive.checking.findings import Finding, Outcome, Role, form_of
+from derive.checking.formulas.findings import Finding, Outcome, Role, form_of
 from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
@@ -35,8 +35,8 @@ from derive.robot.expression import (
     substitute,
 )
 from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 from derive.robot.robot import Robot
-from derive.robot.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 
 _BODIES = ("products", "factors", "brackets")
 _GRAVITY = ("products", "factors", "g")

@@ -116,7 +116,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     """What is given without a file; an unknown name is a verdict too where a program reads it."""
     from derive.api.check import formula_lines, formula_printout
     from derive.api.robots import load
-    from derive.checking.findings import Outcome
+    from derive.checking.formulas.findings import Outcome
     from derive.checking.report import as_dict, finding_dict
 
     robot, quantity = load(arguments.files[0], remarks_on_bodies=False), arguments.quantity or ""
@@ -160,7 +160,7 @@ def _print_table(printout: Printout) -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from derive.checking.findings import judge
+    from derive.checking.formulas.findings import judge
     from derive.checking.report import difference_text, right_text, summary, unknown_name, what
 
     report, console = printout.report, Console()

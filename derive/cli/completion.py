@@ -55,9 +55,9 @@ def _offered() -> dict[object, Any]:
     import shtab
 
     from derive.api.robots import catalogue
-    from derive.handouts.language import languages
+    from derive.handouts.sheet.language import languages
     from derive.model.quantities import DESCRIBED, REGISTRY
-    from derive.motion.catalogue import plan_names
+    from derive.plans.catalogue import plan_names
     from derive.publish.targets import EVERY, TARGETS
 
     robots, plans = (_words(*found, files=True) for found in (("robots", catalogue()), ("plans", plan_names())))

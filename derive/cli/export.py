@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.api.export import export_file
     from derive.api.robots import load
     from derive.errors import DeriveError, quoted
-    from derive.exchange.possible import wants_possible
+    from derive.model.identification.possible import wants_possible
 
     values = {}
     for cell in ",".join(arguments.values).split(",") if arguments.values else []:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from derive.cli.options import STDOUT, add_shared
 from derive.cli.terminal import print_json, progress
 from derive.errors import DeriveError, OutputError
-from derive.robot.handout_options import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
+from derive.robot.options.handout import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
 
 if TYPE_CHECKING:
     from derive.robot.robot import Robot

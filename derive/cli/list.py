@@ -55,8 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _list_plans(*, as_json: bool) -> int:
-    from derive.motion.catalogue import plan_names
-    from derive.motion.plan import load_plan
+    from derive.plans.catalogue import plan_names
+    from derive.plans.plan import load_plan
 
     header = ("name", "robot", "segments", "title")
     plans = [(name, load_plan(name)) for name in plan_names()]

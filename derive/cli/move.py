@@ -11,7 +11,7 @@ from derive.cli.terminal import DONE, FAILED, positive, print_columns, print_err
 
 if TYPE_CHECKING:
     from derive.motion.motion import Motion
-    from derive.motion.simulation import Run
+    from derive.motion.simulation.simulation import Run
 
 DESCRIPTION = """\
 Read a plan (the robot, points, the way between them) and print what each segment asks of the joints.
@@ -84,11 +84,11 @@ def run(arguments: argparse.Namespace) -> int:
     of_code = {"code": arguments.out, "name": arguments.name, "force": arguments.force}
     found = move(arguments.plan, simulate=arguments.simulate, language=arguments.lang, **files, **of_code)
     if rows_alone:
-        from derive.motion.table import csv_bytes
+        from derive.motion.output.table import csv_bytes
 
         print(csv_bytes(found.motion, found.run).decode(), end="")
     elif arguments.json:
-        from derive.motion.summary import summary
+        from derive.motion.output.summary import summary
 
         print_json({**summary(found.motion, found.run), "files": list(map(str, found.files))})
     elif arguments.quiet and arguments.increments:
@@ -107,7 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_error(wrong)
         return FAILED
     if found.run is not None and not found.run.reached:
-        from derive.motion.table import diverged
+        from derive.motion.output.table import diverged
 
         print_error(diverged(found.motion, found.run))
         return FAILED
@@ -117,7 +117,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> str:
     """The formulas, or the tables; what went wrong."""
-    from derive.motion.table import (
+    from derive.motion.output.table import (
         GIVEN,
         HEADER,
         JOINT_HEADER,
@@ -133,7 +133,7 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> st
     if arguments.show or arguments.hand or arguments.increments:
         from derive.motion.hand_curve import printed_hand, printed_weights
         from derive.motion.incremental import increments_of, not_closed, printed_increments
-        from derive.motion.polynomials import printed
+        from derive.motion.output.polynomials import printed
 
         if arguments.show:
             print(*printed(motion, as_latex=as_latex), sep="\n")

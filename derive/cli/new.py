@@ -11,7 +11,7 @@ from textwrap import dedent
 from derive.cli.options import add_shared
 from derive.cli.terminal import positive, print_json
 from derive.errors import OutputError, RobotFileError, quoted
-from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.reading.size_limits import FILE_LIMITS
 
 DESCRIPTION = """\
 Write NAME.yaml, a commented robot file that builds as it is: a typical arm of N joints (3: anthropomorphic, 4: SCARA,
@@ -116,7 +116,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         OutputError: There is such a file already, or options do not belong together.
     """
-    from derive.motion.catalogue import plan_bytes, plan_names
+    from derive.plans.catalogue import plan_bytes, plan_names
     from derive.publish.atomic_folder import write_files
 
     if arguments.plan is not None and (arguments.joints is not None or arguments.model is not None):
@@ -143,7 +143,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _plan_text(name: str, robot: str) -> str:
     from derive.api.robots import load
-    from derive.motion.catalogue import new_plan_text
+    from derive.plans.catalogue import new_plan_text
 
     _check_name(name)
     return new_plan_text(name, load(robot, remarks_on_bodies=False), robot)

@@ -36,11 +36,11 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
     """
     if arguments.plan:
-        from derive.motion.plan_schema import plan_json_schema
+        from derive.plans.schema import plan_json_schema
 
         print_json(plan_json_schema())
         return 0
-    from derive.robot.schema import json_schema
+    from derive.robot.reading.schema import json_schema
 
     print_json(json_schema())
     return 0

@@ -162,7 +162,7 @@ def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool)
 
 def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:
     """The robot with the task and the given joints of the command line."""
-    from derive.robot.inverse_options import chosen_given, chosen_task
+    from derive.robot.options.inverse import chosen_given, chosen_task
 
     options = robot.inverse
     variables = [joint.variable for joint in robot.joints]
@@ -200,9 +200,9 @@ def _derivation(robot: Robot, form: str, name: str, value: Any, digits: int | No
     from derive.handouts.notation.singularities import singularities_lines
     from derive.handouts.notation.text import TextPrinter
     from derive.handouts.notation.workspace import workspace_lines
-    from derive.model.inverse.aspects import Aspects
-    from derive.model.inverse.reach import Reach
-    from derive.model.inverse.solutions import InverseKinematics
+    from derive.inverse.words.reach import Reach
+    from derive.inverse.words.solutions import InverseKinematics
+    from derive.model.singularities.aspects import Aspects
     from derive.model.singularities.singularities import Singularities
 
     if isinstance(value, Singularities):
@@ -221,9 +221,9 @@ def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
     from derive.handouts.notation.derivation import derivation_parts
     from derive.handouts.notation.singularities import singularities_parts
     from derive.handouts.notation.workspace import workspace_parts
-    from derive.model.inverse.aspects import Aspects
-    from derive.model.inverse.reach import Reach
-    from derive.model.inverse.solutions import InverseKinematics
+    from derive.inverse.words.reach import Reach
+    from derive.inverse.words.solutions import InverseKinematics
+    from derive.model.singularities.aspects import Aspects
     from derive.model.singularities.singularities import Singularities
 
     if isinstance(value, InverseKinematics):
@@ -249,7 +249,7 @@ def _put_in(
     robot: Robot, shown: list[tuple[str, Any]], arguments: argparse.Namespace
 ) -> tuple[str, list[tuple[str, Any]]]:
     """The point in words, and the quantities there."""
-    from derive.model.point import at_point
+    from derive.lecture.point import at_point
     from derive.robot.cells import typed_point
     from derive.robot.expression import to_text
 

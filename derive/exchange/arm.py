@@ -16,7 +16,8 @@ from math import pi
 from flint import arb
 
 from derive.errors import RobotFileError, near_miss, quoted
-from derive.exchange.space import (
+from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Triple, Urdf, UrdfJoint
+from derive.mechanics.space import (
     NOTHING,
     WORLD,
     Frame,
@@ -31,9 +32,8 @@ from derive.exchange.space import (
     unit,
     vector,
 )
-from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Triple, Urdf, UrdfJoint
 from derive.mechanics.vectors import cross
-from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.reading.size_limits import FILE_LIMITS
 
 FRACTIONS = (12, 8)
 """Angles near multiples of pi by one of these are taken for them."""

@@ -13,7 +13,7 @@ import numpy as np
 from flint import arb
 
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
-from derive.exchange.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
+from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import Convention, Inertia, Joint, Link, Motor

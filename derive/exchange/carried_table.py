@@ -14,8 +14,8 @@ from derive.exchange.body_chain import body_chain
 from derive.exchange.certificate import along_x, along_z, ball, certify, frame_of
 from derive.exchange.common_normals import Placement, Row
 from derive.exchange.numeric import text
-from derive.exchange.space import WORLD, exactly
 from derive.exchange.urdf import SLIDE, Urdf
+from derive.mechanics.space import WORLD, exactly
 from derive.robot.description import Convention, Description, Joint, Link
 from derive.robot.expression import Expression, number
 from derive.robot.robot import Robot

@@ -17,7 +17,7 @@ from flint import arb
 
 from derive.errors import QuantityError
 from derive.exchange.arm import Arm
-from derive.exchange.space import Frame, Line, Point, Real, exactly, length, plus, real, times, unit
+from derive.mechanics.space import Frame, Line, Point, Real, exactly, length, plus, real, times, unit
 from derive.mechanics.vectors import dot
 from derive.robot.description import Convention, Description, Matrix
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum

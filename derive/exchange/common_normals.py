@@ -17,7 +17,7 @@ from flint import arb
 
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import Arm
-from derive.exchange.space import NOTHING, WORLD, Frame, Line, Point, Real, length, plus, times, unit
+from derive.mechanics.space import NOTHING, WORLD, Frame, Line, Point, Real, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.description import Convention
 

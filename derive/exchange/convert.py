@@ -12,8 +12,8 @@ from derive.robot.expression import ZERO, names
 from derive.robot.load import is_robot_name
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
+from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.writer import cell_text, robot_text
 
 _MADE = "Converted by derive"

@@ -12,13 +12,13 @@ from derive.errors import DeriveError, near_miss, quoted
 from derive.exchange.body_chain import BodyChain, Rotor, Segment, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
-from derive.exchange.possible import wants_possible, with_chosen_bodies
 from derive.exchange.rotors import lost_coupling, with_rotors
 from derive.exchange.scripts import csv_text, script_text
-from derive.exchange.space import NOTHING, exactly
 from derive.exchange.to_mjcf import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, written_bodies
 from derive.exchange.to_urdf import urdf_text
 from derive.exchange.urdf import SLIDE
+from derive.mechanics.space import NOTHING, exactly
+from derive.model.identification.possible import wants_possible, with_chosen_bodies
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 from derive.version import __version__

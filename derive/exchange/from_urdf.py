@@ -17,19 +17,19 @@ from derive.exchange.carried_table import carried_table, placement_of, with_tabl
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, place
 from derive.exchange.convert import convention_named
-from derive.exchange.possible import wants_possible, with_chosen_bodies
 from derive.exchange.robot_of_arm import robot_of_arm
 from derive.exchange.slanted import CutOff, as_meant, cut_off, meant, named, slant, slanted, snap_for
 from derive.exchange.source import Source
-from derive.exchange.space import exactly
 from derive.exchange.urdf import Urdf
+from derive.mechanics.space import exactly
+from derive.model.identification.possible import wants_possible, with_chosen_bodies
 from derive.robot.body_remarks import missing_moment
 from derive.robot.description import Convention, Description
 from derive.robot.expression import ZERO, Name, is_constant
 from derive.robot.load import is_robot_name
 from derive.robot.names import robot_symbols
+from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.writer import robot_text
 
 MOST_MOVED = 0.01

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from derive.errors import DeriveError
 from derive.exchange.certificate import ball
-from derive.exchange.space import Real, decimal
+from derive.mechanics.space import Real, decimal
 from derive.robot.description import Convention, Description, Joint, Link
 from derive.robot.expression import Expression, Pi, Product, add, negate, number, substitute
 from derive.robot.names import file_symbols, number_of

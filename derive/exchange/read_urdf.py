@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
 from derive.exchange.body_chain import roll_pitch_yaw
-from derive.exchange.space import WORLD, Frame, decimal, exactly, vector
 from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
 from derive.exchange.urdf_grammar import look
+from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
 
 if TYPE_CHECKING:
     from lxml import etree

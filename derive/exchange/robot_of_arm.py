@@ -11,12 +11,12 @@ from flint import arb
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass
 from derive.exchange.common_normals import Placement, Row
-from derive.exchange.space import NOTHING, Frame, Point, Real, decimal, plus, real
 from derive.exchange.urdf import UNLIMITED
+from derive.mechanics.space import NOTHING, Frame, Point, Real, decimal, plus, real
 from derive.mechanics.vectors import dot
 from derive.robot.description import Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
-from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.reading.size_limits import FILE_LIMITS
 
 DIVISORS = 180
 """Angles that are exact multiples of pi by this are written so."""

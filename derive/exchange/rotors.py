@@ -18,9 +18,9 @@ import numpy as np
 
 from derive.errors import DeriveError
 from derive.exchange.body_chain import Body, BodyChain, Rotor, Segment
-from derive.exchange.possible import possible
-from derive.exchange.space import WORLD, Real, decimal
-from derive.exchange.witness import NoSuchBodies
+from derive.mechanics.space import WORLD, Real, decimal
+from derive.model.identification.possible import possible
+from derive.model.identification.witness import NoSuchBodies
 from derive.robot.expression import ZERO, add, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle

@@ -12,7 +12,7 @@ from flint import arb
 from derive.exchange.body_chain import BodyChain, is_world
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import angle_text, text, texts
-from derive.exchange.space import NOTHING, Frame, Real
+from derive.mechanics.space import NOTHING, Frame, Real
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO
 from derive.targets.escape import matlab_package, matlab_string, one_line

@@ -15,8 +15,8 @@ from flint import arb
 
 from derive.exchange.arm import FRACTIONS, Arm, joints_between
 from derive.exchange.common_normals import ALIKE
-from derive.exchange.space import DIGITS, decimal, length, plus
 from derive.exchange.urdf import Origin, Urdf, UrdfJoint
+from derive.mechanics.space import DIGITS, decimal, length, plus
 from derive.mechanics.vectors import cross
 
 PLACES = range(2, 13)

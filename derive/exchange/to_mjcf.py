@@ -18,8 +18,8 @@ from flint import arb
 from derive.exchange.body_chain import Body, BodyChain, Rotor, is_world, quaternion
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
-from derive.exchange.space import NOTHING, WORLD, Frame, times
 from derive.exchange.to_urdf import THICKNESS, rod
+from derive.mechanics.space import NOTHING, WORLD, Frame, times
 from derive.targets.escape import xml_text
 from derive.targets.templating import render
 

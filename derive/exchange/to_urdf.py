@@ -10,8 +10,8 @@ from derive.exchange.body_chain import BodyChain, Segment, is_world, roll_pitch_
 from derive.exchange.carried_table import table_text
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
-from derive.exchange.space import Frame, Point, length
 from derive.exchange.urdf import SLIDE, UNLIMITED
+from derive.mechanics.space import Frame, Point, length
 from derive.targets.escape import xml_text
 from derive.targets.templating import render
 

@@ -6,10 +6,6 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from derive.errors import DeriveError
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Document, Section
-from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.language import text_for
 from derive.handouts.parts.bodies import energies, has_rotors, inertia, link_jacobians
 from derive.handouts.parts.conversion import conversion
 from derive.handouts.parts.example import example
@@ -22,11 +18,15 @@ from derive.handouts.parts.newton_euler import newton_euler
 from derive.handouts.parts.orientation import orientation
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Document, Section
+from derive.handouts.sheet.language import text_for
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
-from derive.robot.handout_options import PARTS, HandoutOptions
+from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
 from derive.version import __version__
+from derive.workspace.poses import RobotPoses
 
 
 class Part(NamedTuple):

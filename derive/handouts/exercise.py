@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from derive.handouts.document import (
+from derive.handouts.sheet.document import (
     Blank,
     Block,
     Document,
@@ -25,7 +25,7 @@ from derive.handouts.document import (
     Steps,
     Table,
 )
-from derive.handouts.language import Text
+from derive.handouts.sheet.language import Text
 
 _LEAST_LINES = 2.0
 """Lines of room for one answer."""

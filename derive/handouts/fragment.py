@@ -9,18 +9,18 @@ from functools import partial
 
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.context import Context
-from derive.handouts.document import Section
-from derive.handouts.formula import component_namer, entry_namer, formula
 from derive.handouts.fragment_writer import fragment
 from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.inverse_formulas import formulas
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Section
+from derive.handouts.sheet.formula import component_namer, entry_namer, formula
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.quantities import REGISTRY, Quantity
 from derive.model.quantity_names import parse, pick
-from derive.robot.handout_options import PARTS, HandoutOptions
+from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
 
 _WIDTH = re.compile(r"[0-9]+(\.[0-9]+)?(pt|mm|cm|in|em)")

@@ -11,12 +11,23 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from derive.handouts.document import Blank, Block, Figure, Formula, Paragraph, Rows, Section, Steps, Table, blocks_of
 from derive.handouts.figure.writers import PREAMBLE, latex_drawing
-from derive.handouts.formula import unlisted
-from derive.handouts.language import Text
-from derive.handouts.latex_writer import latex_words, macros, omitted_words
 from derive.handouts.layout.flow import breakable, matrix_equation, whole_equations
+from derive.handouts.sheet.document import (
+    Blank,
+    Block,
+    Figure,
+    Formula,
+    Paragraph,
+    Rows,
+    Section,
+    Steps,
+    Table,
+    blocks_of,
+)
+from derive.handouts.sheet.formula import unlisted
+from derive.handouts.sheet.language import Text
+from derive.handouts.sheet.latex_writer import latex_words, macros, omitted_words
 
 _WIDEST = 10
 """Columns that amsmath's matrices have unless told otherwise."""

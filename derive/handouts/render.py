@@ -8,15 +8,15 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.budget import within
-from derive.handouts.context import Context
-from derive.handouts.document import Document, Section
 from derive.handouts.exercise import exercise, solutions
-from derive.handouts.latex_writer import latex
 from derive.handouts.pdf import compile_latex
+from derive.handouts.sheet.budget import within
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Document, Section
+from derive.handouts.sheet.latex_writer import latex
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
-from derive.robot.handout_options import HandoutOptions
+from derive.programs.optimise.search_policy import Effort
+from derive.robot.options.handout import HandoutOptions
 from derive.robot.robot import Robot
 
 if TYPE_CHECKING:

@@ -36,8 +36,7 @@ from derive.lecture.plan import (
 )
 from derive.lecture.sympy_conversion import Expr, ProductBuilder
 from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition, project
-from derive.robot.rounding import is_given_in_decimals
-from derive.robot.style import (
+from derive.robot.options.style import (
     Brackets,
     CommonFactors,
     GravityPlace,
@@ -48,6 +47,7 @@ from derive.robot.style import (
     ShortSums,
     Style,
 )
+from derive.robot.rounding import is_given_in_decimals
 
 MOST_SHORT_TERMS = 3
 """A kinematic sum with at most so many terms is short, see `ShortSums`."""

@@ -31,8 +31,8 @@ from derive.robot.expression import (
 )
 from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
 from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, place, tokenize
+from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FORMULA_LIMITS
 
 MAX_TOKEN_DIGITS = 24
 """Digits of one token: twelve two-digit labels; no notes add up more angles."""

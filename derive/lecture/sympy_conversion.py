@@ -32,7 +32,7 @@ from derive.robot.expression import (
     number,
     power,
 )
-from derive.robot.size_limits import CELL_LIMITS
+from derive.robot.reading.size_limits import CELL_LIMITS
 
 Expr = Any
 """A SymPy expression; SymPy comes without types."""

@@ -57,7 +57,7 @@ class Assumptions:
             return lambda *arguments, **named: self(
                 value(*map(plain, arguments), **{name: plain(argument) for name, argument in named.items()})
             )
-        is_ours = type(value).__module__.startswith(("derive.model.", "derive.notebook"))
+        is_ours = type(value).__module__.startswith(("derive.model.", "derive.inverse.", "derive.notebook"))
         return View(value, self) if is_ours else value
 
     def _expression(self, e: Expr) -> Expr:

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import sympy
 
 from derive.algebra.ring import TooManyTerms
+from derive.lecture.matrices import only_body
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
+from derive.mechanics.exact_dynamics import Dynamics
 from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import MAX_DYNAMIC_TERMS
-from derive.model.dynamics import Dynamics
 from derive.model.entries import Entries, KinematicEntries, of_polynomials
-from derive.model.matrices import only_body
 from derive.robot.expression import ZERO
 
 Triple = tuple[int, int, int]

@@ -21,8 +21,8 @@ from derive.lecture.form import LectureForm
 from derive.lecture.plan import Plan, Term, flat, joined
 from derive.lecture.sympy_conversion import Expr
 from derive.lecture.terms import Monomial, divide, project
-from derive.model.dynamics import Dynamics
-from derive.robot.style import Grouping, Rates
+from derive.mechanics.exact_dynamics import Dynamics
+from derive.robot.options.style import Grouping, Rates
 
 
 @dataclass(frozen=True, slots=True)

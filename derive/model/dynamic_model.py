@@ -11,12 +11,12 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
+from derive.lecture.matrices import aligned_latex, columns_matrix, only_body, symmetric_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.mechanics.exact_dynamics import Dynamics
 from derive.model.dynamic_form import DynamicForm, RateWriting
-from derive.model.dynamics import Dynamics
-from derive.model.identification.closed_forms import IdentifiedModel
-from derive.model.matrices import aligned_latex, columns_matrix, only_body, symmetric_matrix
-from derive.robot.style import Grouping, Kinetic
+from derive.model.regressor_forms import IdentifiedModel
+from derive.robot.options.style import Grouping, Kinetic
 
 MAX_DYNAMIC_TERMS = 400_000
 """Budget of one entry of B; beyond it only the generated functions remain."""

@@ -14,19 +14,19 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError
 from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
+from derive.lecture.matrices import columns_matrix, frame_matrix, symbol_roles
 from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import Vector, multiply, transpose
-from derive.model.kinematics import Kinematics
 from derive.model.long_chain import LongChain
-from derive.model.matrices import columns_matrix, frame_matrix, symbol_roles
 from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.options.style import Contraction, Style, choice_named
 from derive.robot.robot import Robot
-from derive.robot.style import Contraction, Style, choice_named
 
 if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of the time in which `derive show` prints T
-    from derive.model.inverse.aspects import Aspects
-    from derive.model.inverse.reach import Reach
-    from derive.model.inverse.solutions import InverseKinematics
+    from derive.inverse.words.reach import Reach
+    from derive.inverse.words.solutions import InverseKinematics
+    from derive.model.singularities.aspects import Aspects
     from derive.model.singularities.singularities import Singularities
 
 STYLELESS = ("domain", "kinematics", "dynamics", "inertia_limit", "christoffel_limit")
@@ -402,22 +402,22 @@ class KinematicModel:
     @cached_property
     def inverse(self) -> InverseKinematics:
         """How the joint variables follow from the pose, every branch, for the task of the robot file."""
-        from derive.model.inverse.solutions import inverse_kinematics
+        from derive.inverse.words.solutions import inverse_kinematics
 
         return inverse_kinematics(self.robot, self.style)
 
     @cached_property
     def workspace(self) -> Reach:
         """What the arm reaches if no joint has limits, by the square roots of its inverse kinematics."""
-        from derive.model.inverse.reach import find_reach
+        from derive.inverse.words.reach import find_reach
 
         return find_reach(self.robot, self.style, self.inverse)
 
     @cached_property
     def aspects(self) -> Aspects:
         """The sets of configurations without a singularity, and whether the arm changes posture within one of them."""
-        from derive.model.inverse.aspects import find_aspects
-        from derive.model.inverse.in_numbers import parameter_numbers
+        from derive.inverse.numeric.in_numbers import parameter_numbers
+        from derive.model.singularities.aspects import find_aspects
 
         numbers = parameter_numbers(self.robot, random.Random(12))
         return find_aspects(

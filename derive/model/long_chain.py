@@ -21,11 +21,11 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
+from derive.lecture.matrices import frame_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
-from derive.model.kinematics import Kinematics
-from derive.model.matrices import frame_matrix
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from derive.lecture.point import at_point
 from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal
-from derive.model.point import at_point
 from derive.model.quantities import DESCRIBED
 from derive.model.quantity_names import evaluate, parse
 from derive.robot.cells import typed_point

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from derive.errors import QuantityError, listed
+from derive.lecture.matrices import columns_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
-from derive.model.matrices import columns_matrix
+from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FILE_LIMITS
 
 ANY = range(1, FILE_LIMITS.joints + 1)
 """Any number of joints."""

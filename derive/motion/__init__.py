@@ -1,1 +1,1 @@
-"""Motions of an arm: profiles between points, paths, their torques, simulation and playback."""
+"""Motions of an arm: trajectories, torques, simulation, and what is written of them."""

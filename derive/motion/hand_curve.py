@@ -9,13 +9,14 @@ from functools import cached_property
 import numpy as np
 from sympy import Expr, Matrix, Symbol, latex, powdenest, sqrt, sstr
 
+from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.vectors import dot
 from derive.model.kinematic_model import KinematicModel
-from derive.motion.functions import Functions
-from derive.motion.hermite import TIME, Array
 from derive.motion.motion import Motion
+from derive.motion.torques.functions import Functions
+from derive.plans.hermite import TIME
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 

@@ -14,14 +14,14 @@ from functools import cached_property
 
 import numpy as np
 
+from derive.arrays import Array
 from derive.errors import QuantityError
-from derive.motion.functions import Functions
 from derive.motion.hand_curve import kinematics_alone
-from derive.motion.hermite import Array
 from derive.motion.motion import Motion
-from derive.motion.poses import rotation_vector
-from derive.motion.singular import all_directions, usual_rank, vanishing_factor
-from derive.robot.inverse_options import FREEDOMS
+from derive.motion.paths.poses import rotation_vector
+from derive.motion.paths.singular import all_directions, usual_rank, vanishing_factor
+from derive.motion.torques.functions import Functions
+from derive.robot.options.inverse import FREEDOMS
 from derive.robot.robot import Robot
 
 NEAR = 0.05

@@ -13,31 +13,32 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sympy import Expr, Symbol
 
+from derive.arrays import Array, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.motion.base_torques import BaseTorques
-from derive.motion.bodies import Body
-from derive.motion.disturbance import check_starts
-from derive.motion.formulas_of_time import followed
-from derive.motion.functions import Functions
-from derive.motion.hand import Hand
-from derive.motion.hermite import TIME, Array, Indices
-from derive.motion.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
-from derive.motion.moving_base import PATHS, BaseCurve
-from derive.motion.plan import Plan, load_plan, plan_from_bytes
-from derive.motion.plan_cells import TIME as TIME_NAME
-from derive.motion.plan_data import plan_text, waypoints
-from derive.motion.points import Step
-from derive.motion.recording import read_recording
-from derive.motion.segments import trajectory_of
-from derive.motion.trajectory import Segment, Trajectory, curves_of
-from derive.motion.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
+from derive.motion.curves.formulas_of_time import followed
+from derive.motion.curves.recording import read_recording
+from derive.motion.curves.trajectory import Segment, Trajectory, curves_of
+from derive.motion.curves.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
+from derive.motion.paths.hand import Hand
+from derive.motion.paths.segments import trajectory_of
+from derive.motion.torques.base_torques import BaseTorques
+from derive.motion.torques.bodies import Body
+from derive.motion.torques.functions import Functions
+from derive.motion.torques.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
+from derive.plans.cells import TIME as TIME_NAME
+from derive.plans.data import plan_text, waypoints
+from derive.plans.disturbance import check_starts
+from derive.plans.hermite import TIME
+from derive.plans.moving_base import PATHS, BaseCurve
+from derive.plans.plan import Plan, load_plan, plan_from_bytes
+from derive.plans.points import Step
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
 
 if TYPE_CHECKING:  # simulations are imported where there is one
-    from derive.motion.simulation import Run
+    from derive.motion.simulation.simulation import Run
 
 MOST_SAMPLES = 1_000_000
 """Of a motion: a thousand seconds at a kilohertz."""
@@ -90,7 +91,7 @@ class Motion:
         motion._samples_in(motion.duration)
         check_starts(plan.disturbances, plan.places, motion.values, motion.duration)
         if plan.control.period is not None:
-            from derive.motion.stages import period_of
+            from derive.motion.simulation.stages import period_of
 
             period_of(plan, motion.values, motion.duration)
         if motion.base is not None:
@@ -390,8 +391,8 @@ class Motion:
         Raises:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
-        from derive.motion.simulation import simulate
-        from derive.motion.stages import period_of, stages_of
+        from derive.motion.simulation.simulation import simulate
+        from derive.motion.simulation.stages import period_of, stages_of
 
         self._check_dynamics()
         plan, trajectory = self.plan, self.trajectory

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from derive.errors import QuantityError
-from derive.programs.formulation_choice import Formulation
+from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.trace import Trace
 from derive.programs.functions import INTERFACES, ROWS, Row
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Column, Function, Inverse, InverseSearch, Program
-from derive.programs.search_policy import Effort
 from derive.programs.tape.cost import program_cost
-from derive.programs.trace import Trace
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 

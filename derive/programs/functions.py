@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from derive.programs.formulation_choice import Formulation
 from derive.programs.formulations import dynamics, identification, kinematics
+from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.trace import Trace
+from derive.programs.optimise.search_policy import POLICY
 from derive.programs.program import Column, Interface, Magnitude
-from derive.programs.search_policy import POLICY
-from derive.programs.trace import Trace
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
 

@@ -13,16 +13,17 @@ from fractions import Fraction
 from functools import reduce
 from typing import Any
 
-from derive.model.inverse.branches import starts
-from derive.model.inverse.conic import line_points
-from derive.model.inverse.fields import BEYOND, MERGED, ZERO
-from derive.model.inverse.graph import SolutionGraph
-from derive.model.inverse.nodes import Formula, Kind
-from derive.model.inverse.numeric import Status
-from derive.model.inverse.postures import postures
-from derive.model.inverse.solve import Freedom, refusal, solve
-from derive.model.inverse.walk import Leaf, Run, pose_of
-from derive.programs.formulation_choice import Formulation
+from derive.inverse.closed.branches import starts
+from derive.inverse.closed.conic import line_points
+from derive.inverse.closed.fields import BEYOND, MERGED, ZERO
+from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.nodes import Formula, Kind
+from derive.inverse.closed.solve import Freedom, refusal, solve
+from derive.inverse.closed.walk import Leaf, Run, pose_of
+from derive.inverse.numeric.newton import Status
+from derive.inverse.words.postures import postures
+from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.trace import Trace, has_exact_rotations
 from derive.programs.inverse_search import MOTIONS, search_function
 from derive.programs.newton_step import newton_step
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Around, Function, Interface, Inverse, InverseSearch
@@ -31,10 +32,9 @@ from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace, has_exact_rotations
 from derive.robot.expression import Expression, Pi
+from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
-from derive.robot.solution_policy import POLICY
 
 DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
@@ -91,7 +91,7 @@ class Mask:
 
 
 class TapeField:
-    """Values of a tape as numbers for a graph of solutions (`derive.model.inverse.elementary_solver.Field`).
+    """Values of a tape as numbers for a graph of solutions (`derive.inverse.closed.elementary_solver.Field`).
 
     Args:
         domain: Makes values of the robot's cells.

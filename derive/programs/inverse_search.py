@@ -1,7 +1,7 @@
 """Inverse kinematics of arms without formulas: what generated code needs to find the joints by itself.
 
-The code for this is the same for every arm: an elimination and an eigenvalue problem (`derive.model.inverse.general`),
-or damped Newton from many starts (`derive.model.inverse.numeric`). Of the arm it needs the frames between its joints,
+The code for this is the same for every arm: an elimination and an eigenvalue problem (`derive.inverse.general.search`),
+or damped Newton from many starts (`derive.inverse.numeric.newton`). Of the arm it needs the frames between its joints,
 which are a tape, exact until numbers are printed and with parameters as arguments, and which joints are eliminated.
 """
 
@@ -9,22 +9,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.nodes import Kind
+from derive.inverse.general.closure import Closure
+from derive.inverse.general.elimination import Elimination as ModelElimination
+from derive.inverse.general.rigid_motion import BESIDE
+from derive.inverse.general.search import GeneralSolution
+from derive.inverse.numeric.chain import POSE, POSITION
 from derive.mechanics.chain import build_chain
 from derive.mechanics.vectors import Frame
-from derive.model.inverse.closure import Closure
-from derive.model.inverse.elimination import Elimination as ModelElimination
-from derive.model.inverse.general import GeneralSolution
-from derive.model.inverse.graph import SolutionGraph
-from derive.model.inverse.nodes import Kind
-from derive.model.inverse.numeric_chain import POSE, POSITION
-from derive.model.inverse.rigid_motion import BESIDE
-from derive.programs.formulation_choice import Formulation
+from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.trace import Trace
 from derive.programs.program import GIVEN, NEAR, POSE_ENTRIES, Elimination, Function, Interface, InverseSearch, Way
 from derive.programs.program import POSE as POSE_ARGUMENT
 from derive.programs.tape.scalars import Q, TapeDomain
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace
-from derive.robot.inverse_options import FREEDOMS
+from derive.robot.options.inverse import FREEDOMS
 
 FRAME_ENTRIES = 12
 """Of the first three rows of a frame."""

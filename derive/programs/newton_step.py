@@ -17,14 +17,14 @@ from collections.abc import Sequence
 from fractions import Fraction
 from functools import reduce
 
+from derive.inverse.closed.graph import SolutionGraph
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.vectors import Vector, column, cross, dot
-from derive.model.inverse.graph import SolutionGraph
+from derive.programs.formulations.trace import Trace
 from derive.programs.program import DAMPING, POSE, POSE_ENTRIES, Function, Interface
 from derive.programs.tape.build import bake, cut
 from derive.programs.tape.scalars import Q
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace
 
 INTERFACE = Interface(
     "inverse_kinematics_step",

@@ -142,7 +142,7 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Around:
-    """Where solutions that are alone are looked for where others are free (`derive.model.inverse.branches`).
+    """Where solutions that are alone are looked for where others are free (`derive.inverse.closed.branches`).
 
     Attributes:
         motions: Rows of motions A, one after the other, by which poses T are brought beside, A T; lengths in the unit.
@@ -169,7 +169,7 @@ class Inverse:
 
     Attributes:
         function: Its tape takes a pose and the given joints; its outputs are the joint variables, branch by branch, and
-            then the code of each branch: its `derive.model.inverse.numeric.Status`, and more where it is to be checked
+            then the code of each branch: its `derive.inverse.numeric.newton.Status`, and more where it is to be checked
             (`derive.programs.inverse`).
         step: Its tape takes a configuration, a pose and a damping; its outputs are a configuration that is nearer to
             the pose, how far the first one is from it, and the unit of length (`derive.programs.newton_step`).
@@ -202,7 +202,7 @@ class Inverse:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """One way around a loop of joints (`derive.model.inverse.closure.Closure`), and how its equations split by degree.
+    """One way around a loop of joints (`Closure`), and how its equations split by degree.
 
     Attributes:
         joints: Number of joints of the loop.
@@ -225,7 +225,7 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class Elimination:
-    """How all joints follow from one eigenvalue problem (`derive.model.inverse.elimination.Elimination`).
+    """How all joints follow from one eigenvalue problem (`derive.inverse.general.elimination.Elimination`).
 
     Attributes:
         ways: Where its equations come from.

@@ -13,7 +13,7 @@ from typing import Any
 
 from derive.errors import TargetError
 from derive.interrupts import TemporaryFolder
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.publish.atomic_folder import OvertakenError, heal, publish, require_replaceable, rewrite
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, contents, is_current, read_manifest, written_targets

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of
 from derive.targets.target import Source, Target

@@ -18,7 +18,7 @@ from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
 from derive.interrupts import TemporaryFolder, interruptible, uninterrupted
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, check_robot
 from derive.robot.robot import Robot
 from derive.targets.target import package_name

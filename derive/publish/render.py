@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from derive.errors import OutputError, QuantityError, TargetError
-from derive.model.inverse.solve import solve
+from derive.inverse.closed.solve import solve
 from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
-from derive.programs.search_policy import Effort
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
 from derive.publish.processes import in_another_process, in_two_processes

@@ -12,9 +12,9 @@ from fractions import Fraction
 from math import acos, cos, pi, sqrt
 
 from derive.robot.description import Description, Inertia, Remark
-from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, names
+from derive.robot.reading.document import Document, KeyPath
 
 ROUNDING = Fraction(1, 10**9)
 """Part of the largest principal moment that rounding may have taken from A + B - C."""

@@ -27,7 +27,6 @@ from derive.errors import (
     quoted,
 )
 from derive.robot.description import Description, FileUnits, Joint
-from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import (
     ZERO,
@@ -44,10 +43,11 @@ from derive.robot.expression import (
     number,
     rebuilt,
 )
-from derive.robot.hints import cell_hint
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
-from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.reading.document import Document, KeyPath
+from derive.robot.reading.hints import cell_hint
+from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.units import Unit, symbol_unit
 
 _DEGREE = multiply(number(Fraction(1, 180)), Pi())

@@ -10,9 +10,9 @@ from enum import StrEnum
 
 from derive.errors import Location
 from derive.robot.expression import ONE, ZERO, Expression, to_text
-from derive.robot.handout_options import FigureOptions, HandoutOptions
-from derive.robot.inverse_options import InverseOptions
-from derive.robot.style import Style
+from derive.robot.options.handout import FigureOptions, HandoutOptions
+from derive.robot.options.inverse import InverseOptions
+from derive.robot.options.style import Style
 
 Vector = tuple[Expression, Expression, Expression]
 """Three cells: a point, or a vector in space."""

@@ -18,12 +18,12 @@ from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss
 from derive.robot.body_remarks import remarks_on_bodies
 from derive.robot.cells import Cells, check_symbol, inert_text
 from derive.robot.description import Convention, Description, FileUnits
-from derive.robot.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.expression import Expression
 from derive.robot.presentation import read_figure, read_handout, read_inverse, read_style
+from derive.robot.reading.document import Document, KeyPath, YamlMapping, read_document
+from derive.robot.reading.schema import check_structure
+from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.remarks import remarks_on
-from derive.robot.schema import check_structure
-from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.table import read_frame, read_gravity, read_joints, read_links
 from derive.robot.validate import validate
 

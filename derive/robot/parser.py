@@ -32,7 +32,7 @@ from derive.robot.expression import (
     negate,
     power,
 )
-from derive.robot.size_limits import CELL_LIMITS, FILE_LIMITS, Limits
+from derive.robot.reading.size_limits import CELL_LIMITS, FILE_LIMITS, Limits
 
 
 class TokenKind(Enum):

@@ -10,10 +10,9 @@ from typing import TypeVar
 from derive.errors import QuantityError, listed, near_miss, quoted
 from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Joint
-from derive.robot.document import Document, KeyPath, YamlMapping
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
-from derive.robot.handout_options import (
+from derive.robot.options.handout import (
     PARTS,
     USUAL_PARTS,
     AngleLetter,
@@ -27,8 +26,9 @@ from derive.robot.handout_options import (
     SliderLetter,
     chosen_pages,
 )
-from derive.robot.inverse_options import POSE, InverseOptions, chosen_given, chosen_task
-from derive.robot.style import DEFAULT_STYLE, Style
+from derive.robot.options.inverse import POSE, InverseOptions, chosen_given, chosen_task
+from derive.robot.options.style import DEFAULT_STYLE, Style
+from derive.robot.reading.document import Document, KeyPath, YamlMapping
 
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 """How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated."""

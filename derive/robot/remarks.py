@@ -12,7 +12,6 @@ from math import pi, tau
 from derive.errors import ExpressionError, path_text
 from derive.robot.cells import Cells
 from derive.robot.description import Description, FileUnits, Remark
-from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import Values, evaluate, parameter_values
 from derive.robot.expression import (
     Expression,
@@ -26,6 +25,7 @@ from derive.robot.expression import (
     names,
     number,
 )
+from derive.robot.reading.document import Document, KeyPath
 from derive.robot.units import Unit, cell_unit, located_expressions, symbolic_factors, turned_angles
 
 NEAR = 1e-3

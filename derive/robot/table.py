@@ -8,7 +8,6 @@ from fractions import Fraction
 from derive.errors import RobotFileError, quoted
 from derive.robot.cells import Cells, check_symbol, inert_text, length_in_metres
 from derive.robot.description import IDENTITY, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
-from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import (
     ONE,
@@ -24,7 +23,8 @@ from derive.robot.expression import (
     number,
     to_text,
 )
-from derive.robot.size_limits import FILE_LIMITS
+from derive.robot.reading.document import Document, KeyPath
+from derive.robot.reading.size_limits import FILE_LIMITS
 
 DEFAULT_GRAVITY_SYMBOL = "g"
 """The symbol of gravity where a file with links does not say: it points along -z of the world frame."""

@@ -31,7 +31,7 @@ from derive.robot.expression import (
 )
 
 if TYPE_CHECKING:  # names of symbols are asked for where no YAML is read
-    from derive.robot.document import KeyPath
+    from derive.robot.reading.document import KeyPath
 
 
 class Unit(Enum):

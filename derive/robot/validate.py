@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from derive.errors import RobotFileError, near_miss
 from derive.robot.cells import Cells
 from derive.robot.description import Description
-from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
 from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.reading.document import Document, KeyPath
 from derive.robot.table import check_rotation
 from derive.robot.units import located_expressions
 

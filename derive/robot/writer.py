@@ -8,8 +8,8 @@ from fractions import Fraction
 
 from derive.robot.description import IDENTITY, Convention, Description, FileUnits, Inertia, Joint, Link, Matrix, Motor
 from derive.robot.expression import ZERO, Expression, to_text
-from derive.robot.handout_options import HandoutOptions, NotationOptions
-from derive.robot.inverse_options import InverseOptions
+from derive.robot.options.handout import HandoutOptions, NotationOptions
+from derive.robot.options.inverse import InverseOptions
 from derive.robot.rounding import shown
 from derive.robot.units import Unit, in_file_units, in_symbol_units, joint_in_file_units, position_unit
 

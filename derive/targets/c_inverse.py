@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import inf, isfinite
 
 from derive.programs.program import NEAR, POSE, Around, Inverse, InverseSearch
+from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
-from derive.robot.solution_policy import POLICY
 from derive.targets.c_function import CFunction, c_function, pointers
 from derive.targets.c_search import CSearch, c_search
 from derive.targets.escape import c_comment

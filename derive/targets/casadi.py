@@ -11,7 +11,7 @@ from derive.algebra.constants import to_float
 from derive.interrupts import TemporaryFolder
 from derive.programs.program import NEAR, Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
-from derive.robot.solution_policy import POLICY
+from derive.robot.options.solution_policy import POLICY
 from derive.targets.c import c_heading
 from derive.targets.escape import c_comment, python_docstring
 from derive.targets.numpy import python_context

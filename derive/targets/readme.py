@@ -10,9 +10,9 @@ from derive.programs.program import ARGUMENTS, GIVEN, POSE, Program, cost_text, 
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.parser import parse_expression
+from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS, is_given_in_decimals, number_text
-from derive.robot.size_limits import FORMULA_LIMITS
 from derive.robot.units import in_symbol_units
 from derive.targets import templating
 from derive.targets.escape import markdown_text

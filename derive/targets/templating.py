@@ -18,7 +18,7 @@ from jinja2 import Environment, FileSystemBytecodeCache, FunctionLoader, StrictU
 from jinja2.bccache import Bucket
 
 from derive.robot.load import catalogue_names
-from derive.robot.solution_policy import POLICY
+from derive.robot.options.solution_policy import POLICY
 
 
 def render(template: str, **context: object) -> str:

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from derive.errors import VerificationError
-from derive.robot.inverse_options import ROWS
+from derive.robot.options.inverse import ROWS
 from derive.robot.robot import Robot
 from derive.verification.generated import GeneratedModel
 from derive.verification.oracle.frames import Arm, Array, forward_kinematics, jacobian

@@ -15,9 +15,9 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.errors import Location
 from derive.lecture.form import LectureForm
+from derive.robot.options.style import Contraction
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
-from derive.robot.style import Contraction
 from tests.evaluate import evaluate
 
 PLANAR = """

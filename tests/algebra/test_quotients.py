@@ -9,8 +9,8 @@ from derive.algebra.ring import TooManyTerms
 from derive.errors import CheckError, Location
 from derive.robot.expression import Expression
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
+from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FORMULA_LIMITS
 
 HERE = Location("<test>")
 ARM = Robot.from_text("name: arm\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: revolute, a: a2}]\n")

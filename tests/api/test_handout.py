@@ -9,7 +9,7 @@ import pytest
 from derive.api.handout import fragment, handout, with_options
 from derive.api.robots import load
 from derive.errors import DeriveError, OutputError, QuantityError, TargetError
-from derive.robot.handout_options import PARTS
+from derive.robot.options.handout import PARTS
 
 
 def test_a_handout_says_what_it_wrote(tmp_path: Path) -> None:

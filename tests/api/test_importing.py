@@ -14,7 +14,7 @@ import derive
 from derive.api.importing import import_all, import_urdf, verify_import
 from derive.errors import DeriveError, RobotFileError, VerificationError
 from derive.exchange.from_urdf import snap_of
-from derive.exchange.witness import NoSuchBodies
+from derive.model.identification.witness import NoSuchBodies
 from derive.robot.expression import ZERO, to_text
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import HALF, J, Reading, body, pose, urdf

@@ -35,11 +35,11 @@ def in_a_fresh_process(code: str) -> str:
         ("import derive.programs.inverse", ("sympy", "casadi", "pydantic")),
         (
             "from derive.cli.main import main; main(['show', 'puma560-usp', 'p', '--format', 'latex'])",
-            ("numpy", "casadi", "pydantic", "jinja2", "derive.model.inverse.solve"),
+            ("numpy", "casadi", "pydantic", "jinja2", "derive.inverse.closed.solve"),
         ),
         (
             "from derive.cli.main import main; main(['move', 'scara-pick-and-place'])",
-            ("casadi", "pydantic", "numpy.ma", "scipy", "derive.model.inverse.solve", "derive.model.kinematic_model"),
+            ("casadi", "pydantic", "numpy.ma", "scipy", "derive.inverse.closed.solve", "derive.model.kinematic_model"),
         ),
     ],
 )

@@ -10,7 +10,7 @@ import derive
 from derive.api.handout import fragment
 from derive.api.style import find_style
 from derive.errors import CheckError
-from derive.robot.style import Style
+from derive.robot.options.style import Style
 from tests.cli.test_style import GRAVITY, MIXED, NOTES
 
 INERTIA = "B[1,2] = Il2 + ml2*l2**2 + ml2*a1*l2*c2 + kr2*Im2"

@@ -16,8 +16,8 @@ from bench.results import FOLDER, read_json
 from bench.robots import Array, load
 from bench.stopwatch import Effort
 from bench.tables import figure
-from derive.model.inverse.branches import InverseSolver
-from derive.model.inverse.solve import solve
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.closed.solve import solve
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import pytest
 
 from bench import trajectories
 from bench.trajectories import MOST, differences, main
-from derive.motion.hermite import Array
+from derive.arrays import Array
 
 
 def jtraj(q0: Any, q1: Any, t: Array, qd0: Any = 0.0, qd1: Any = 0.0) -> SimpleNamespace:

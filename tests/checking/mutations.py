@@ -1,4 +1,4 @@
-"""Slips put into right formulas, written independently of the changes that `derive.checking.edits` tries."""
+"""Slips put into right formulas, written independently of the changes that `derive.checking.formulas.edits` tries."""
 
 from __future__ import annotations
 

@@ -10,8 +10,8 @@ import pytest
 
 from derive.checking.comparison import check_expression, check_file
 from derive.checking.files import corpus_from_bytes
-from derive.checking.findings import Finding, Role, judge
-from derive.checking.printed import CorpusFile, Printed
+from derive.checking.formulas.findings import Finding, Role, judge
+from derive.checking.formulas.printed import CorpusFile, Printed
 from derive.errors import CheckError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model

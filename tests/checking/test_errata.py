@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from derive.checking.findings import Outcome, judge
+from derive.checking.formulas.findings import Outcome, judge
 from derive.checking.report import Item, errata_items, repaired_text
 from tests.docs.errata import printouts
 

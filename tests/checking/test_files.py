@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from derive.checking.files import corpus_from_bytes
-from derive.checking.printed import CorpusFile
+from derive.checking.formulas.printed import CorpusFile
 from derive.errors import DeriveError, Location
 
 ARM = """\

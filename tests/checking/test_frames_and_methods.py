@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from derive.checking.files import check_path
-from derive.checking.findings import FileReport, judge
+from derive.checking.formulas.findings import FileReport, judge
 from derive.errors import CheckError, DeriveError
 
 FRAMES = """\

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from derive.checking.latex_check import check_latex
-from derive.checking.latex_formula import read_latex
+from derive.checking.latex.check import check_latex
+from derive.checking.latex.formula import read_latex
 from derive.cli.main import main
 from derive.errors import DeriveError
 from derive.handouts.fragment import fragment_text
@@ -17,7 +17,7 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
-from derive.robot.handout_options import HandoutOptions
+from derive.robot.options.handout import HandoutOptions
 from derive.robot.robot import Robot
 from tests.random_robots import catalogue, swept_catalogue
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from derive.checking.formulas.vector_formula import read_vector, value_of
 from derive.checking.methods_file import ARMS, SETS, cases
-from derive.checking.vector_formula import read_vector, value_of
 from derive.errors import Location
 
 

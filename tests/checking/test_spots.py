@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from derive.checking.edits import Evaluator, is_token, spots
+from derive.checking.formulas.edits import Evaluator, is_token, spots
 from derive.errors import Location
 from derive.robot.expression import Expression, Name, number
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
-from derive.robot.size_limits import FORMULA_LIMITS
+from derive.robot.reading.size_limits import FORMULA_LIMITS
 
 NUMBERS = {"a": 0.7, "b": -1.3, "c": 0.4, "q1": 0.2, "q2": 0.9, "x": 1.9}
 FORMULAS = ["a*(b + c*cos(q1 + q2))**2 - 3*a", "atan2(a, b + c)/b", "sign(a - b)*sqrt(x + c)", "a", "-sin(2*q1)"]

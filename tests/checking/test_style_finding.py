@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from derive.checking.findings import Outcome
+from derive.checking.formulas.findings import Outcome
 from derive.checking.style_finding import Example, StyleEvidence, find_style
 from derive.lecture.shorthand import read_formula
+from derive.robot.options.style import Style
 from derive.robot.robot import Robot
-from derive.robot.style import Style
 
 ARM = Robot.from_text("""
 name: arm

@@ -6,7 +6,7 @@ import pytest
 
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
-from derive.checking.findings import FileReport, Finding, Outcome, judge
+from derive.checking.formulas.findings import FileReport, Finding, Outcome, judge
 from derive.errors import Location
 from tests.checking.test_files import ARM
 

@@ -75,5 +75,13 @@ def test_a_command_says_what_it_is_and_reads_its_arguments(module: ModuleType) -
 
 @pytest.mark.parametrize("module", MODULES.values(), ids=MODULES)
 def test_a_command_holds_no_mathematics(module: ModuleType) -> None:
-    computing = ("sympy", "numpy", "math", "derive.algebra", "derive.mechanics", "derive.programs", "derive.lecture")
+    computing = (
+        "sympy",
+        "numpy",
+        "math",
+        "derive.algebra",
+        "derive.mechanics",
+        "derive.programs",
+        "derive.lecture.form",
+    )
     assert not [name for name in imported(module) if name.startswith(computing)]

@@ -10,7 +10,7 @@ import pytest
 
 from derive.cli.main import main
 from derive.cli.move import DESCRIPTION
-from derive.motion.catalogue import plan_names
+from derive.plans.catalogue import plan_names
 from derive.robot.load import catalogue_names
 from tests.cli.command import derive, is_one_message
 

@@ -9,14 +9,14 @@ import pytest
 
 from derive.cli.new import copied_robot_text, new_robot_text
 from derive.errors import RobotFileError
-from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.figure.workspace.point import ArmPoint, joint_ranges
-from derive.handouts.figure.workspace.workspace import find_wrist
-from derive.model.inverse.branches import InverseSolver
-from derive.model.inverse.numeric_chain import NumericChain
-from derive.model.inverse.solve import solve
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.closed.solve import solve
+from derive.inverse.numeric.chain import NumericChain
 from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.robot import Robot
+from derive.workspace.point import ArmPoint, joint_ranges
+from derive.workspace.poses import RobotPoses
+from derive.workspace.views import find_wrist
 from tests.cli.command import PENDULUM, derive
 
 

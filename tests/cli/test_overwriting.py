@@ -91,7 +91,7 @@ def test_a_file_that_exists_stays_and_nothing_is_computed_or_written(
         owner = Motion if place.endswith("Motion") else importlib.import_module(place)
         monkeypatch.setattr(owner, name, lambda *_, **__: pytest.fail("computed first"))
     if "--mp4" in typed:
-        monkeypatch.setattr("derive.motion.film.ffmpeg", lambda: "ffmpeg")
+        monkeypatch.setattr("derive.motion.output.film.ffmpeg", lambda: "ffmpeg")
     done = derive(*shlex.split(typed), *option, folder=folder)
     assert done.status == 2, done.stderr
     assert is_one_message(done.stderr)
@@ -104,7 +104,7 @@ def test_a_file_that_exists_stays_and_nothing_is_computed_or_written(
 def test_a_link_and_a_folder_in_the_way_are_refused_even_with_force(
     typed: str, file: str, work: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("derive.motion.film.ffmpeg", lambda: "ffmpeg")
+    monkeypatch.setattr("derive.motion.output.film.ffmpeg", lambda: "ffmpeg")
     path = folder / file
     path.parent.mkdir(exist_ok=True)
     for remark, place in (("is a folder", path.mkdir), ("is a symbolic link", lambda: path.symlink_to("elsewhere"))):

@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from derive.cli import style
+from derive.robot.options.style import Style
 from derive.robot.robot import Robot
-from derive.robot.style import Style
 from tests.cli.command import derive, is_one_message
 
 GRAVITY = "g[1] = ml1*g*l1*c1 + mm2*g*a1*c1 + ml2*g*(a1*c1 + l2*c12)"

@@ -21,11 +21,11 @@ from tests.docs.console import ROOT
 
 LOCALE = ROOT / "derive" / "handouts" / "locale"
 TEMPLATE = LOCALE / "derive.pot"
-HEADER = "# Texts of the handout; see derive/handouts/language.py."
+HEADER = "# Texts of the handout; see derive/handouts/sheet/language.py."
 WIDTH = 100
 
 TRANSLATED = ("_", "_label", "_text", "text")
-"""Names by which code calls `derive.handouts.language.Text`."""
+"""Names by which code calls `derive.handouts.sheet.language.Text`."""
 
 Found = tuple[str, str]
 """File and message."""

@@ -9,8 +9,8 @@ import pytest
 from derive.errors import RobotFileError
 from derive.exchange.arm import arm_of, snapped, tips
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.space import exactly
 from derive.exchange.urdf import Urdf
+from derive.mechanics.space import exactly
 from tests.exchange.urdfs import HALF, J, urdf
 
 SNAP = Fraction(1, 10**6)

@@ -7,7 +7,7 @@ import pytest
 from flint import arb
 
 from derive.exchange.body_chain import Body, body_chain, is_world, quaternion, roll_pitch_yaw
-from derive.exchange.space import WORLD, Frame, exactly, unit, vector
+from derive.mechanics.space import WORLD, Frame, exactly, unit, vector
 from tests.exchange.arms import dressed, numeric
 
 

@@ -13,7 +13,7 @@ from derive.exchange.carried_table import carried_table, placement_of, table_tex
 from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.space import exactly
+from derive.mechanics.space import exactly
 from derive.robot.description import Convention
 from derive.robot.expression import Pi, multiply, number
 from derive.robot.robot import Robot

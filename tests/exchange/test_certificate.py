@@ -12,7 +12,7 @@ from derive.exchange.arm import arm_of
 from derive.exchange.certificate import certify
 from derive.exchange.from_urdf import ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.space import exactly
+from derive.mechanics.space import exactly
 from derive.robot.description import Convention
 from derive.robot.expression import number
 from tests.exchange.urdfs import J, pose, urdf

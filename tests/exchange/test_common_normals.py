@@ -9,7 +9,7 @@ import pytest
 from derive.exchange.arm import arm_of
 from derive.exchange.common_normals import place
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.space import exactly
+from derive.mechanics.space import exactly
 from derive.robot.description import Convention
 from tests.exchange.chains import random_chain
 from tests.exchange.urdfs import HALF, J, urdf

@@ -10,7 +10,7 @@ import pytest
 from derive.errors import DeriveError, Location
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import angle_text, text, with_numbers, with_positive_axes
-from derive.exchange.space import exactly
+from derive.mechanics.space import exactly
 from derive.robot.expression import number
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression

@@ -17,12 +17,12 @@ from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.common_normals import FAR
 from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
-from derive.exchange.possible import INERTIAS
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.space import exactly
 from derive.exchange.to_mjcf import LEAST
 from derive.exchange.urdf import Urdf
-from derive.exchange.witness import NoSuchBodies, Witness
+from derive.mechanics.space import exactly
+from derive.model.identification.possible import INERTIAS
+from derive.model.identification.witness import NoSuchBodies, Witness
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, add, number

@@ -14,7 +14,7 @@ from derive.exchange.common_normals import AS_WRITTEN, FAR, TURNED
 from derive.exchange.from_urdf import ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
 from derive.exchange.robot_of_arm import TOUCHING
-from derive.exchange.space import exactly
+from derive.mechanics.space import exactly
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.robot import Robot

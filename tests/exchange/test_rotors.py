@@ -11,8 +11,8 @@ import pytest
 from derive.exchange.body_chain import body_chain
 from derive.exchange.formats import exported
 from derive.exchange.rotors import lost_coupling, with_rotors
-from derive.exchange.space import exactly
-from derive.exchange.witness import NoSuchBodies
+from derive.mechanics.space import exactly
+from derive.model.identification.witness import NoSuchBodies
 from derive.robot.description import Motor
 from derive.robot.expression import number
 from derive.robot.robot import Robot

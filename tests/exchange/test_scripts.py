@@ -16,7 +16,7 @@ import pytest
 from derive.exchange.body_chain import body_chain
 from derive.exchange.formats import exported
 from derive.exchange.scripts import script_text
-from derive.exchange.space import exactly
+from derive.mechanics.space import exactly
 from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_package

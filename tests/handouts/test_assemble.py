@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derive.handouts.assemble import context_of, document, section_of
-from derive.robot.handout_options import PARTS, USUAL_PARTS, HandoutOptions
+from derive.robot.options.handout import PARTS, USUAL_PARTS, HandoutOptions
 from derive.robot.robot import Robot
 
 

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.budget import within
-from derive.handouts.context import Context
-from derive.handouts.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Steps, gap_rows
 from derive.handouts.exercise import exercise, solutions
-from derive.handouts.latex_writer import latex
-from derive.robot.handout_options import Derivation, HandoutOptions
+from derive.handouts.sheet.budget import within
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Steps, gap_rows
+from derive.handouts.sheet.latex_writer import latex
+from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import swept_catalogue

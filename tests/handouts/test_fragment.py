@@ -10,7 +10,7 @@ from derive.errors import QuantityError, TargetError
 from derive.handouts.fragment import fragment_text
 from derive.model.quantities import REGISTRY
 from derive.programs.functions import ROWS
-from derive.robot.handout_options import InertiaLetter, NotationOptions
+from derive.robot.options.handout import InertiaLetter, NotationOptions
 from derive.robot.robot import Robot
 
 ARM = """

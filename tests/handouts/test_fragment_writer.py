@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from derive.errors import DeriveError
-from derive.handouts.document import Paragraph, Rows, Section, Table
 from derive.handouts.fragment import fragment_text
 from derive.handouts.fragment_writer import fragment
-from derive.handouts.language import Text
 from derive.handouts.pdf import LatexLog
+from derive.handouts.sheet.document import Paragraph, Rows, Section, Table
+from derive.handouts.sheet.language import Text
 from derive.model.quantities import REGISTRY
-from derive.robot.handout_options import PARTS
+from derive.robot.options.handout import PARTS
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import require_latex, run_latex
 from tests.random_robots import swept_catalogue

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.document import Block, Document, Formula, Paragraph, Rows, Section, Table
-from derive.handouts.language import Text, languages
-from derive.handouts.latex_writer import latex
+from derive.handouts.sheet.document import Block, Document, Formula, Paragraph, Rows, Section, Table
+from derive.handouts.sheet.language import Text, languages
+from derive.handouts.sheet.latex_writer import latex
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import swept_catalogue

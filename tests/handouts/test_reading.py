@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.document import Document
 from derive.handouts.exercise import exercise
-from derive.handouts.language import Text, languages
-from derive.handouts.latex_writer import latex
-from derive.robot.handout_options import Derivation
+from derive.handouts.sheet.document import Document
+from derive.handouts.sheet.language import Text, languages
+from derive.handouts.sheet.latex_writer import latex
+from derive.robot.options.handout import Derivation
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import swept_catalogue

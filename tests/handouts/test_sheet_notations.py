@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.language import languages
-from derive.handouts.latex_writer import latex
-from derive.robot.handout_options import (
+from derive.handouts.sheet.language import languages
+from derive.handouts.sheet.latex_writer import latex
+from derive.robot.load import catalogue_names
+from derive.robot.options.handout import (
     AngleLetter,
     Derivation,
     FrameIndices,
@@ -20,9 +21,8 @@ from derive.robot.handout_options import (
     NotationOptions,
     SliderLetter,
 )
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from tests.handouts.test_latex_writer import assert_is_clean
+from tests.handouts.sheet.test_latex_writer import assert_is_clean
 from tests.random_robots import robot_text, seeds
 
 WIDEST = NotationOptions(

@@ -10,9 +10,10 @@ import pytest
 
 from derive.handouts.assemble import context_of, document
 from derive.handouts.exercise import exercise, solutions
-from derive.handouts.language import languages
-from derive.handouts.latex_writer import latex
-from derive.robot.handout_options import (
+from derive.handouts.sheet.language import languages
+from derive.handouts.sheet.latex_writer import latex
+from derive.robot.load import catalogue_names
+from derive.robot.options.handout import (
     AngleLetter,
     Derivation,
     FrameIndices,
@@ -22,7 +23,6 @@ from derive.robot.handout_options import (
     NotationOptions,
     SliderLetter,
 )
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import robot_text, seeds

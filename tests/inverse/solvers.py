@@ -9,14 +9,14 @@ from types import ModuleType
 import numpy as np
 
 import derive
-from derive.model.inverse.branches import InverseSolver
-from derive.model.inverse.numeric import solve
-from derive.model.inverse.numeric_chain import POSE, POSITION, NumericChain
-from derive.model.inverse.solve import solve as solve_symbolically
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.closed.solve import solve as solve_symbolically
+from derive.inverse.numeric.chain import POSE, POSITION, NumericChain
+from derive.inverse.numeric.newton import solve
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.publish.render import Source
-from derive.robot.inverse_options import TASKS
+from derive.robot.options.inverse import TASKS
 from derive.targets.numpy import TARGET
 from tests.inverse.arms import ArmCase
 

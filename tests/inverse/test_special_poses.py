@@ -15,8 +15,8 @@ import derive
 from derive import Model
 from derive.errors import QuantityError
 from derive.handouts.notation.derivation import headline
-from derive.model.inverse.branches import InverseSolver
-from derive.model.inverse.solve import solve
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.closed.solve import solve
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
 from tests.inverse.truth import POSE, Chain, by_many_starts, smallest_singular_value

@@ -9,9 +9,9 @@ from derive.algebra.domain import PolynomialDomain
 from derive.errors import Location
 from derive.lecture.form import LectureForm, SymbolRoles
 from derive.lecture.sympy_conversion import Expr
+from derive.robot.options.style import NAMED_STYLES, Style
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
-from derive.robot.style import NAMED_STYLES, Style
 
 HERE = Location("<test>")
 ARM = Robot.from_text("name: arm\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: revolute, a: a2}]\n")

@@ -11,8 +11,8 @@ from derive.lecture.sympy_conversion import expression_from_sympy, expression_to
 from derive.lecture.terms import FactorTable
 from derive.robot.evaluate import evaluate
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
+from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FORMULA_LIMITS
 
 HERE = Location("<test>")
 

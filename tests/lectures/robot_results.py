@@ -7,8 +7,8 @@ from functools import cache
 
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
-from derive.checking.findings import FileReport, Finding, Role
-from derive.checking.printed import CorpusFile, PrintedQuantity
+from derive.checking.formulas.findings import FileReport, Finding, Role
+from derive.checking.formulas.printed import CorpusFile, PrintedQuantity
 from derive.errors import Location
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy

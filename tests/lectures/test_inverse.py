@@ -10,13 +10,13 @@ import sympy
 import yaml
 
 from derive.api.robots import load
-from derive.checking.findings import Role, judge
-from derive.checking.inverse_solutions import check_inverse, inverse_text
-from derive.checking.printed import Asked
+from derive.checking.formulas.findings import Role, judge
+from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.solutions import check_inverse, inverse_text
 from derive.errors import Location
+from derive.inverse.words.solutions import InverseKinematics
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
-from derive.model.inverse.solutions import InverseKinematics
 from derive.model.model import Model
 from derive.robot.expression import Name
 from tests.lectures.results import document

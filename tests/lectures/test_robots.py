@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 import sympy
 
-from derive.checking.findings import Role
+from derive.checking.formulas.findings import Role
 from derive.model.model import Model
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot

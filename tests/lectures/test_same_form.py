@@ -15,7 +15,7 @@ import pytest
 
 from derive.checking.comparison import derived_matrix
 from derive.checking.files import corpus_from_bytes
-from derive.checking.findings import same_form
+from derive.checking.formulas.findings import same_form
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children

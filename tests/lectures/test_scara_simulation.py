@@ -10,8 +10,8 @@ from sympy import Expr, Rational, cos, diff, exp, pi, sqrt, symbols
 
 from derive.model.kinematic_model import KinematicModel
 from derive.model.model import Model
-from derive.motion.functions import Functions
 from derive.motion.motion import Motion
+from derive.motion.torques.functions import Functions
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Power, Product
 from derive.robot.robot import Robot

@@ -13,7 +13,7 @@ from derive.model.model import Model
 from derive.motion.hand_curve import HandCurve
 from derive.motion.incremental import Walker
 from derive.motion.motion import Motion
-from derive.motion.page import motion_page
+from derive.motion.output.page import motion_page
 from derive.robot.robot import Robot
 from tests.motion.skeleton import ROOT
 

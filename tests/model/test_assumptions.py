@@ -8,8 +8,8 @@ import sympy
 import derive
 from derive.model.assumptions import Assumptions, plain
 from derive.model.quantities import DESCRIBED, REGISTRY
+from derive.robot.options.style import Style
 from derive.robot.robot import Robot
-from derive.robot.style import Style
 
 ARM = """\
 name: two-bars

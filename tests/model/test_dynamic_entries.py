@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 from derive.algebra.ring import TooManyTerms
-from derive.model import dynamics
+from derive.mechanics import exact_dynamics as dynamics
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.entries import Entries
 from derive.model.model import Model

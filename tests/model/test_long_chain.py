@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from derive.lecture.form import LectureForm
-from derive.model.kinematics import Kinematics, Reference, jacobian_columns
+from derive.lecture.matrices import columns_matrix, frame_matrix, only_body, symmetric_matrix
+from derive.mechanics.exact_kinematics import Kinematics, Reference, jacobian_columns
 from derive.model.long_chain import LongChain, nested_kinematics
-from derive.model.matrices import columns_matrix, frame_matrix, only_body, symmetric_matrix
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.robot import Robot

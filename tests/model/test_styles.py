@@ -6,13 +6,13 @@ import random
 
 import pytest
 
-from derive.checking.findings import same_form
+from derive.checking.formulas.findings import same_form
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
+from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Style
 from derive.robot.robot import Robot
-from derive.robot.style import NAMED_STYLES, STYLE_OPTIONS, Style
 
 ELBOW = Robot.from_text("""
 name: elbow

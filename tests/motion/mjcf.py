@@ -7,7 +7,7 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from derive.motion.hermite import Array
+from derive.arrays import Array
 from derive.robot.description import Convention, Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.robot import Robot

@@ -10,8 +10,8 @@ from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
 from derive.motion.hand_curve import HandCurve, printed_hand, printed_weights
-from derive.motion.hermite import TIME
 from derive.motion.motion import Motion
+from derive.plans.hermite import TIME
 from tests.motion.plans import PICK_AND_PLACE
 from tests.motion.skeleton import REACH, ROOT
 

@@ -9,9 +9,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from derive.motion.functions import Functions
-from derive.motion.hermite import Array
+from derive.arrays import Array
 from derive.motion.motion import Motion
+from derive.motion.torques.functions import Functions
 from derive.robot.description import Inertia
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ZERO, number

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 
 from derive.model.identification.base_parameters import base_set
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy

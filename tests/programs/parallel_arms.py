@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from derive.programs.formulations.trace import Trace
 from derive.programs.tape.build import cut
 from derive.programs.tape.scalars import QD, QDD, Q
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace
 from derive.robot.evaluate import evaluate as number
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot

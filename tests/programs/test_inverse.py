@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 
 from derive.algebra.constants import to_float
-from derive.model.inverse.fields import FloatField
-from derive.model.inverse.solve import solve
-from derive.model.inverse.walk import Run
+from derive.inverse.closed.fields import FloatField
+from derive.inverse.closed.solve import solve
+from derive.inverse.closed.walk import Run
+from derive.programs.formulations.trace import Trace
 from derive.programs.inverse import Mask, around, inverse_function, solved
 from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
 from derive.programs.tape.graph import ONE, ZERO, Graph
 from derive.programs.tape.tape import PARAMETER, Op, evaluate
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
+from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
-from derive.robot.solution_policy import POLICY
 from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
 from tests.inverse.arms import PUBLISHED
 from tests.targets.test_inverse import model_of

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.model.inverse.solve import solve
+from derive.inverse.closed.solve import solve
+from derive.programs.formulations.trace import Trace
 from derive.programs.inverse import inverse_function
 from derive.programs.newton_step import least_squares
 from derive.programs.program import DAMPING, POSE, Function
@@ -13,8 +14,7 @@ from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace
-from derive.robot.inverse_options import ROWS, Task
+from derive.robot.options.inverse import ROWS, Task
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics
 from tests.programs.test_inverse import ARITHMETIC, arm_of, numbers_of

@@ -1,6 +1,6 @@
 """What each threshold of the search is worth: ``python -m tests.programs.thresholds [options] [ROBOT...]``.
 
-Every threshold of `derive.programs.search_policy.Policy` is halved and doubled, that of a margin its part above 1, and
+Every threshold of `Policy` is halved and doubled, that of a margin its part above 1, and
 all programs are searched with it: those of the built-in robots and of the benchmarks, or of the given files. Printed is
 one line for each: the value, in how many functions operations were gained and lost, the change of all costs together,
 and the processor time as a multiple of that with the policy as it is. ``--only`` names a threshold, ``--function`` a
@@ -19,7 +19,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 
-from derive.programs import search_policy
+from derive.programs.optimise import search_policy
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 

@@ -16,7 +16,7 @@ import pytest
 
 import derive
 from derive.errors import OutputError, TargetError, VerificationError
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.publish import build
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, build_robot, check_robot, folder_of
 from derive.publish.many import build_many, check_many

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.publish import manifest
 from derive.publish.build import build_robot
 from derive.publish.targets import targets_named

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from derive.errors import TargetError
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.publish import render
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.render import library_names

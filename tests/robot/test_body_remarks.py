@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from derive.robot.body_remarks import missing_moment, remarks_on_bodies
-from derive.robot.document import read_document
 from derive.robot.load import catalogue_text
+from derive.robot.reading.document import read_document
 from derive.robot.robot import Robot
 
 

@@ -12,8 +12,8 @@ from derive.errors import ExpressionError, RobotFileError, UnknownRobotError
 from derive.robot.description import IDENTITY, Convention, JointType
 from derive.robot.expression import ONE, ZERO, Name, to_text
 from derive.robot.names import acceleration_name, free_symbols, joint_label, robot_symbols, velocity_name
+from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.size_limits import FILE_LIMITS
 
 HEAD = "name: r\nconvention: standard\n"
 

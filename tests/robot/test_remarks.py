@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.robot.document import read_document
 from derive.robot.load import catalogue_names
+from derive.robot.reading.document import read_document
 from derive.robot.remarks import remarks_on
 from derive.robot.robot import Robot
 

@@ -8,11 +8,11 @@ import re
 import pytest
 
 from derive.errors import RobotFileError
-from derive.robot.document import read_document
 from derive.robot.expression import ONE, ZERO
-from derive.robot.handout_options import HandoutOptions
 from derive.robot.load import description_from_bytes
+from derive.robot.options.handout import HandoutOptions
 from derive.robot.presentation import read_handout
+from derive.robot.reading.document import read_document
 from derive.robot.robot import Robot
 from derive.robot.table import DEFAULT_GRAVITY_SYMBOL, ROTATION_TOLERANCE
 from derive.robot.units import located_expressions

@@ -8,8 +8,8 @@ import pytest
 
 from derive.errors import RobotFileError
 from derive.robot.cells import Cells
-from derive.robot.document import read_document
 from derive.robot.load import description_from_bytes
+from derive.robot.reading.document import read_document
 from derive.robot.validate import validate
 
 TEXT = b"name: r\nconvention: standard\njoints: [{type: revolute, a: a1, limits: [-1, 1]}]\nfigure: {q: [1]}\n"

@@ -1,7 +1,7 @@
 """Brings the code for arms without formulas into templates of generated modules: ``python -m tests.targets.embedded``.
 
 Generated modules import NumPy alone, so the code that solves general arms stands in them. It is that of
-`derive.model.inverse`, less annotations, long docstrings and what a generated module does not need; names at the top
+`derive.inverse`, less annotations, long docstrings and what a generated module does not need; names at the top
 of a module get an underscore. With ``--check`` nothing is written, and the exit status is 1 where something would be.
 """
 
@@ -18,11 +18,18 @@ from pathlib import Path
 
 from tests.docs.console import ROOT
 
-SOURCES = ROOT / "derive" / "model" / "inverse"
-TEMPLATES = ROOT / "templates" / "numpy" / "inverse"
+SOURCES = {
+    "rigid_motion": "derive.inverse.general.rigid_motion",
+    "closure": "derive.inverse.general.closure",
+    "numeric_chain": "derive.inverse.numeric.chain",
+    "numeric": "derive.inverse.numeric.newton",
+    "elimination": "derive.inverse.general.elimination",
+    "candidates": "derive.inverse.general.candidates",
+    "general": "derive.inverse.general.search",
+}
+"""Modules by the name of their template, in an order in which each needs only those before it."""
 
-MODULES = ("rigid_motion", "closure", "numeric_chain", "numeric", "elimination", "candidates", "general")
-"""In an order in which each needs only those before it."""
+TEMPLATES = ROOT / "templates" / "numpy" / "inverse"
 
 ROOTS = {
     "numeric": ("solve", "Status"),
@@ -52,13 +59,14 @@ class Module:
 
     def __init__(self, name: str) -> None:
         self.name = name
-        tree = ast.parse((SOURCES / f"{name}.py").read_text(encoding="utf-8"))
+        templates_of = {module: template for template, module in SOURCES.items()}
+        tree = ast.parse((ROOT / SOURCES[name].replace(".", "/")).with_suffix(".py").read_text(encoding="utf-8"))
         self.imported: dict[str, Key] = {}
         self.defined: dict[str, ast.stmt] = {}
         for statement in tree.body:
-            if isinstance(statement, ast.ImportFrom) and (statement.module or "").startswith("derive.model.inverse."):
-                source = (statement.module or "").rsplit(".", 1)[1]
-                self.imported |= {alias.name: (source, alias.name) for alias in statement.names if source in MODULES}
+            if isinstance(statement, ast.ImportFrom) and statement.module in templates_of:
+                source = templates_of[statement.module]
+                self.imported |= {alias.name: (source, alias.name) for alias in statement.names}
             elif isinstance(statement, ast.FunctionDef | ast.ClassDef):
                 self.defined[statement.name] = statement
             elif isinstance(statement, ast.Assign | ast.AnnAssign):
@@ -176,7 +184,7 @@ def embedded() -> dict[str, str]:
         needs[key] = transformer.needs
         open_ += transformer.needs
     _drop_unused_methods(list(plain.values()))
-    return {name: _text(name, plain) for name in MODULES}
+    return {name: _text(name, plain) for name in SOURCES}
 
 
 def _drop_unused_methods(statements: list[ast.stmt]) -> None:

@@ -8,8 +8,8 @@ from types import ModuleType
 import numpy as np
 
 from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import InverseSearch, Program
-from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 from tests.targets.generated_models import numpy_model
 

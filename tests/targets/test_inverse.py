@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.model.inverse.solutions import inverse_kinematics
+from derive.inverse.words.solutions import inverse_kinematics
 from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
-from derive.programs.search_policy import Effort
 from derive.robot.evaluate import to_float
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi

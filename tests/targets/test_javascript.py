@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
-from derive.programs.search_policy import Effort
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_string

@@ -16,8 +16,8 @@ import pytest
 
 from derive.programs.build import build_program
 from derive.programs.functions import INTERFACES
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Function, Program
-from derive.programs.search_policy import Effort
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER

@@ -12,7 +12,7 @@ import pytest
 
 from derive.errors import VerificationError
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.targets.numpy import render_numpy

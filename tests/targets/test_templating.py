@@ -10,7 +10,7 @@ import pytest
 from jinja2 import nodes
 
 from derive.errors import TargetError
-from derive.handouts.latex_writer import latex_template
+from derive.handouts.sheet.latex_writer import latex_template
 from derive.publish.targets import TARGETS, targets_named
 from derive.targets import templating
 from derive.targets.templating import environment, robot_argument, template_folder

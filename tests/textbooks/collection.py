@@ -18,11 +18,11 @@ from pathlib import Path
 
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
-from derive.checking.findings import FileReport
-from derive.checking.printed import CorpusFile
+from derive.checking.formulas.findings import FileReport
+from derive.checking.formulas.printed import CorpusFile
 from derive.checking.style_finding import Example, StyleEvidence, printed_examples
 from derive.errors import DeriveError
-from derive.robot.style import STYLE_OPTIONS, Style
+from derive.robot.options.style import STYLE_OPTIONS, Style
 
 FILES = sorted(Path(__file__).parent.glob("*.yaml"))
 LECTURES = Path(__file__).parents[1] / "lectures" / "corpus"

@@ -9,7 +9,7 @@ import pytest
 
 from derive.errors import VerificationError
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.targets.c import render_c
 from derive.targets.compiler import find_compiler

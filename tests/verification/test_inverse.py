@@ -11,7 +11,7 @@ import pytest
 
 from derive.errors import VerificationError
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.verification.generated import NumpyModel
 from derive.verification.inverse import CLOSED, inverse_errors

@@ -13,7 +13,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from derive.handouts.figure.drawing import Array, Drawing, Item, Path, Point, label_width
+from derive.arrays import Array
+from derive.handouts.figure.drawing import Drawing, Item, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, bounds, moved, resized
 from derive.handouts.figure.projection import View, best_view, paint
 from derive.handouts.figure.scene import LETTERS, Scene, Segment, arm_scene

@@ -12,8 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from derive.arrays import Array
 from derive.handouts.figure.arm import HEIGHT, arm_view
-from derive.handouts.figure.drawing import Array, Color, Drawing, Path, Point, label_width
+from derive.handouts.figure.drawing import Color, Drawing, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, moved
 from derive.handouts.figure.planar import view_along
 from derive.handouts.figure.projection import View

@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from derive.handouts.figure.drawing import BLACK, Array, Color, Drawing, Path
+from derive.arrays import Array
+from derive.handouts.figure.drawing import BLACK, Color, Drawing, Path
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, arrow_head, moved
 from derive.handouts.figure.projection import View, paint
 from derive.handouts.figure.solids import REVOLUTE, prism

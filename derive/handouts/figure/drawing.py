@@ -12,12 +12,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
-Array: TypeAlias = npt.NDArray[np.float64]
-"""Points, directions or samples, as the functions of figures take them."""
-
 Point: TypeAlias = tuple[float, float]
 Color: TypeAlias = tuple[float, float, float]
 """Red, green and blue from 0 to 1."""

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.handouts.figure.drawing import Array, Color, Drawing, Item, Label, Path, Point, label_width
+from derive.arrays import Array
+from derive.handouts.figure.drawing import Color, Drawing, Item, Label, Path, Point, label_width
 
 HEIGHT = 74.0
 """Height of a panel [pt]."""

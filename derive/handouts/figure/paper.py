@@ -13,18 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from derive.handouts.figure.drawing import (
-    BLACK,
-    LABEL_HEIGHT,
-    Array,
-    Color,
-    Drawing,
-    Item,
-    Label,
-    Path,
-    Point,
-    label_width,
-)
+from derive.arrays import Array
+from derive.handouts.figure.drawing import BLACK, LABEL_HEIGHT, Color, Drawing, Item, Label, Path, Point, label_width
 
 AXIS_COLORS: tuple[Color, Color, Color] = ((0.78, 0.10, 0.10), (0.08, 0.50, 0.15), (0.10, 0.22, 0.78))
 """Of x, y and z."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from derive.handouts.figure.drawing import Array
+from derive.arrays import Array
 from derive.handouts.figure.projection import View
 from derive.handouts.figure.scene import Scene
 

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from derive.handouts.figure.drawing import Array, Color, Path, Point
+from derive.arrays import Array
+from derive.handouts.figure.drawing import Color, Path, Point
 from derive.handouts.figure.solids import OUTLINE, Faces, shade
 
 ELEVATIONS = (20, 28, 36)

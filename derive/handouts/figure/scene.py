@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.handouts.figure.drawing import Array
+from derive.arrays import Array
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names

@@ -9,7 +9,8 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from derive.handouts.figure.drawing import Array, Color
+from derive.arrays import Array
+from derive.handouts.figure.drawing import Color
 from derive.handouts.figure.scene import JointAxis, Scene
 
 LIGHT = np.array((-0.35, 0.75, 0.56))

@@ -8,7 +8,7 @@ from typing import Any
 
 from derive.errors import listed
 from derive.handouts.notation.text import PlainPrinter
-from derive.model.inverse.aspects import Aspects
+from derive.model.singularities.aspects import Aspects
 from derive.robot.names import robot_symbols
 
 _MANY = 16

@@ -15,11 +15,11 @@ import sympy
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
 from derive.handouts.notation.text import PlainPrinter
-from derive.model.inverse.derivation import PrintedEquation, Step
-from derive.model.inverse.elementary import Line
-from derive.model.inverse.nodes import Kind
-from derive.model.inverse.origins import Form, Origin
-from derive.model.inverse.solutions import InverseKinematics
+from derive.inverse.closed.nodes import Kind
+from derive.inverse.words.derivation import PrintedEquation, Step
+from derive.inverse.words.elementary import Line
+from derive.inverse.words.origins import Form, Origin
+from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.description import IDENTITY
 from derive.robot.robot import Robot
 

@@ -23,8 +23,8 @@ from sympy import pi
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.subscripts import Glyph, distinct, natural, variable_glyphs
 from derive.robot.expression import names
-from derive.robot.handout_options import Functions, NotationOptions
 from derive.robot.names import acceleration_name, joint_label, limit_symbols, robot_symbols, velocity_name
+from derive.robot.options.handout import Functions, NotationOptions
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS, is_given_in_decimals
 

@@ -13,9 +13,9 @@ from derive.handouts.notation.pieces import Box, Piece, fraction, italic, joined
 from derive.handouts.notation.printer import LatexPrinter, Pieces
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.text import TextPrinter
-from derive.model.inverse.elementary import Sign
-from derive.model.inverse.solutions import InverseKinematics
-from derive.robot.handout_options import PoseEntries
+from derive.inverse.words.elementary import Sign
+from derive.inverse.words.solutions import InverseKinematics
+from derive.robot.options.handout import PoseEntries
 from derive.robot.robot import Robot
 
 WIDEST_QUOTIENT = 380.0

@@ -16,8 +16,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from derive.handouts.notation.pieces import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
-from derive.robot.handout_options import AngleLetter, NotationOptions, SliderLetter
 from derive.robot.names import joint_label
+from derive.robot.options.handout import AngleLetter, NotationOptions, SliderLetter
 from derive.robot.robot import Robot
 
 LONGEST_SUFFIX = 2

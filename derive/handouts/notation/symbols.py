@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, concatenate, greek, italic, script, upright
-from derive.robot.handout_options import FrameIndices
+from derive.robot.options.handout import FrameIndices
 
 _TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
 

@@ -11,7 +11,7 @@ from derive.handouts.notation.derivation import Print, formula
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
 from derive.handouts.notation.text import PlainPrinter
-from derive.model.inverse.reach import Bound, Reach
+from derive.inverse.words.reach import Bound, Reach
 
 _POSE = 6
 """Coordinates of a pose: arms of fewer joints reach it under conditions only."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from derive.handouts.language import Text
+from derive.handouts.sheet.language import Text
 from derive.robot.robot import Robot
 from derive.targets.escape import html_text
 from derive.targets.javascript import camel_case

@@ -14,11 +14,11 @@ import mpmath
 import numpy as np
 import sympy
 
-from derive.handouts.figure.drawing import Array
+from derive.arrays import Array
+from derive.inverse.numeric.in_numbers import ArrayDomain, Numbers
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.forward_kinematics import jacobian
-from derive.model.inverse.in_numbers import ArrayDomain, Numbers
-from derive.robot.inverse_options import POSE, InverseOptions
+from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 
 _SMALL = 1e-7

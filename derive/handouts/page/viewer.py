@@ -14,16 +14,17 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
-from derive.handouts.figure.drawing import Array, label_runs
+from derive.arrays import Array
+from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.planar import view_along
 from derive.handouts.figure.scene import upwards
-from derive.handouts.language import Text
 from derive.handouts.notation.notation import Notation
 from derive.handouts.page.player import Playback, function_names, player_texts
 from derive.handouts.page.target import Dragging
 from derive.handouts.parts.inverse_words import branch_name
-from derive.model.inverse.postures import postures
-from derive.model.inverse.solve import solve
+from derive.handouts.sheet.language import Text
+from derive.inverse.closed.solve import solve
+from derive.inverse.words.postures import postures
 from derive.programs.program import Program
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate

@@ -15,7 +15,10 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from derive.handouts.document import (
+from derive.handouts.figure.drawing import label_runs
+from derive.handouts.figure.writers import svg_drawing
+from derive.handouts.page.viewer import Viewer
+from derive.handouts.sheet.document import (
     Blank,
     Block,
     Document,
@@ -31,11 +34,8 @@ from derive.handouts.document import (
     gap_rows,
     spans,
 )
-from derive.handouts.figure.drawing import label_runs
-from derive.handouts.figure.writers import svg_drawing
-from derive.handouts.language import Text
-from derive.handouts.latex_writer import omitted_words
-from derive.handouts.page.viewer import Viewer
+from derive.handouts.sheet.language import Text
+from derive.handouts.sheet.latex_writer import omitted_words
 from derive.targets import templating
 from derive.targets.escape import html_text
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Paragraph, Rows, Steps
-from derive.handouts.formula import BodyItem, body_formulas, formula, matrix_lines, textbook
 from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
+from derive.handouts.sheet.formula import BodyItem, body_formulas, formula, matrix_lines, textbook
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Paragraph, Rows
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
 from derive.handouts.notation.pieces import Box, Break, Piece, concatenate, italic, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.kinematics import transforms
 from derive.handouts.parts.table import BASE, TOOL, end_lines, link_equations, table_rows
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Paragraph, Rows
 from derive.mechanics.convention import Conversion, convert
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model

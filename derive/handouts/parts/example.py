@@ -12,9 +12,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from derive.errors import ExpressionError
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows
-from derive.handouts.figure.poses import middle
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.notation.pieces import (
     EMPTY,
@@ -27,11 +24,14 @@ from derive.handouts.notation.pieces import (
     script,
 )
 from derive.handouts.notation.symbols import bold
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows
 from derive.mechanics.floats import value_at
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Number, Pi, Product
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
+from derive.workspace.poses import middle
 
 ANGLES = (1, 2, -1, 3, -2, 4)
 """Joint angles in sixths of pi, and again from the first: generic, so that few entries vanish."""

@@ -7,17 +7,17 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from derive.errors import DeriveError
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Figure, Paragraph
 from derive.handouts.figure.arm import arm_drawing, arm_view
 from derive.handouts.figure.convention import convention_drawing
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
-from derive.handouts.formula import textbook
 from derive.handouts.notation.pieces import EMPTY, joined, magnitude
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Figure, Paragraph
+from derive.handouts.sheet.formula import textbook
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression
-from derive.robot.handout_options import Functions
+from derive.robot.options.handout import Functions
+from derive.workspace.poses import RobotPoses
 
 _DIGITS = 4
 """Significant digits of a number in a caption."""

@@ -13,27 +13,27 @@ from typing import Any
 
 import sympy
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Formula, Paragraph, Rows, Table
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix
 from derive.handouts.notation.pieces import concatenate, joined
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.inverse_example import example
 from derive.handouts.parts.inverse_formulas import WIDEST_LEFT, FormulaWriter
 from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources, words_alone
-from derive.model.inverse.coincidences import coincidences
-from derive.model.inverse.derivation import Step
-from derive.model.inverse.elementary import Line
-from derive.model.inverse.graph import SolutionGraph
-from derive.model.inverse.nodes import Kind
-from derive.model.inverse.origins import Form
-from derive.model.inverse.solutions import InverseKinematics
-from derive.model.inverse.solve import MAX_JOINTS, Freedom, solve, usual_task
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Table
+from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.solve import MAX_JOINTS, Freedom, solve, usual_task
+from derive.inverse.words.derivation import Step
+from derive.inverse.words.elementary import Line
+from derive.inverse.words.origins import Form
+from derive.inverse.words.solutions import InverseKinematics
 from derive.model.model import Model
+from derive.model.singularities.coincidences import coincidences
 from derive.model.singularities.conditions import Posture
 from derive.model.singularities.singularities import SingularFactor
 from derive.robot.expression import ZERO
-from derive.robot.inverse_options import POSE, InverseOptions
+from derive.robot.options.inverse import POSE, InverseOptions
 
 LONGEST_SUM = 80.0
 """Lines of formulas on paper beyond which the part leaves them to the generated code."""

@@ -12,26 +12,26 @@ import numpy as np
 import sympy
 
 from derive.errors import DeriveError
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Entry, Figure, Formula, Paragraph, Rows, Table
 from derive.handouts.figure.branches import branches_drawing
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.layout.lines import EQUALS, matrix
 from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic, joined
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.example import configuration
 from derive.handouts.parts.figure import stated_values
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Entry, Figure, Formula, Paragraph, Rows, Table
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.numeric.in_numbers import Numbers
+from derive.inverse.words.solutions import CLOSE, InverseKinematics
+from derive.lecture.point import DIGITS
 from derive.lecture.sympy_conversion import Expr
 from derive.mechanics.floats import value_at
-from derive.model.inverse.branches import InverseSolver
-from derive.model.inverse.in_numbers import Numbers
-from derive.model.inverse.solutions import CLOSE, InverseKinematics
-from derive.model.point import DIGITS
 from derive.robot.description import Joint
 from derive.robot.expression import Number
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.units import position_unit
+from derive.workspace.poses import RobotPoses
 
 _PLACES = 4
 """Decimals of lengths and radians; two less of degrees."""

@@ -8,14 +8,14 @@ from typing import Any
 
 import sympy
 
-from derive.handouts.context import Context
-from derive.handouts.document import Entry, Formula, Rows
 from derive.handouts.layout.lines import EQUALS, INDENTS, break_lines
 from derive.handouts.notation.derivation import LONGEST_PAIR, derivation_python, formula
 from derive.handouts.notation.pieces import EMPTY, Box, Break, Piece, concatenate, joined
 from derive.handouts.notation.solution_printer import SignLatexPrinter, with_names, with_signs
-from derive.model.inverse.elementary import Line
-from derive.model.inverse.solutions import InverseKinematics
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Entry, Formula, Rows
+from derive.inverse.words.elementary import Line
+from derive.inverse.words.solutions import InverseKinematics
 
 WIDEST_QUOTIENT = 170.0
 """Widest sum above a divisor [pt], which a narrow column holds."""

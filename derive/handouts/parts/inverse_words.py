@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 
-from derive.handouts.context import Context
-from derive.handouts.language import Text
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import EMPTY, Box, concatenate, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.table import BASE, TOOL
-from derive.model.inverse.branch_names import Word
-from derive.model.inverse.derivation import PrintedEquation
-from derive.model.inverse.origins import Form, Origin
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.language import Text
+from derive.inverse.words.branch_names import Word
+from derive.inverse.words.derivation import PrintedEquation
+from derive.inverse.words.origins import Form, Origin
 from derive.robot.description import IDENTITY
 
 _INVERSE = Box("-1", 11.0)
@@ -145,7 +145,7 @@ def words_alone(name: str) -> str:
     """The name of a branch without its number, which tells it from others where words do not.
 
     Args:
-        name: As `derive.model.inverse.branch_names` gives it.
+        name: As `derive.inverse.words.branch_names` gives it.
     """
     return ", ".join(part for part in name.split(", ") if not _NUMBER.fullmatch(part))
 
@@ -156,7 +156,7 @@ def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str]
     Args:
         text: The language.
         notation: The robot's notation.
-        name: As `derive.model.inverse.branch_names` gives it; ``#3`` is branch 3.
+        name: As `derive.inverse.words.branch_names` gives it; ``#3`` is branch 3.
         plain: How a symbol is written in running text; None for LaTeX between dollar signs.
 
     Returns:

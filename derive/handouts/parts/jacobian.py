@@ -11,14 +11,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Paragraph, Rows, Steps
-from derive.handouts.formula import Small, component_namer, formula, side_by_side, small, textbook
 from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import BINARY_WIDTH, BRACKET_WIDTH, MINUS_WIDTH, Box, concatenate, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.orientation import euler_names
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
+from derive.handouts.sheet.formula import Small, component_namer, formula, side_by_side, small, textbook
 
 _UPPER = (1, 2, 3)
 _ALL = (1, 2, 3, 4, 5, 6)

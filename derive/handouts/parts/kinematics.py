@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Paragraph, Rows, Steps
-from derive.handouts.formula import Small, entry_namer, formula, side_by_side, small, textbook
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import Box, Break, Piece, concatenate
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, TOOL
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
+from derive.handouts.sheet.formula import Small, entry_namer, formula, side_by_side, small, textbook
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Formula, Paragraph, Rows, Steps
-from derive.handouts.formula import formula, textbook
 from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction
 from derive.handouts.parts.bodies import has_rotors
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Steps
+from derive.handouts.sheet.formula import formula, textbook
 from derive.robot.expression import ZERO
 
 _CORIOLIS = "coriolis_matrix"

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows, Steps
-from derive.handouts.formula import component_namer, entry_namer, matrix_lines, textbook
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.notation.pieces import Box, concatenate, italic, joined, script
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows, Steps
+from derive.handouts.sheet.formula import component_namer, entry_namer, matrix_lines, textbook
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, velocity_name

@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Paragraph, Rows
-from derive.handouts.formula import formula
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import (
@@ -29,6 +26,9 @@ from derive.handouts.notation.pieces import (
     upright,
 )
 from derive.handouts.notation.symbols import Group, bold
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Paragraph, Rows
+from derive.handouts.sheet.formula import formula
 from derive.model.entries import Entries
 
 SHORT_ANGLES = 12

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from sympy import Expr, Float, Integer, Matrix, Poly, Rational, Symbol, ff, latex
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Document, Figure, Paragraph, Rows, Section, Steps, Table
-from derive.handouts.figure.drawing import Array, Drawing
+from derive.arrays import Array
+from derive.handouts.figure.drawing import Drawing
 from derive.handouts.figure.panels import Panel, Panels
 from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate
 from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, Steps, Table
 
 UNIT = Symbol("u")
 """Time since a piece began, in units of its length."""

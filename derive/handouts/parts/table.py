@@ -8,12 +8,12 @@ from itertools import chain
 
 import sympy
 
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Paragraph, Rows, Table
-from derive.handouts.formula import entry_namer, matrix_lines
 from derive.handouts.layout.lines import Equation, equation_lines, pack
 from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, italic, joined, list_separator, script
 from derive.handouts.notation.printer import Cell
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
+from derive.handouts.sheet.formula import entry_namer, matrix_lines
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot.description import IDENTITY, Link
 from derive.robot.expression import ZERO

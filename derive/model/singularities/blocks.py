@@ -16,10 +16,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from derive.algebra.ring import Polynomial, TooManyTerms, determinant
+from derive.mechanics.exact_kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import column, dot
-from derive.model.kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
 from derive.robot.expression import ONE, ZERO, number
-from derive.robot.inverse_options import FREEDOMS, POSE, TASKS
+from derive.robot.options.inverse import FREEDOMS, POSE, TASKS
 from derive.robot.robot import Robot
 
 ALL = (1, 2, 3, 4, 5, 6)

@@ -20,16 +20,16 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factors import Factor, Factoring
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
-from derive.model.kinematics import Kinematics
+from derive.mechanics.exact_kinematics import Kinematics
 from derive.model.singularities.blocks import matrices, square_blocks, task_words
 from derive.model.singularities.conditions import Condition, zero_condition
 from derive.model.singularities.rank import Zero, rank_loss
 from derive.model.singularities.real_zeros import RealZeros
 from derive.model.singularities.singularities import JacobianBlock, Outcome, SingularFactor, Singularities
 from derive.robot.expression import Number
-from derive.robot.inverse_options import FREEDOMS, POSE
+from derive.robot.options.inverse import FREEDOMS, POSE
+from derive.robot.options.style import Contraction, Style
 from derive.robot.robot import Robot
-from derive.robot.style import Contraction, Style
 
 MAX_TERMS = 20_000
 """Budget of any polynomial on the way to the determinant."""

@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 
 from derive.lecture.sympy_conversion import Expr, Matrix
-from derive.model.kinematics import Reference
+from derive.mechanics.exact_kinematics import Reference
 from derive.model.singularities.conditions import Condition
 
 Write = Callable[[Any], str]

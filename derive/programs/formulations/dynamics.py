@@ -16,13 +16,13 @@ from derive.mechanics.forward_dynamics import articulated_accelerations, forward
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
-from derive.programs.formulation_choice import Formulation
-from derive.programs.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
-from derive.programs.search_policy import POLICY
+from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
+from derive.programs.formulations.trace import Trace, flat
+from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.derivative import gradient_columns
 from derive.programs.tape.scalars import QD, QDD, TAU, Q
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace, flat
 
 Recursion = Callable[[FrameChoices], list[Value]]
 """The outputs of a recursion with some frame choices."""

@@ -9,11 +9,11 @@ from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.model.identification.base_parameters import Coefficient, base_set
 from derive.model.identification.parameter_values import ParameterFormulas, base_values
-from derive.programs.formulation_choice import Formulation
+from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.trace import Trace, flat
 from derive.programs.program import Column
 from derive.programs.tape.scalars import QD, QDD
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace, flat
 from derive.robot.inertial_parameters import Parameter, standard_parameters
 
 

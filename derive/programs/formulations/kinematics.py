@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
 from derive.mechanics.vectors import Frame, column, multiply, transpose
-from derive.programs.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
-from derive.programs.formulation_choice import Formulation
+from derive.programs.formulations.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
+from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.trace import Trace, flat
 from derive.programs.optimise.improve import improved_values
 from derive.programs.tape.derivative import derivative
 from derive.programs.tape.scalars import QD, Q
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace, flat
 
 Matrix = list[list[Value]]
 

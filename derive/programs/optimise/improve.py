@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from derive.programs.optimise.convert import graph_of, network_of
 from derive.programs.optimise.search import Search
-from derive.programs.search_policy import POLICY
+from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.build import copy, reachable
 from derive.programs.tape.cost import program_cost
 from derive.programs.tape.graph import Graph, Ref, node_of, ref_to

@@ -19,7 +19,7 @@ from random import Random
 from derive.algebra.constants import Constant
 from derive.programs.optimise.coefficients import PRIME
 from derive.programs.optimise.network import Monomial, Network, Opaque, Operand, Polynomial
-from derive.programs.search_policy import POLICY
+from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.cost import polynomial_cost
 from derive.programs.tape.graph import ONE, Ref, is_negative, node_of, ref_to, signed
 from derive.programs.tape.tape import Op

@@ -15,8 +15,8 @@ from itertools import pairwise
 
 from derive.programs.optimise.network import Network, Opaque, Polynomial
 from derive.programs.optimise.resubstitute import Resubstitution
+from derive.programs.optimise.search_policy import POLICY
 from derive.programs.optimise.sharing import Extractor
-from derive.programs.search_policy import POLICY
 from derive.programs.tape.cost import polynomial_cost
 from derive.programs.tape.graph import negated
 from derive.programs.tape.tape import Op

@@ -8,8 +8,8 @@ import pytest
 
 from derive.handouts.figure.branches import branches_drawing
 from derive.handouts.figure.drawing import Drawing, Label, Path
-from derive.handouts.figure.poses import RobotPoses
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 
 ARM = Robot.load("planar-2r-perugia")
 

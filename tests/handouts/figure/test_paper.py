@@ -9,10 +9,10 @@ import pytest
 from derive.handouts.figure.arm import arm_drawing
 from derive.handouts.figure.drawing import LABEL_HEIGHT, Label, Path, label_width
 from derive.handouts.figure.paper import Paper, around
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 
 WIDE = "z_{2},z_{3},z_{5}"
 

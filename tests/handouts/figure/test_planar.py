@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from derive.handouts.figure.planar import plane_normal, view_along
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 
 PLANAR = {"planar-2r-perugia", "planar-3r", "skeleton", "skeleton-modified", "skeleton-root"}
 

@@ -11,7 +11,6 @@ import pytest
 from derive.handouts.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
 from derive.handouts.figure.drawing import Drawing, Label, Path
 from derive.handouts.figure.paper import AXIS_COLORS
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
@@ -19,6 +18,7 @@ from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import chain_frames, forward_kinematics, numeric_arm
+from derive.workspace.poses import RobotPoses
 from tests.random_robots import robot_text
 
 
@@ -116,7 +116,7 @@ def test_numbers_of_the_figure_are_used_and_the_others_are_stated() -> None:
     from fractions import Fraction
 
     from derive.robot.expression import Number
-    from derive.robot.handout_options import FigureOptions
+    from derive.robot.options.handout import FigureOptions
 
     robot = Robot.load("planar-2r-perugia")
     q = (Number(Fraction(1, 2)), Number(Fraction(1)))

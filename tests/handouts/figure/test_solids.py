@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import LINK, Sizes, joint_centers, prism, shade, solid_faces
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 
 SCALE = 100.0
 SIZES = Sizes(1.0)

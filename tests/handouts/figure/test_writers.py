@@ -10,12 +10,12 @@ import pytest
 from derive.handouts.figure.arm import WIDTH, arm_drawing
 from derive.handouts.figure.convention import convention_drawing
 from derive.handouts.figure.drawing import Drawing, Label, Path, Run, label_runs, label_width
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.writers import PREAMBLE, SUFFIXES, drawing_bytes, latex_drawing, svg_drawing
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.robot.description import Convention
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 from tests.handouts.latex_runner import run_latex
 
 NAMES = ("scara-perugia", "puma560-corke", "human-body", "spherical-arm")

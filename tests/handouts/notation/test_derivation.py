@@ -8,12 +8,12 @@ import pytest
 
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
-from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
-from derive.model.inverse.solve import solve
+from derive.inverse.closed.solve import solve
+from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.robot.expression import Number
 from derive.robot.robot import Robot
 from tests.inverse.arms import PUBLISHED
-from tests.model.inverse.test_graph import PLANAR, planar_graph
+from tests.inverse.closed.test_graph import PLANAR, planar_graph
 
 ORTHOGONAL = """
 name: orthogonal

@@ -18,7 +18,8 @@ from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.handouts.notation.pieces import italic, joined
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import Symbols
-from derive.robot.handout_options import (
+from derive.robot.load import catalogue_names
+from derive.robot.options.handout import (
     AngleLetter,
     FrameIndices,
     Functions,
@@ -26,7 +27,6 @@ from derive.robot.handout_options import (
     NotationOptions,
     SliderLetter,
 )
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import robot_text

@@ -12,9 +12,9 @@ from derive.handouts.notation.solution_printer import (
     with_names,
     with_signs,
 )
-from derive.model.inverse.solutions import InverseKinematics
+from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.robot import Robot
-from tests.model.inverse.test_graph import PLANAR, planar_graph
+from tests.inverse.closed.test_graph import PLANAR, planar_graph
 
 
 @pytest.fixture(scope="module")

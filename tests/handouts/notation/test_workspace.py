@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.workspace import workspace_lines, workspace_parts
-from derive.model.inverse.reach import Reach
+from derive.inverse.words.reach import Reach
 from derive.model.model import Model
 from derive.robot.robot import Robot
 

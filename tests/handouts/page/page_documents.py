@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from derive.handouts.document import (
+from derive.handouts.figure.drawing import Drawing, Label, Path
+from derive.handouts.sheet.document import (
     Blank,
     Block,
     Document,
@@ -16,7 +17,6 @@ from derive.handouts.document import (
     Steps,
     Table,
 )
-from derive.handouts.figure.drawing import Drawing, Label, Path
 
 TITLE = '<script>alert("$1$")</script> & "robot" </title>'
 

@@ -14,10 +14,10 @@ import pytest
 
 from derive.handouts.assemble import context_of
 from derive.handouts.assemble import document as handout
-from derive.handouts.document import Paragraph, Rows, Section
-from derive.handouts.language import Text
 from derive.handouts.page.writer import page
-from derive.robot.handout_options import Derivation
+from derive.handouts.sheet.document import Paragraph, Rows, Section
+from derive.handouts.sheet.language import Text
+from derive.robot.options.handout import Derivation
 from derive.robot.robot import Robot
 from tests.handouts.page.page_documents import ENTRIES, LONG, MATRIX, document
 

@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from itertools import pairwise
 
-from derive.handouts.language import Text
 from derive.handouts.page.player import (
     Exceeded,
     Playback,
@@ -17,8 +16,9 @@ from derive.handouts.page.player import (
     player_texts,
 )
 from derive.handouts.page.viewer import viewer
+from derive.handouts.sheet.language import Text
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
 
 ARM = """

@@ -8,7 +8,7 @@ import pytest
 
 from derive.handouts.page.target import dragging
 from derive.handouts.page.viewer import symbol_values
-from derive.robot.inverse_options import POSE, InverseOptions
+from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 from tests.handouts.page.viewer_page import assumed
 

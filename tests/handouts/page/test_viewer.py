@@ -8,13 +8,13 @@ import re
 
 import pytest
 
-from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import upwards
-from derive.handouts.language import Text
 from derive.handouts.page.viewer import Viewer, html_symbol, symbol_values, three, travels, viewer
+from derive.handouts.sheet.language import Text
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 from tests.handouts.page.viewer_page import assumed
 from tests.random_robots import random_robot
 

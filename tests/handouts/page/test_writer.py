@@ -9,10 +9,10 @@ from html.parser import HTMLParser
 
 import pytest
 
-from derive.handouts.document import Formula, Rows, blocks_of
-from derive.handouts.language import Text
 from derive.handouts.page.viewer import Viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
+from derive.handouts.sheet.document import Formula, Rows, blocks_of
+from derive.handouts.sheet.language import Text
 from tests.handouts.page.page_documents import ENTRIES, TITLE, document
 
 VOID = {"meta", "link", "br", "img", "input", "hr"}

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.language import Text
 from derive.handouts.page.target import dragging
 from derive.handouts.page.viewer import symbol_values, viewer
+from derive.handouts.sheet.language import Text
 from derive.programs.build import build_program
-from derive.programs.search_policy import Effort
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 
 FRAME = """<!DOCTYPE html>
 <html lang="en"{theme}>

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.document import Block, Formula, Paragraph, Rows, Table
 from derive.handouts.parts.conversion import conversion
-from derive.robot.handout_options import HandoutOptions
+from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Table
+from derive.robot.options.handout import HandoutOptions
 from derive.robot.robot import Robot
 
 

@@ -16,17 +16,17 @@ import numpy.typing as npt
 import pytest
 
 from derive.handouts.assemble import section_of
-from derive.handouts.context import Context
-from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
-from derive.handouts.language import Text
-from derive.handouts.latex_writer import latex
 from derive.handouts.parts.bodies import bodies
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handouts.sheet.language import Text
+from derive.handouts.sheet.latex_writer import latex
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO
-from derive.robot.handout_options import Derivation, HandoutOptions, InertiaLetter, NotationOptions
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
+from derive.robot.options.handout import Derivation, HandoutOptions, InertiaLetter, NotationOptions
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians

@@ -9,16 +9,16 @@ from fractions import Fraction
 import pytest
 
 from derive.handouts.assemble import section_of
-from derive.handouts.context import Context
-from derive.handouts.document import Figure, Paragraph
-from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.language import Text
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Figure, Paragraph
+from derive.handouts.sheet.language import Text
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.expression import Number, names
-from derive.robot.handout_options import FigureOptions
 from derive.robot.load import catalogue_names
+from derive.robot.options.handout import FigureOptions
 from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 
 
 def _context(robot: Robot, drawn: bool = True) -> Context:

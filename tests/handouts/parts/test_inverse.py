@@ -13,19 +13,30 @@ import pytest
 import sympy
 
 from derive.handouts.assemble import context_of, document, section_of
-from derive.handouts.context import Context
-from derive.handouts.document import Blank, Document, Figure, Formula, Paragraph, Rows, Section, Steps, Table, blocks_of
 from derive.handouts.exercise import exercise
-from derive.handouts.language import ENGLISH, languages
-from derive.handouts.latex_writer import latex
 from derive.handouts.parts.inverse import inverse
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import (
+    Blank,
+    Document,
+    Figure,
+    Formula,
+    Paragraph,
+    Rows,
+    Section,
+    Steps,
+    Table,
+    blocks_of,
+)
+from derive.handouts.sheet.language import ENGLISH, languages
+from derive.handouts.sheet.latex_writer import latex
+from derive.inverse.closed.solve import usual_task
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.model.inverse.solve import usual_task
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values
-from derive.robot.inverse_options import InverseOptions
 from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
+from derive.robot.options.inverse import InverseOptions
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
 from tests.handouts.latex_runner import run_latex

@@ -9,7 +9,7 @@ import pytest
 from derive.handouts.assemble import context_of
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.parts.inverse_formulas import formulas
-from derive.robot.handout_options import NotationOptions, PoseEntries
+from derive.robot.options.handout import NotationOptions, PoseEntries
 from derive.robot.robot import Robot
 
 WITH_AX = """

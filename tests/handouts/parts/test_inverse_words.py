@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 
 from derive.handouts.assemble import context_of
-from derive.handouts.language import Text, text_for
 from derive.handouts.parts.inverse_words import and_list, branch_name, sources, words_alone
-from derive.model.inverse.branch_names import Word
-from derive.robot.handout_options import FrameIndices, NotationOptions
+from derive.handouts.sheet.language import Text, text_for
+from derive.inverse.words.branch_names import Word
+from derive.robot.options.handout import FrameIndices, NotationOptions
 from derive.robot.robot import Robot
 
 ARM = Robot.load("anthropomorphic-wrist")

@@ -14,22 +14,22 @@ import pytest
 
 from derive.handouts import assemble
 from derive.handouts.assemble import section_of
-from derive.handouts.context import Context
-from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, blocks_of
-from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.language import Text
-from derive.handouts.latex_writer import latex
 from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.handouts.parts.example import ANGLES, configuration, numbers_of
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Document, Formula, Paragraph, Rows, Section, blocks_of
+from derive.handouts.sheet.language import Text
+from derive.handouts.sheet.latex_writer import latex
 from derive.mechanics.floats import value_at
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.expression import Number, Pi, Product
-from derive.robot.handout_options import Derivation, FrameIndices, HandoutOptions, NotationOptions
 from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
+from derive.robot.options.handout import Derivation, FrameIndices, HandoutOptions, NotationOptions
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
+from derive.workspace.poses import RobotPoses
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import random_robot, robot_text

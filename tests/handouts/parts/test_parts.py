@@ -9,9 +9,6 @@ from functools import cache
 import pytest
 
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.context import Context
-from derive.handouts.document import Block, Formula, Paragraph, Rows, Section, Steps, blocks_of
-from derive.handouts.dynamics import DynamicsLayout
 from derive.handouts.parts.bodies import energies, inertia, link_jacobians
 from derive.handouts.parts.conversion import conversion
 from derive.handouts.parts.example import example
@@ -24,7 +21,10 @@ from derive.handouts.parts.orientation import orientation
 from derive.handouts.parts.recursion import JointLetters, Recursion
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
-from derive.robot.handout_options import Derivation, HandoutOptions
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handouts.sheet.dynamics import DynamicsLayout
+from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
 
 KINEMATICS = {

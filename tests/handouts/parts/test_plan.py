@@ -7,10 +7,7 @@ import pytest
 from sympy import Float, Integer, Rational, Symbol, pi
 
 from derive.handouts.assemble import context_of
-from derive.handouts.context import Context
-from derive.handouts.document import Figure, Paragraph, Rows, Section, Steps, Table
 from derive.handouts.figure.drawing import Label
-from derive.handouts.latex_writer import latex
 from derive.handouts.parts.plan import (
     PlannedCurves,
     PlannedJoint,
@@ -20,6 +17,9 @@ from derive.handouts.parts.plan import (
     plan_section,
     plan_sheet,
 )
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Figure, Paragraph, Rows, Section, Steps, Table
+from derive.handouts.sheet.latex_writer import latex
 from derive.robot.robot import Robot
 
 T = Symbol("t")

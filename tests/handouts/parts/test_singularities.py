@@ -7,13 +7,13 @@ import random
 import pytest
 
 from derive.handouts.assemble import section_of
-from derive.handouts.context import Context
-from derive.handouts.document import Formula, Paragraph, Section, Steps, blocks_of
-from derive.handouts.language import Text
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Formula, Paragraph, Section, Steps, blocks_of
+from derive.handouts.sheet.language import Text
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
-from derive.robot.handout_options import Derivation, HandoutOptions
 from derive.robot.load import catalogue_names
+from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
 from tests.random_robots import random_robot
 

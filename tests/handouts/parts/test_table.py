@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.document import Paragraph, Rows, Section, Table
 from derive.handouts.parts.table import dh_table
+from derive.handouts.sheet.document import Paragraph, Rows, Section, Table
 from derive.robot.description import Matrix
 from derive.robot.expression import Number
 from derive.robot.robot import Robot

@@ -13,8 +13,8 @@ import sympy
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
 from derive.model.singularities.conditions import Condition
-from derive.robot.inverse_options import POSE
 from derive.robot.names import number_of, robot_symbols
+from derive.robot.options.inverse import POSE
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, jacobian
 from derive.verification.oracle.functions import Oracle

@@ -10,10 +10,10 @@ from derive.mechanics.forward_dynamics import articulated_accelerations
 from derive.mechanics.regrouping import regroup
 from derive.model.model import Model
 from derive.programs.build import build_program
+from derive.programs.formulations.trace import Trace
 from derive.programs.program import Program
 from derive.programs.tape.build import bake, cut
 from derive.programs.tape.tape import Operations, evaluate
-from derive.programs.trace import Trace
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from derive.programs.formulations import dynamics, identification, kinematics
-from derive.programs.parallel_axes import parallel_runs
-from derive.programs.search_policy import Effort
+from derive.programs.formulations.parallel_axes import parallel_runs
+from derive.programs.formulations.trace import Trace
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.tape.value import Value
-from derive.programs.trace import Trace
 from derive.robot.robot import Robot
 from tests.programs.parallel_arms import numbers, parallel_arm
 from tests.random_robots import random_robot

@@ -9,7 +9,7 @@ import pytest
 from derive.algebra.constants import to_float
 from derive.errors import QuantityError
 from derive.programs.build import build_program
-from derive.programs.formulation_choice import FormulationChoice
+from derive.programs.formulations.choice import FormulationChoice
 from derive.programs.tape.build import bake, cut
 from derive.programs.tape.graph import ONE, ZERO, Graph
 from derive.programs.tape.scalars import TapeDomain

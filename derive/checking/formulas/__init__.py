@@ -1,0 +1,1 @@
+"""A printed formula: how it is read, compared, diagnosed and changed."""

@@ -1,0 +1,287 @@
+"""The smallest change that repairs a wrong formula.
+
+Every single change at every place of the printed tree is tried at one point, which costs a few float operations each;
+what hits the right value there is decided exactly. Where no single change helps, two of one kind are tried.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain, islice
+
+from derive.checking.formulas.edits import (
+    Edit,
+    Evaluator,
+    Replacements,
+    SlipKind,
+    Spot,
+    changes_text,
+    edits,
+    is_token,
+    spots,
+)
+from derive.errors import DeriveError
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.dynamic_model import DynamicModel
+from derive.model.equality import compare
+from derive.model.quantity_names import parse
+from derive.robot.expression import Call, Expression, Name, Product, Sum, children, multiply, names, negate, substitute
+from derive.robot.names import acceleration_name, robot_symbols, velocity_name
+from derive.robot.robot import Robot
+
+MAX_WORK = 4_000_000
+"""Float operations, about, spent on one formula; beyond them no change is named."""
+
+WORK_OF_EDIT = 8
+"""Float operations of one change beside those on the way to the root, about."""
+
+MAX_LACKING_TERMS = 400
+"""Terms of the right formula that a printed one may lack."""
+
+MAX_PROOFS = 20
+"""Candidates of one kind that are decided exactly: what is right at one point to nine digits rarely fails."""
+
+CLOSE = 1e-9
+"""Relative difference of two values that count as the same."""
+
+POINTS = 40
+"""Points that are tried until both formulas have a value."""
+
+MAX_SINGLE_ANGLES = 12
+"""Joint angles whose sine and cosine a term may lack; for longer arms only those that occur are tried."""
+
+PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)
+"""Kinds of which two changes are tried."""
+
+_BAD = (ArithmeticError, ValueError, KeyError)
+
+
+def _itself(e: Expression) -> Expression:
+    return e
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """A wrong formula and what it should be.
+
+    Attributes:
+        robot: Whose formula it is.
+        printed: The printed tree, in which definitions may still stand as names.
+        right: What it should be.
+        definitions: What further names stand for.
+        compared: What of a printed tree must equal the right one; the tree itself by default.
+        extra_terms: Further terms that may be missing.
+        others: Other quantities by name that the formula may be right for.
+    """
+
+    robot: Robot
+    printed: Expression
+    right: Expression
+    definitions: Mapping[str, Expression] = field(default_factory=dict)
+    compared: Callable[[Expression], Expression] = _itself
+    extra_terms: tuple[Expression, ...] = ()
+    others: Mapping[str, Expression] = field(default_factory=dict)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the printed tree itself is what must be equal."""
+        return self.compared is _itself
+
+    def is_answer(self, formula: Expression) -> bool:
+        """Whether a formula is right, decided exactly.
+
+        Args:
+            formula: What might have been printed.
+        """
+        whole = substitute(self.compared(formula), self.definitions)
+        try:
+            return compare(self.robot, self.right, whole).equal
+        except DeriveError:
+            return False
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """What makes a wrong formula right.
+
+    Attributes:
+        kinds: The kind of each change.
+        text: The changes in words.
+        formula: The printed formula with the changes made.
+    """
+
+    kinds: tuple[SlipKind, ...]
+    text: str
+    formula: Expression
+
+
+def other_orders(model: DynamicModel, quantity: str) -> Mapping[str, Expression]:
+    """Christoffel symbols with the indices of one in another order, as Spong writes c_ijk for our c_kij.
+
+    Args:
+        model: The robot's model.
+        quantity: A name; anything but a Christoffel symbol has none.
+
+    Returns:
+        Name -> value; those that are zero are left out.
+    """
+    if not quantity.startswith("christoffel["):
+        return {}
+    i, j, k = parse(model, quantity)[1]
+    names = {f"christoffel[{a},{b},{c}]": model.christoffel(a, b, c) for a, b, c in ((j, i, k), (k, i, j)) if a != i}
+    return {name: expression_from_sympy(value) for name, value in names.items() if value != 0}
+
+
+def diagnose(question: Question) -> Repair | None:
+    """The smallest change that repairs a formula, and what else it is right for.
+
+    Args:
+        question: The formula and what it should be.
+
+    Returns:
+        The change, or None if no single change and no two of one kind repair it and it is right for nothing else.
+    """
+    repair = _smallest_change(question)
+    fitting = (
+        name for name, value in question.others.items() if replace(question, right=value).is_answer(question.printed)
+    )
+    if (meant := next(fitting, None)) is None:
+        return repair
+    text = f"other order of the indices: it is {meant}"
+    if repair is None:
+        return Repair((), text, question.right)
+    return replace(repair, text=f"{repair.text}; or {text}")
+
+
+def _smallest_change(question: Question) -> Repair | None:
+    """The first change of those of `_Search` at a point where both formulas have a value."""
+    known_names = _known_names(question)
+    rng = random.Random(7)
+    wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
+    for _ in range(POINTS):
+        values = {name: rng.choice((-1, 1)) * rng.uniform(0.3, 1.7) for name in wanted}
+        try:
+            for name, meaning in question.definitions.items():
+                values[name] = Evaluator(values)(meaning)
+            search = _Search(question, Evaluator(values), known_names)
+        except _BAD:  # a definition or one of the formulas has no value at this point
+            continue
+        found = search.one_change() or search.two_changes()
+        if found is None:
+            return None
+        return Repair(tuple(edit.kind for edit in found), changes_text(found, question.robot), found[-1].formula)
+    return None
+
+
+class _Search:
+    """The search at one point; ArithmeticError, ValueError or KeyError where a formula has no value there."""
+
+    def __init__(self, question: Question, evaluate: Evaluator, known_names: Sequence[str]) -> None:
+        self.question = question
+        self.evaluate = evaluate
+        self.outer = None if question.is_plain else question.compared(Name("(printed)"))
+        self.target = evaluate(question.right)
+        self._compared_value(evaluate(question.printed))
+        self.work = 0
+        angles = tuple(joint.variable for joint in question.robot.joints if joint.is_revolute)
+        tokens = [node for node in (*_nodes(question.printed), *_nodes(question.right)) if is_token(node)]
+        singles = [Call(f, (Name(angle),)) for angle in angles[:MAX_SINGLE_ANGLES] for f in ("cos", "sin")]
+        whole = () if isinstance(question.right, Sum) else (question.right,)
+        of_right = islice(chain(whole, _terms_inside(question.right)), MAX_LACKING_TERMS)
+        terms = [*question.extra_terms, *of_right]
+        self.may = Replacements(
+            names=tuple(known_names),
+            angles=angles,
+            factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known_names)])),
+            terms=tuple(dict.fromkeys([*terms, *map(negate, terms)])),
+        )
+
+    def _compared_value(self, value: float) -> float:
+        """What is compared, for a value of the printed formula."""
+        if self.outer is None:
+            return value
+        return Evaluator({**self.evaluate.values, "(printed)": value})(self.outer)
+
+    def one_change(self) -> tuple[Edit, ...] | None:
+        """One change, of the first kind that has one."""
+        places = self._places(self.question.printed)
+        for kind in SlipKind:
+            if found := self._least_right([(edit,) for edit in self._hits(places, kind)]):
+                return found
+        return None
+
+    def two_changes(self) -> tuple[Edit, ...] | None:
+        """Two changes of one kind."""
+        places = self._places(self.question.printed)
+        for kind in PAIRED:
+            firsts = [edit for place in places for edit in edits(place, self.may, kind)]
+            if len(firsts) ** 2 * (WORK_OF_EDIT + len(places)) > MAX_WORK:
+                continue
+            pairs: list[tuple[Edit, ...]] = [
+                (first, second) for first in firsts for second in self._hits(self._places(first.formula), kind)
+            ]
+            if found := self._least_right(pairs):
+                return found
+        return None
+
+    def _least_right(self, candidates: list[tuple[Edit, ...]]) -> tuple[Edit, ...] | None:
+        """The candidate that touches least, of those that are right."""
+        sizes = [sum(1 for edit in made for _ in _nodes(edit.old)) for made in candidates]
+        ranked = sorted(zip(sizes, candidates, strict=True), key=lambda pair: (pair[0], pair[1][0].place.depth))
+        return next((made for _, made in ranked[:MAX_PROOFS] if self.question.is_answer(made[-1].formula)), None)
+
+    def _places(self, formula: Expression) -> list[Spot]:
+        try:
+            return list(spots(formula, self.evaluate))
+        except _BAD:
+            return []
+
+    def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
+        """The changes that give the right value at the point."""
+        for place in places:
+            for edit in edits(place, self.may, kind):
+                self.work += place.cost + WORK_OF_EDIT
+                if self.work > MAX_WORK:
+                    return
+                try:
+                    value = self._compared_value(place.value(self.evaluate(edit.node)))
+                    is_close = abs(value - self.target) <= CLOSE * (1 + abs(self.target))
+                except (*_BAD, TypeError):
+                    continue
+                if is_close:
+                    yield edit
+
+
+def _known_names(question: Question) -> list[str]:
+    """What a name may be mistaken for; velocities and accelerations only where the formula is about motion."""
+    robot = question.robot
+    variables = [joint.variable for joint in robot.joints]
+    rates = [rename(v) for rename in (velocity_name, acceleration_name) for v in variables]
+    moving = set(rates).intersection((*names(question.printed), *names(question.right)))
+    defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
+    found = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
+    return list(dict.fromkeys(found))
+
+
+def _nodes(e: Expression) -> Iterator[Expression]:
+    waiting = [e]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting.extend(children(node))
+
+
+def _terms_inside(e: Expression) -> Iterator[Expression]:
+    """Terms of all sums of a formula, each as it stands and multiplied with what stands before its brackets."""
+    match e:
+        case Sum(terms):
+            for term in terms:
+                yield term
+                yield from _terms_inside(term)
+        case Product(factors):
+            for i, factor in enumerate(factors):
+                for term in _terms_inside(factor):
+                    yield term
+                    yield multiply(*factors[:i], *factors[i + 1 :], term)

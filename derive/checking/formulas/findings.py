@@ -1,0 +1,426 @@
+"""Comparisons of printed formulas with derived ones, and the verdict on each: same form, equal, or wrong and why.
+
+Two expressions have the same form when their trees agree after flattening sums and products, ignoring order and
+moving signs and rational factors out of products and sums, and nothing else: ``c1*(a2*c2 + a3*c23)`` is not
+``a2*c1*c2 + a3*c1*c23``. Of a wrong formula it is found what it has too much or too little, term by term.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from enum import Enum, StrEnum
+from fractions import Fraction
+from functools import lru_cache
+from math import floor, gcd, lcm, log10
+from typing import Any
+
+import sympy
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.quotients import opaque
+from derive.checking.formulas.diagnosis import Question, Repair, diagnose
+from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.printed import NO_CITATION, NO_REMARK, Citation, Remark
+from derive.errors import DeriveError, Location, UnknownNameError
+from derive.lecture.form import LectureForm
+from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
+from derive.model.equality import Verdict, compare, samples
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Power,
+    Product,
+    Sum,
+    names,
+    rebuilt,
+    substitute,
+)
+from derive.robot.options.style import NAMED_STYLES
+from derive.robot.robot import Robot
+
+NOTHING_KNOWN = Verdict(equal=False, exact=True)
+"""Stands where no verdict is possible."""
+
+
+class Role(Enum):
+    """What a compared formula is in its file."""
+
+    PRINTED = "printed"
+    ABBREVIATED = "abbreviated"
+    REST = "rest"
+    CORRECTION = "correction"
+    IDENTITY = "identity"
+    FACTORISATION = "factorisation"
+    SOLUTION = "solution"
+    BRANCHES = "branches"
+    PRODUCT = "product"
+    EQUATION = "equation"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """One comparison.
+
+    Attributes:
+        quantity: What the formula is printed for, without the place of the entry.
+        row: Row of the entry, from 1; 0 where the whole is one formula.
+        column: Column of the entry, from 1; 0 where the whole is a vector or one formula.
+        role: What the formula is in its file.
+        text: The formula as printed.
+        verdict: Whether it is right; `NOTHING_KNOWN` where that cannot be decided.
+        right: The derived formula.
+        location: Where it stands.
+        erratum: Whether the file marks it as wrong.
+        question: What a search for the slip starts from; None where the formula is no single tree.
+        repair: What repairs it, where that was found with the comparison.
+        remark: What the file says about it.
+        unknown: The name that the robot does not know, where the formula has one: nothing can be decided.
+        same: Whether it is known to have the form of the derived one.
+        some: Whether it is right for some branches of a solution.
+        missing: Names of the branches that are missing.
+        note: What is said behind the verdict.
+    """
+
+    quantity: str
+    row: int
+    column: int
+    role: Role
+    text: str
+    verdict: Verdict
+    right: Expr
+    location: Location
+    erratum: bool = False
+    question: Question | None = None
+    repair: Repair | None = None
+    remark: Remark = NO_REMARK
+    unknown: UnknownNameError | None = None
+    same: bool = False
+    some: bool = False
+    missing: tuple[str, ...] = ()
+    note: str = ""
+
+    @property
+    def entry(self) -> str:
+        """The quantity with its place: ``B[1,2]``, ``A[1][2,4]``, ``g[3]``."""
+        indices = ",".join(str(i) for i in (self.row, self.column) if i)
+        bracket = "[]" if self.quantity == "T" else ""
+        return f"{self.quantity}{bracket}[{indices}]" if indices else self.quantity
+
+
+def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expression) -> Verdict:
+    """Whether a printed formula is right.
+
+    Args:
+        where: Where it stands.
+        robot: Whose formula it is.
+        right: The derived formula.
+        printed: The printed one.
+
+    Raises:
+        CheckError: It has no value; placed where it stands.
+    """
+    try:
+        verdict = compare(robot, right, printed)
+    except DeriveError as error:
+        raise error.at(where) from None
+    if verdict.counter_example is None or not _within_rounding(robot, right, printed):
+        return verdict
+    return Verdict(equal=True, exact=False)
+
+
+ROUNDED = range(5, 18)
+"""Significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand."""
+
+ROUNDING_POINTS = 12
+"""Points at which a difference must be as small as rounding explains."""
+
+_SLACK = 1.05
+"""More than what the squares of rounding errors add."""
+
+
+def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bool:
+    """Whether two formulas differ by no more than the rounding of the printed decimals explains, at many points.
+
+    Every decimal may be off by half a unit of the last of as many digits as the longest one has; how much that changes
+    the formula is added up.
+    """
+    decimals: dict[str, Fraction] = {}
+    marked = _with_marked_decimals(printed, decimals)
+    digits = max((significant(value) for value in decimals.values()), default=0)
+    if digits not in ROUNDED:
+        return False
+    halves = {name: 0.5 * 10.0 ** (floor(log10(abs(value))) - digits + 1) for name, value in decimals.items()}
+    wanted = sorted({*names(right), *names(printed)})
+    points = 0
+    for sample in samples(robot, wanted):
+        values = {name: float(value) for name, value in (sample | decimals).items()}
+        try:
+            there = Evaluator(values)(marked)
+            gap = abs(there - Evaluator(values)(right))
+            changes = (Evaluator({**values, n: values[n] + half})(marked) - there for n, half in halves.items())
+            allowed = _SLACK * sum(map(abs, changes)) + 1e-12 * abs(there)
+        except (ArithmeticError, ValueError):
+            continue
+        if gap > allowed:
+            return False
+        points += 1
+        if points == ROUNDING_POINTS:
+            return True
+    return False
+
+
+def _with_marked_decimals(e: Expression, decimals: dict[str, Fraction]) -> Expression:
+    """A formula with a name for each of its decimals, which are collected."""
+    if isinstance(e, Number) and significant(e.value):
+        name = f"(decimal {len(decimals)})"
+        decimals[name] = e.value
+        return Name(name)
+    return rebuilt(e, lambda part: _with_marked_decimals(part, decimals))
+
+
+def significant(value: Fraction) -> int:
+    """Significant digits of a decimal; 0 of a fraction that is none, or of a whole number.
+
+    Args:
+        value: The number.
+    """
+    if value.denominator == 1:
+        return 0
+    scaled = value * 10**DECIMAL_PLACES
+    return len(str(abs(scaled.numerator)).strip("0")) if scaled.denominator == 1 else 0
+
+
+DECIMAL_PLACES = 24
+"""Places that a decimal may have."""
+
+
+def undecidable(
+    quantity: str,
+    place: tuple[int, int],
+    role: Role,
+    text: str,
+    unknown: UnknownNameError,
+    erratum: bool,
+    remark: Remark = NO_REMARK,
+) -> Finding:
+    """A formula with an unknown name; it is placed at that name.
+
+    Args:
+        quantity: What it is printed for.
+        place: Row and column of the entry, 0 where it has none.
+        role: What the formula is in its file.
+        text: The formula as printed.
+        unknown: The name, with its place and the nearest known ones.
+        erratum: Whether the file marks it as wrong.
+        remark: What the file says about it.
+
+    Returns:
+        A finding without a verdict.
+    """
+    where = unknown.location or Location("")
+    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, erratum, remark=remark, unknown=unknown)
+
+
+@dataclass(frozen=True, slots=True)
+class FileReport:
+    """Everything that was compared in one file.
+
+    Attributes:
+        source: Name of the file.
+        robot: Name of its robot.
+        findings: One for each comparison, in the order of the file.
+        unread: Blocks that were not compared.
+        document: Where all this is printed.
+    """
+
+    source: str
+    robot: str
+    findings: tuple[Finding, ...]
+    unread: tuple[str, ...] = ()
+    document: Citation = NO_CITATION
+
+    @property
+    def wrong(self) -> tuple[Finding, ...]:
+        """The comparisons that found a difference."""
+        return tuple(f for f in self.findings if f.unknown is None and not f.verdict.equal)
+
+    @property
+    def undecidable(self) -> tuple[Finding, ...]:
+        """The formulas about which nothing can be said, because of a name that the robot does not know."""
+        return tuple(f for f in self.findings if f.unknown is not None)
+
+    @property
+    def equal(self) -> int:
+        """How many formulas are right as printed."""
+        return len(self.findings) - len(self.wrong) - len(self.undecidable)
+
+    @property
+    def passed(self) -> bool:
+        """Whether everything is right as printed."""
+        return not self.wrong and not self.undecidable
+
+
+MAX_TERMS = 20_000
+"""Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it."""
+
+Shape = tuple[Any, ...]
+"""The form of an expression up to a rational factor; ordered, so that equal forms are equal values."""
+
+ONE: Shape = ("*",)
+
+
+class Outcome(StrEnum):
+    """The verdict on one formula.
+
+    Attributes:
+        SAME_FORM: Right, and written as the lecture form writes it.
+        EQUAL: Right, written in another way.
+        SOME: Right for some branches of an inverse solution only.
+        WRONG: Not equal.
+        UNDECIDABLE: A name that the robot does not know; nothing can be said.
+    """
+
+    SAME_FORM = "same form"
+    EQUAL = "equal"
+    SOME = "right for some branches"
+    WRONG = "wrong"
+    UNDECIDABLE = "undecidable name"
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """The verdict on one formula and the reasons.
+
+    Attributes:
+        outcome: The verdict.
+        difference: Terms of printed minus right, where it is wrong and both are polynomials.
+        repair: The smallest change that makes it right, if one was found.
+    """
+
+    outcome: Outcome
+    difference: tuple[Expr, ...] = ()
+    repair: Repair | None = None
+
+
+@lru_cache(maxsize=10_000)
+def judge(finding: Finding) -> Judgement:
+    """The verdict on a comparison.
+
+    Args:
+        finding: What was compared.
+
+    Returns:
+        The verdict; the search for the slip is made once for each finding.
+    """
+    question = finding.question
+    if finding.unknown is not None:
+        return Judgement(Outcome.UNDECIDABLE)
+    if finding.verdict.equal:
+        same = finding.same or (question is not None and same_form(question.printed, question.right))
+        return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)
+    if question is None:
+        return Judgement(Outcome.SOME if finding.some else Outcome.WRONG, repair=finding.repair)
+    terms = _difference_terms(question) if question.is_plain else ()
+    lacking: tuple[Expression, ...] = ()
+    if len(terms) == 1:  # a difference of one term is a term too many or too few
+        with suppress(DeriveError):
+            lacking = (expression_from_sympy(sympy.Mul(-1, terms[0])),)
+    return Judgement(Outcome.WRONG, terms, diagnose(replace(question, extra_terms=lacking)))
+
+
+def _difference_terms(question: Question) -> tuple[Expr, ...]:
+    """SymPy terms of printed minus right, angle sums contracted and squares reduced; none of no polynomials.
+
+    sign(qd1), as in Coulomb friction, counts as a symbol.
+    """
+    meanings: dict[str, Expression] = {}
+    whole = substitute(question.printed, question.definitions)
+    printed, right = opaque(whole, meanings), opaque(question.right, meanings)
+    try:
+        domain = PolynomialDomain(question.robot, [printed, right], max_terms=MAX_TERMS)
+        polynomial = domain.constant(printed) - domain.constant(right)
+        difference = LectureForm(domain, style=NAMED_STYLES["expanded"]).kinematic(polynomial)
+    except DeriveError:
+        return ()
+    difference = difference.xreplace({sympy.Symbol(name): expression_to_sympy(e) for name, e in meanings.items()})
+    return tuple(term for term in sympy.Add.make_args(difference) if term != 0)
+
+
+def same_form(a: Expression, b: Expression) -> bool:
+    """Whether two expressions have the same form and the same rational factor in front.
+
+    Args:
+        a: A tree.
+        b: Another.
+    """
+    return form_of(a) == form_of(b)
+
+
+def form_of(e: Expression) -> tuple[Fraction, Shape]:
+    """The form of an expression: two that have the same one are equal values.
+
+    Args:
+        e: A tree.
+
+    Returns:
+        The rational factor of the expression and the shape of the rest.
+    """
+    match e:
+        case Number(value):
+            return value, ONE
+        case Pi():
+            return Fraction(1), ("pi",)
+        case Name(name):
+            return Fraction(1), ("name", name)
+        case Sum():
+            return _sum(e)
+        case Product() | Power():
+            return _product(e)
+        case Call(function, arguments):
+            return Fraction(1), ("call", function, *(form_of(a) for a in arguments))
+
+
+def _product(e: Product | Power) -> tuple[Fraction, Shape]:
+    factor = Fraction(1)
+    factors: dict[Shape, int] = {}
+    for base, exponent in _flat_factors(e, 1):
+        k, shape = form_of(base)
+        factor *= k**exponent if k else Fraction(0)
+        inner = shape[1:] if shape[0] == "*" else ((shape, 1),)
+        for part, power in inner:
+            factors[part] = factors.get(part, 0) + power * exponent
+    kept = sorted(((s, p) for s, p in factors.items() if p), key=repr)
+    if len(kept) == 1 and kept[0][1] == 1:
+        return factor, kept[0][0]
+    return factor, ("*", *kept)
+
+
+def _flat_factors(e: Expression, exponent: int) -> list[tuple[Expression, int]]:
+    """Bases and exponents of the flattened product."""
+    if isinstance(e, Product):
+        return [pair for f in e.factors for pair in _flat_factors(f, exponent)]
+    if isinstance(e, Power):
+        return _flat_factors(e.base, exponent * e.exponent)
+    return [(e, exponent)]
+
+
+def _sum(e: Sum) -> tuple[Fraction, Shape]:
+    terms: list[tuple[Fraction, Shape]] = []
+    for term in e.terms:
+        k, shape = form_of(term)
+        if shape[0] == "+":
+            terms.extend((k * inner, s) for inner, s in shape[1:])
+        elif k:
+            terms.append((k, shape))
+    if len(terms) < 2:
+        return terms[0] if terms else (Fraction(0), ONE)
+    terms.sort(key=lambda pair: (repr(pair[1]), pair[0]))
+    # the rational that leaves whole numbers without a common factor, the first of them positive
+    content = Fraction(gcd(*(k.numerator for k, _ in terms)), lcm(*(k.denominator for k, _ in terms)))
+    if terms[0][0] < 0:
+        content = -content
+    return content, ("+", *((k / content, s) for k, s in terms))

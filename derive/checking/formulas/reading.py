@@ -1,0 +1,305 @@
+"""Reading of files around printed formulas: mappings with known keys, lists, texts, words, remarks and formulas.
+
+A printed formula with an unknown name is kept as such, what is no formula is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from derive.checking.formulas.printed import Citation, Printed, PrintedText, Remark
+from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
+from derive.lecture.shorthand import read_formula
+from derive.robot.expression import ZERO, Expression, Name
+from derive.robot.reading.document import Node, YamlMapping, YamlScalar, YamlSequence
+from derive.robot.robot import Robot
+
+
+def mapping(node: Node, what: str, required: Collection[str] = (), optional: Collection[str] = ()) -> YamlMapping:
+    """A mapping with some keys and no others; with no keys given, any.
+
+    Args:
+        node: The node that should be one.
+        what: What it is, for messages.
+        required: Keys that it must have.
+        optional: Keys that it may have.
+
+    Raises:
+        CheckError: Another kind of node, a key that is missing, or one that is unknown.
+    """
+    if not isinstance(node, YamlMapping):
+        raise CheckError(f"{what} is not a mapping", remedy="write key: value", location=node.location)
+    known = (*required, *optional)
+    for name, (key, _) in node.entries.items():
+        if known and name not in known:
+            raise CheckError(
+                f"unknown key {quoted(name)} in {what}",
+                allowed=f"allowed: {listed(known)}",
+                remedy=near_miss(name, known),
+                location=key.location,
+            )
+    for name in required:
+        if name not in node.entries:
+            raise CheckError(f"{what} without {name!r}", remedy=f"add {name}:", location=node.location)
+    return node
+
+
+def items(node: Node | None, what: str) -> list[Node]:
+    """The items of a list; none where there is no node.
+
+    Args:
+        node: The node that should be one.
+        what: What it is, for messages.
+
+    Raises:
+        CheckError: Another kind of node.
+    """
+    if node is None:
+        return []
+    if not isinstance(node, YamlSequence):
+        raise CheckError(f"{what} is not a list", remedy="write items with - or in [ ]", location=node.location)
+    return node.items
+
+
+def scalar(node: Node, what: str) -> YamlScalar:
+    """A text with its place.
+
+    Args:
+        node: The node that should be one.
+        what: What it is, for messages.
+
+    Raises:
+        CheckError: A list or a mapping.
+    """
+    if not isinstance(node, YamlScalar):
+        raise CheckError(f"{what} is not a single text", remedy='write "..."', location=node.location)
+    return node
+
+
+def required_text(node: YamlMapping, key: str) -> YamlScalar:
+    """The text under a key that the mapping is known to have.
+
+    Args:
+        node: The mapping.
+        key: The key, also what the text is called in messages.
+
+    Raises:
+        CheckError: A list or a mapping.
+    """
+    return scalar(node.entries[key][1], key)
+
+
+def child(node: YamlMapping, name: str) -> Node | None:
+    """The value of a key, or None.
+
+    Args:
+        node: The mapping.
+        name: The key.
+    """
+    entry = node.entries.get(name)
+    return entry[1] if entry else None
+
+
+def pairs(node: YamlMapping, name: str, what: str) -> Iterator[tuple[YamlScalar, YamlScalar]]:
+    """The keys and texts of a mapping inside another; none where the key is missing.
+
+    Args:
+        node: The mapping.
+        name: The key of the inner one.
+        what: What its values are, for messages.
+
+    Raises:
+        CheckError: Another kind of node, or a value that is no text.
+    """
+    inner = child(node, name)
+    for key, value in mapping(inner, name).entries.values() if inner else ():
+        yield key, scalar(value, what)
+
+
+def rows(node: Node | None, what: str, row: str) -> list[list[Node]]:
+    """The entries of a matrix, row by row.
+
+    Args:
+        node: A list of lists.
+        what: What it is, for messages.
+        row: What one of its rows is, for messages.
+
+    Raises:
+        CheckError: Another kind of node.
+    """
+    return [items(entries, row) for entries in items(node, what)]
+
+
+def word(node: YamlMapping, name: str, allowed: Collection[str], default: str) -> str:
+    """One of some words.
+
+    Args:
+        node: The mapping.
+        name: The key.
+        allowed: The words.
+        default: What a missing key stands for.
+
+    Raises:
+        CheckError: Another word.
+    """
+    value = child(node, name)
+    if value is None:
+        return default
+    found = scalar(value, name)
+    if found.text not in allowed:
+        raise CheckError(
+            f"{name}: {quoted(found.text)}",
+            allowed=f"allowed: {listed(allowed)}",
+            remedy=near_miss(found.text, allowed),
+            location=found.location,
+        )
+    return found.text
+
+
+def flag(node: YamlMapping, name: str) -> bool:
+    """``true`` or ``false``; false where the key is missing.
+
+    Args:
+        node: The mapping.
+        name: The key.
+
+    Raises:
+        CheckError: Another word.
+    """
+    return word(node, name, ("true", "false"), "false") == "true"
+
+
+def text_of(node: YamlMapping, key: str) -> str:
+    """The text under a key, on one line; empty where it is missing or no text.
+
+    Args:
+        node: The mapping.
+        key: The key.
+    """
+    value = child(node, key)
+    return " ".join(value.text.split()) if isinstance(value, YamlScalar) else ""
+
+
+def status(item: YamlMapping) -> str:
+    """``ok``, or ``erratum`` where an item is marked as wrong.
+
+    Args:
+        item: The item.
+
+    Raises:
+        CheckError: Another word.
+    """
+    return word(item, "status", ("ok", "erratum"), "ok")
+
+
+def remark(item: YamlMapping) -> Remark:
+    """What a file says about one item.
+
+    Args:
+        item: The item, with or without ``note``, ``kind``, ``duplicate`` and ``source``.
+
+    Raises:
+        CheckError: An unknown kind.
+    """
+    return Remark(
+        note=text_of(item, "note"),
+        kind=word(item, "kind", ("error", "convention", "notation"), "error"),
+        duplicate=flag(item, "duplicate"),
+        document=printed_in(item),
+    )
+
+
+def printed_in(node: YamlMapping) -> Citation:
+    """Where something is printed, from the block ``source:``; empty where there is none.
+
+    Args:
+        node: A file or an item.
+    """
+    source = child(node, "source")
+    if isinstance(source, YamlMapping):
+        return Citation(text_of(source, "document"), text_of(source, "section"))
+    return Citation(source.text if isinstance(source, YamlScalar) else "")
+
+
+Refusal = TypeVar("Refusal", bound=CheckError)
+
+
+def printed_text(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
+    """A text with its place; of a literal block (``|``) the lines of the file themselves, so that columns are exact.
+
+    Args:
+        scalar: The text in the file.
+        lines: The lines of the file.
+    """
+    if scalar.verbatim:
+        return PrintedText(scalar.text, scalar.inner)
+    block = lines[scalar.location.line :][: len(scalar.text.splitlines())]
+    if [line.strip() for line in block] == [line.strip() for line in scalar.text.splitlines()]:
+        return PrintedText("\n".join(block), Location(scalar.location.source, scalar.location.line + 1))
+    return PrintedText(scalar.text, scalar.location, verbatim=False)
+
+
+_WORD = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Abbreviations:
+    """Further names of some formulas, beside the robot's own.
+
+    Attributes:
+        names: What they stand for; those of `unknown` stand for themselves.
+        unknown: Why nothing can be said about a formula with such a name: its definition has an unknown name.
+    """
+
+    names: Mapping[str, Expression] = field(default_factory=dict)
+    unknown: Mapping[str, UnknownNameError] = field(default_factory=dict)
+
+    def defining(self, name: str, definition: Printed) -> Abbreviations:
+        """With one name more.
+
+        Args:
+            name: The name.
+            definition: What it stands for.
+        """
+        if definition.unknown is None:
+            return Abbreviations({**self.names, name: definition.formula}, self.unknown)
+        return Abbreviations({**self.names, name: Name(name)}, {**self.unknown, name: definition.unknown})
+
+
+NO_ABBREVIATIONS = Abbreviations()
+
+
+def read_printed(
+    text: YamlScalar, robot: Robot, further: Abbreviations = NO_ABBREVIATIONS, place: tuple[int, int] = (1, 1)
+) -> Printed:
+    """A printed formula; one with a name that the robot does not know says so and has the formula zero.
+
+    Args:
+        text: The formula in the file.
+        robot: Whose formula it is.
+        further: Names beside the robot's own.
+        place: Row and column of the entry, from 1.
+
+    Raises:
+        CheckError: The text is no formula.
+    """
+    try:
+        formula = read_formula(text.text, robot, text.inner, further.names)
+    except UnknownNameError as error:
+        return Printed(*place, text.text, ZERO, text.inner, _placed(error, text))
+    except CheckError as error:
+        raise _placed(error, text) from None
+    for name in _WORD.findall(text.text) if further.unknown else ():
+        if name in further.unknown:
+            return Printed(*place, text.text, ZERO, text.inner, further.unknown[name])
+    return Printed(*place, text.text, formula, text.inner)
+
+
+def _placed(error: Refusal, text: YamlScalar) -> Refusal:
+    """Columns inside a folded or escaped text are not those of the file; there the error is at its beginning."""
+    if text.verbatim:
+        return error
+    return type(error)(error.found, allowed=error.allowed, remedy=error.remedy, location=text.location)

@@ -1,0 +1,1 @@
+"""Printed solutions of the inverse kinematics: how they are read, compared and repaired."""

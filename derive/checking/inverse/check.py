@@ -1,0 +1,396 @@
+"""Printed solutions of the inverse kinematics against the arm: right, some branches, or wrong and what repairs it.
+
+A line is tried at random configurations of arms with random geometry: put the true values of everything that it names
+into it, and some choice of its plus-minus signs must give what it is about. So each line is judged by itself, although
+it stands on others; lines that share a choice are judged together. That all configurations of all poses are met by such
+ones means that no branch is missing, without any solver; the derived solutions only give the branches their names.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+
+from derive.checking.formulas.diagnosis import Repair
+from derive.checking.formulas.edits import Evaluator, Replacements, SlipKind, changes_text, edits
+from derive.checking.formulas.findings import Finding, Role
+from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.ours import OurSolution
+from derive.checking.inverse.poses import places, pose_of
+from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse, count_calls, with_calls
+from derive.checking.inverse.reading import Vocabulary
+from derive.checking.inverse.repair import InverseRepair, Repairer, places_in
+from derive.checking.latex.names import SIGN
+from derive.errors import listed
+from derive.lecture.shorthand import notation_text
+from derive.model.equality import CounterExample, Verdict
+from derive.model.model import Model
+from derive.robot.expression import Call, Expression, Name, Number, Pi, add, names, negate, substitute
+from derive.robot.names import robot_symbols
+
+KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
+"""The changes that are tried where a line is never right."""
+
+SHOWN_OF = 12
+"""Configurations among which one is chosen that shows a difference."""
+
+RIGHT = Verdict(equal=True, exact=False)
+WRONG = Verdict(equal=False, exact=False)
+
+TRIED_FOR_BRANCHES = 16
+"""Poses at which it is counted how many of their solutions are given."""
+
+
+def inverse_findings(model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> Iterator[Finding]:
+    """The verdict on every line that gives a joint or something of it, and on all branches together.
+
+    Args:
+        model: The robot's model.
+        printed: The solution.
+        vocabulary: Its names.
+        asked: Its task and where it stands.
+
+    Yields:
+        One finding for each line, in the order of the text, and one for the branches.
+
+    Raises:
+        CheckError: Lines that need each other.
+    """
+    check = _InverseCheck(model, printed, vocabulary, asked)
+    yield from check.lines()
+    if not check.is_wrong:
+        yield check.branches()
+
+
+class _InverseCheck:
+    """The comparison of one printed solution."""
+
+    def __init__(self, model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> None:
+        self._model, self._vocabulary, self._asked = model, vocabulary, asked
+        self.is_wrong = False
+        self._places = places(vocabulary.pose, vocabulary.sums)
+        self._printed, self._note = self._in_order(printed)
+        if model.robot.parameters and not self._is_right(self._printed):
+            numeric = places(vocabulary.pose, vocabulary.sums, numbers=True)
+            kept, self._places = self._places, numeric
+            if not self._is_right(self._printed):
+                self._places = kept
+        self._primed = tuple(self._second_solution()) if self._printed.primed else ()
+        self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task, self._places)
+
+    @property
+    def _required(self) -> tuple[Place, ...]:
+        return tuple(place for place in self._places if place.required)
+
+    def _is_right(self, printed: PrintedInverse) -> bool:
+        return all(printed.hits(line, place) for line in printed.given for place in self._required)
+
+    def _in_order(self, printed: PrintedInverse) -> tuple[PrintedInverse, str]:
+        """The solution with atan2 for what may take the cosine first: whichever makes more lines right."""
+        every = [f for line in printed.lines for f in line.formulas]
+        calls = sum(count_calls(f.expression, "Atan2") for f in every)
+        ways = {}
+        for swapped in (False, True):
+            change = {id(f): with_calls(f.expression, "Atan2", "atan2", swapped) for f in every}
+            if self._asked.cosine_first:  # every atan2 is the book's
+                change = {id(f): _turned(f.expression) for f in every}
+            ways[swapped] = printed.mapped(change)
+        is_lone = calls == 1 and not any("tan2" not in f.text for f in every if count_calls(f.expression, "Atan2"))
+        if not calls or self._asked.cosine_first is not None or is_lone:
+            return ways[False], ""
+        some = self._required[:8]
+        right = {s: sum(all(p.hits(line, x) for x in some) for line in p.given) for s, p in ways.items()}
+        swapped = right[True] > right[False]
+        return ways[swapped], " (its arctangent takes the cosine first)" if swapped else ""
+
+    def _second_solution(self) -> Iterator[Finding]:
+        """The verdicts on primed lines, which must lead from every configuration to another one of the same pose.
+
+        If they do, each configuration has a twin, and a line may give either of the two.
+        """
+        repaired = None
+        if all(self._leads_back(self._printed, place) for place in self._places):
+            self._places = tuple(replace(p, twin=self._twin(self._printed, p)) for p in self._places)
+            wrong: set[Line] = set()
+        else:
+            self.is_wrong, repaired = True, self._primed_repair()
+            wrong = {repaired[0]} if repaired else set(self._printed.primed)
+        for line in self._printed.primed:
+            said = repaired[1] if repaired and line in wrong else None
+            name, verdict = f"{line.quantity}'", WRONG if line in wrong else RIGHT
+            yield self._finding(name, line.formulas[0], verdict, repair=said)
+
+    def _leads_back(self, printed: PrintedInverse, place: Place) -> bool:
+        """Whether primed lines lead from a configuration to one of the same pose."""
+        twin = self._twin(printed, place)
+        return twin is not None and np.allclose(pose_of(self._model.robot, twin.values), place.pose, atol=1e-9)
+
+    def _primed_repair(self) -> tuple[Line, Repair] | None:
+        """The change of one primed line with which they lead to the same pose."""
+        robot = self._model.robot
+        joints = tuple(joint.variable for joint in robot.joints)
+        half_turns = (Pi(), negate(Pi()))
+        may = Replacements(names=joints, angles=(), terms=(*half_turns, *map(Name, joints)))
+        for kind in KINDS:
+            for line in self._printed.primed:
+                for spot in places_in(line.formulas[0].expression):
+                    for edit in edits(spot, may, kind):
+                        changed = self._printed.changed(line, line.formulas[0], edit.formula)
+                        if all(self._leads_back(changed, place) for place in self._places[:3]):
+                            text = changes_text((edit,), robot)
+                            return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
+        return None
+
+    def _twin(self, printed: PrintedInverse, place: Place) -> Place | None:
+        """The second solution of the pose of a configuration; None where primed lines have no value."""
+        values = dict(place.values)
+        for line in printed.primed:
+            found = next(printed.values(line, place), None)
+            if found is None or not isinstance(line.target, Name):
+                return None
+            values[line.target.name] = found
+        sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
+        return replace(place, values={**values, **sums}, twin=None)
+
+    # -- lines
+
+    def lines(self) -> Iterator[Finding]:
+        """The verdict on every line; of one that is wrong because of a quantity that it names, on that quantity."""
+        found: dict[Formula, Finding] = {}
+        failing = [line for line in self._printed.given if not all(self._hits(line))]
+        for line in self._printed.given:
+            if line not in failing:
+                never = {f: wrong for f in line.formulas if (wrong := self._never_right(line, f))}
+                rest = tuple(f for f in line.formulas if f not in never)
+                found.update({**never, rest[0]: self._right(replace(line, formulas=rest))} if rest else never)
+        done: set[int] = set()
+        for line in failing:
+            if id(line) not in done:
+                repaired, finding, place = self._failing(line, failing)
+                found[place] = finding
+                done.update(id(other) for other in repaired)
+        for group in self._printed.coupled():
+            if len(group) > 1 and not any(line in failing for line in group):
+                self._check_together(group, found)
+            if not self.is_wrong and not any(line in failing for line in group):
+                self._check_signs(group, found)
+        yield from sorted((*found.values(), *self._primed), key=lambda f: (f.location.line, f.location.column))
+
+    def _hits(self, line: Line) -> list[bool]:
+        return [self._printed.hits(line, place) for place in self._required]
+
+    def _never_right(self, line: Line, formula: Formula) -> Finding | None:
+        """The verdict on an alternative that is right nowhere, although another one is."""
+        if len(line.formulas) == 1:
+            return None
+        alone = replace(line, formulas=(formula,))
+        if any(self._printed.hits(alone, place) for place in self._places):
+            return None
+        self.is_wrong = True
+        verdict = replace(WRONG, counter_example=self._example(alone, self._required))
+        return self._finding(line.quantity, formula, verdict, repair=self._other_side(alone))
+
+    def _other_side(self, line: Line) -> Repair | None:
+        """Another left side for which a line is right: s3 for c3, or another joint."""
+        robot, meaning = self._model.robot, self._printed.joints.meaning(line.target) if line.target else None
+        if line.target is None or meaning is None:
+            return None
+        angle = line.target.arguments[0] if isinstance(line.target, Call) else line.target
+        joints: list[Expression] = [Name(joint.variable) for joint in robot.joints]
+        own = [angle, *(Call(f, (angle,)) for f in ("cos", "sin", "tan"))]
+        others = [Call(meaning[0], (joint,)) if meaning[0] else joint for joint in joints]
+        for target in (*own, *others):
+            if target != line.target and all(
+                self._printed.hits(replace(line, target=target), x) for x in self._required
+            ):
+                text = notation_text(target, robot)
+                return Repair((SlipKind.SYMBOL,), f"left side: {text} instead of {line.quantity}", Name(text))
+        return None
+
+    def _right(self, line: Line) -> Finding:
+        formula = line.formulas[0]
+        whole = replace(formula, text=" or ".join(f.text for f in line.formulas))
+        is_same = len(line.formulas) == 1 and self._ours.has_form(formula)
+        return self._finding(line.quantity, whole, RIGHT, right=self._ours.text(line), same=is_same)
+
+    def _failing(self, line: Line, failing: Sequence[Line]) -> tuple[list[Line], Finding, Formula]:
+        """What is wrong with a line: itself, or a quantity that it names; with the lines that this repairs."""
+        hits = self._hits(line)
+        bad = [place for place, hit in zip(self._required, hits, strict=True) if not hit]
+        ordered = [*bad, *(place for place in self._required if place not in bad)]
+        verdict = replace(WRONG, counter_example=self._example(line, bad))
+        is_partial = sum(hits) >= max(1, len(hits) // 8)
+        kinds = (SlipKind.PLUS_MINUS, SlipKind.ATAN2, *KINDS) if is_partial else (*KINDS, SlipKind.ATAN2)
+        has_arc = self._printed.has_arc(line)
+        second = is_partial and not has_arc and self._lacks_second(line, ordered)
+        repair, repaired = (None, [line]) if second else self._repair(line, failing, ordered, kinds)
+        if second or (repair is None and is_partial and self._lacks_second(line, ordered)):
+            text = f"second solution missing: or {line.quantity} + pi"
+            either = f"{line.formulas[0].text} or {line.quantity} + pi"
+            said = Repair((SlipKind.PLUS_MINUS,), text, Name(either))
+            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=said)
+            return [line], replace(finding, some=True), line.formulas[0]
+        is_some = is_partial and (repair.edits[0].kind is SlipKind.PLUS_MINUS if repair else not has_arc)
+        self.is_wrong = self.is_wrong or not is_some
+        if repair is None:
+            other = self._other_side(line)
+            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=other)
+            return repaired, replace(finding, some=is_some), line.formulas[0]
+        return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
+
+    def _lacks_second(self, line: Line, ordered: Sequence[Place]) -> bool:
+        """Whether a line only lacks the solution half a turn away."""
+        if not self._printed.is_angle(line):
+            return False
+        others = [replace(f, expression=add(f.expression, Pi())) for f in line.formulas]
+        both = replace(line, formulas=(*line.formulas, *others))
+        return all(self._printed.hits(both, place) for place in ordered)
+
+    def _repaired(self, repair: InverseRepair, verdict: Verdict) -> Finding:
+        """The verdict on a line that is repaired."""
+        robot, line = self._model.robot, repair.line
+        text = shown(changes_text(repair.edits, robot))
+        whole = shown(notation_text(repair.expression, robot))
+        said = Repair(tuple(edit.kind for edit in repair.edits), text, Name(whole))
+        ours = self._ours.text(line) if line.target is not None else ""
+        right = ours or whole
+        return self._finding(line.quantity, repair.formula, verdict, right=right, repair=said)
+
+    def _repair(
+        self, line: Line, failing: Sequence[Line], ordered: Sequence[Place], kinds: Sequence[SlipKind]
+    ) -> tuple[InverseRepair | None, list[Line]]:
+        """What repairs a line, and all lines that it repairs: a quantity that others need too, itself, another one."""
+        needed = self._printed.named_before(line)
+        for part in needed:
+            users = [other for other in failing if part in self._printed.named_before(other)]
+            if len(users) > 1:
+                search = Repairer(self._printed, users, ordered, self._known)
+                if found := search.first(kinds, [(part, f) for f in part.formulas]):
+                    return found, users
+        sites = [(part, f) for part in (line, *reversed(needed)) for f in part.formulas]
+        return Repairer(self._printed, [line], ordered, self._known).first(kinds, sites), [line]
+
+    def _check_together(self, group: Sequence[Line], found: dict[Formula, Finding]) -> None:
+        """Lines that are right one by one, but with choices that contradict each other."""
+        bad = [place for place in self._required if not self._printed.hit_together(group, place)]
+        if not bad:
+            return
+        ordered = [*bad, *(place for place in self._required if place not in bad)]
+        sites = [(line, formula) for line in reversed(group) for formula in line.formulas]
+        repair = Repairer(self._printed, group, ordered, self._known).first(KINDS, sites)
+        line, formula = (repair.line, repair.formula) if repair else (group[-1], group[-1].formulas[0])
+        self.is_wrong = True
+        plain = self._finding(line.quantity, formula, WRONG, right=self._ours.text(line))
+        note = f" with the same signs as in {listed(other.quantity for other in group if other is not line)}"
+        found[formula] = replace(self._repaired(repair, WRONG) if repair else plain, note=note)
+
+    def _check_signs(self, group: Sequence[Line], found: dict[Formula, Finding]) -> None:
+        """Choices of which one never gives anything: a plus-minus where a plus or a minus would do."""
+        parts = [part for line in group for part in (*self._printed.named_before(line), line)]
+        for sign in {name: None for line in group for name in self._printed.choices(line) if len(name) > 1}:
+            holders = [(part, f) for part in parts for f in part.formulas if sign in names(f.expression)]
+            met = {e: [self._printed.hit_together(group, x, {sign: e}) for x in self._places] for e in (1.0, -1.0)}
+            needed = [place.required for place in self._places]
+            useful = [e for e, hits in met.items() if all(h for h, n in zip(hits, needed, strict=True) if n)]
+            if not holders or not useful or any(met[-useful[0]]):
+                continue
+            self.is_wrong = True
+            part, formula = holders[0]
+            right = substitute(formula.expression, {sign: Number(Fraction(int(useful[0])))})
+            text = shown(notation_text(right, self._model.robot))
+            said = Repair((SlipKind.SIGN,), f"+- that is not needed: {text}", Name(text))
+            found[formula] = self._finding(part.quantity, formula, WRONG, right=text, repair=said)
+
+    @cached_property
+    def _known(self) -> tuple[str, ...]:
+        """Names that may have been meant: parameters, joint variables, the pose in the letters of the text."""
+        robot, pose = self._model.robot, self._vocabulary.pose
+        symbols = robot_symbols(replace(robot, links=(), gravity=None))
+        named = [line.name for line in self._printed.lines if line.target is None]
+        usable = (name for name in (*pose.entries, *pose.relatives, *pose.wrist) if name in self._places[0].values)
+        return tuple(dict.fromkeys((*symbols, *(joint.variable for joint in robot.joints), *usable, *named)))
+
+    def _example(self, line: Line, bad: Sequence[Place]) -> CounterExample | None:
+        """A configuration at which a line fails most visibly, with the value that is nearest to the right one there."""
+        parts = (*self._printed.named_before(line), line)
+        used = dict.fromkeys(name for part in parts for f in part.formulas for name in names(f.expression))
+        is_angle, found = self._printed.is_angle(line), []
+        for k, place in enumerate(bad[:SHOWN_OF]):
+            wanted = self._printed.wanted(line, place)
+            gaps = [(value - wanted, value) for value in self._printed.values(line, place)]
+            gaps = [(abs(math.remainder(gap, math.tau) if is_angle else gap), value) for gap, value in gaps]
+            found.append((*min(gaps, default=(math.inf, math.nan)), k, wanted))
+        if not found:
+            return None
+        _, nearest, k, wanted = max(found, key=lambda each: (each[0] < math.inf, each[0]))
+        known = {name: Fraction(f"{bad[k].values[name]:.4f}") for name in used if name in bad[k].values}
+        return CounterExample(tuple((name.strip("()"), value) for name, value in known.items()), nearest, wanted)
+
+    def _finding(
+        self,
+        quantity: str,
+        formula: Formula,
+        verdict: Verdict,
+        *,
+        right: str = "",
+        repair: Repair | None = None,
+        same: bool = False,
+    ) -> Finding:
+        where = formula.location
+        return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, where, repair=repair, same=same)
+
+    # -- branches
+
+    def branches(self) -> Finding:
+        """Whether all branches are given, or which are missing."""
+        ours, robot, found = self._ours, self._model.robot, self._printed.determined
+        rest = [joint.variable for joint in robot.joints if joint.variable not in (*found, *ours.given)]
+        of = f" of {listed(found)}; no formula for {listed(rest)}" if rest else ""
+        missing: tuple[str, ...] = ()
+        is_whole = all(self._is_met(place) for place in self._required)
+        if is_whole:
+            count = ours.count
+            what = f"all {count} solutions" if count > 1 else "the one solution" if count else "all solutions"
+            if not all(self._is_met(place) for place in self._places if not place.required):
+                slides = listed(joint.variable for joint in robot.joints if not joint.is_revolute)
+                what = f"all solutions with positive {slides}"
+        else:
+            met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], self._is_met_or_twin)
+            what = f"{met} of {ours.count} solutions" if met else "some solutions"
+        needed = {part for line in self._printed.given for part in self._printed.named_before(line)}
+        pose = self._vocabulary.pose.entries
+        idle = [n for n, line in self._printed.named.items() if line not in needed and n not in pose]
+        unused = f"; {listed(idle)} not used" if idle else ""
+        text, where = f"{what}{of}{unused}{self._note}", self._asked.location
+        verdict = RIGHT if is_whole else WRONG
+        return Finding("inverse", 0, 0, Role.BRANCHES, text, verdict, "", where, some=not is_whole, missing=missing)
+
+    def _is_met_or_twin(self, place: Place) -> bool:
+        """Whether a configuration that is none of those that are tried is given."""
+        has_twins = self._places[0].twin is not None
+        return self._is_met(replace(place, twin=self._twin(self._printed, place)) if has_twins else place)
+
+    def _is_met(self, place: Place) -> bool:
+        return all(self._printed.hit_together(group, place) for group in self._printed.coupled())
+
+
+def shown(text: str) -> str:
+    """A text with ``+-`` for the name of a plus-minus.
+
+    Args:
+        text: A formula, or words with formulas.
+    """
+    text = re.sub(rf"([+-]) -?{SIGN}\w*\*?", lambda m: f"{m[1]}- " if m[1] == "+" else "-+ ", text)
+    text = re.sub(rf"-{SIGN}\w*\*?", "-+", text)
+    return re.sub(rf"{SIGN}\w*\*?", "+-", text)
+
+
+def _turned(e: Expression) -> Expression:
+    """An expression whose arctangents all take the cosine first, in our order."""
+    return with_calls(with_calls(e, "Atan2", "atan2", False), "atan2", "atan2", True)

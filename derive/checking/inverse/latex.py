@@ -1,0 +1,119 @@
+r"""Printed solutions in LaTeX: ``\theta_2 = \operatorname{atan2}(\pm\sqrt{1 - D^2}, D)``, displays and documents."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+
+from derive.checking.inverse.reading import Part, Side
+from derive.checking.latex.equations import equations
+from derive.checking.latex.formula import LatexReader
+from derive.checking.latex.left import taken_apart
+from derive.checking.latex.names import FLAT, PlusMinus
+from derive.checking.latex.pieces import MATRIX_MARK, Piece
+from derive.errors import Location
+from derive.robot.expression import Expression
+from derive.robot.names import robot_symbols
+from derive.robot.robot import Robot
+
+_OR_MARK = "\ue0f0"
+"""Stands for the word between alternatives."""
+
+_OR = re.compile(r"\\(?:text|textrm|mathrm|mbox)\s*\{\s*(?:or|oppure|ou|o)\s*\}|\\(?:lor|vee)(?![A-Za-z])")
+_PRIME = re.compile(r"(?:\^\s*(?:\\prime(?![A-Za-z])|\{\s*\\prime\s*\})|')\s*$")
+_NAME = re.compile(
+    r"(\\(?:math[a-z]+|text[a-z]*|operatorname\*?)\s*\{\s*[A-Za-z]+\s*\}|\\[A-Za-z]+|[A-Za-z\u0391-\u03c9])"
+    r"\s*((?:_\s*(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+|[A-Za-z0-9]))?)"
+)
+_BRACED = re.compile(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}")
+
+
+def latex_equations(
+    text: str, robot: Robot, start: Location, signs: PlusMinus, *, document: bool
+) -> tuple[list[list[Side]], list[str]]:
+    """The equations of a LaTeX text.
+
+    Args:
+        text: A display, several, or a document.
+        robot: Whose solution it is.
+        start: Where its first character stands.
+        signs: Gives plus-minus signs their names.
+        document: Whether prose may stand around the displays.
+
+    Returns:
+        Equations with their sides, and every name.
+
+    Raises:
+        CheckError: An environment that is no display and no matrix.
+    """
+    marked = _OR.sub(lambda match: _OR_MARK.ljust(len(match[0])), text)
+    found = []
+    for equation in equations(marked, start, document=document, time=False):
+        found.append([_side(piece, text, robot, start, signs) for piece in equation.sides])
+    return found, list(_words(text))
+
+
+def gives_joints(text: str, robot: Robot) -> bool:
+    r"""Whether a text is a printed solution: a left side is a joint variable, and an arc function stands somewhere.
+
+    Args:
+        text: LaTeX.
+        robot: Whose text it might be.
+    """
+    if not re.search(r"(?i)a(?:rc)?\s*\\?tan|arc(?:cos|sin)|\^\s*\{\s*-\s*1\s*\}", text):
+        return False
+    variables = {joint.variable for joint in robot.joints}
+    labels = "|".join(re.escape(v.lstrip("qdthea_")) or "x" for v in variables)
+    return bool(re.search(rf"(?:^|[\s&$,;{{])(?:\\(?:var)?theta|q)\s*_\s*\{{?\s*(?:{labels})\s*\}}?\s*&?\s*=", text))
+
+
+def _words(text: str) -> Iterator[str]:
+    """Names on the line: ``p_{Wx}`` as pWx."""
+    for match in _NAME.finditer(text):
+        head = match[1]
+        if braced := _BRACED.fullmatch(head):
+            head = braced[1]
+        head = head.removeprefix("\\")
+        sub = re.sub(r"\\[a-z]+(?=\s*\{)|[^A-Za-z0-9]", "", match[2])
+        yield FLAT.get(head, head) + sub
+        yield from (FLAT.get(head, head),)
+        for letter in ("c", "s"):  # c_\phi
+            if head == letter and sub:
+                yield letter + FLAT.get(sub, sub)
+
+
+def _side(piece: Piece, text: str, robot: Robot, start: Location, signs: PlusMinus) -> Side:
+    left = None if piece.matrices or _OR_MARK in piece.text else taken_apart(piece.text)
+    plain = _PRIME.sub(lambda match: " " * len(match[0]), piece.text)
+    is_primed = plain != piece.text and taken_apart(plain) is not None
+    if is_primed:
+        piece, left = replace(piece, text=plain), taken_apart(plain)
+    word = left.flat if left is not None and left.is_plain and not left.arguments else ""
+    parts = []
+    for part in _alternatives(piece):
+        shown = " ".join(text[part.start : part.end].split())
+        where = LatexReader(robot, text, start).location(part.start)
+        parts.append(Part(shown, where, partial(_formula, part, text, robot, start, signs)))
+    return Side(tuple(parts), word, is_primed)
+
+
+def _alternatives(piece: Piece) -> Iterator[Piece]:
+    """What stands between the words or, and the first column of cases."""
+    if piece.text.strip() == MATRIX_MARK and len(piece.matrices) == 1:
+        yield from (row[0] for row in piece.matrices[0].rows)
+        return
+    begin = 0
+    for match in re.finditer(_OR_MARK, piece.text):
+        yield piece.part(begin, match.start())
+        begin = match.end()
+    yield piece.part(begin, len(piece.text))
+
+
+def _formula(
+    piece: Piece, text: str, robot: Robot, start: Location, signs: PlusMinus, meanings: Mapping[str, Expression]
+) -> Expression:
+    own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    known = {name: meaning for name, meaning in meanings.items() if name not in own}
+    return LatexReader(robot, text, start, known, signs=signs).formula(piece)

@@ -1,0 +1,242 @@
+"""What printed solutions call the entries of a pose, and configurations at which they are tried.
+
+Books write the pose by its entries, r11 or T14, by its columns n, s (or o) and a with p, or a planar one by x, y and
+phi; of a wrist they name the centre, p_w or x_c. An o is the position where nothing else is, as in [R o], else the
+second column, as in [n o a p].
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import numpy.typing as npt
+import sympy
+
+from derive.checking.formulas.edits import Evaluator
+from derive.checking.inverse.printed import Place
+from derive.errors import DeriveError
+from derive.inverse.numeric.in_numbers import ArrayDomain
+from derive.inverse.words.branch_names import Placed, nearest, parallel, placed
+from derive.mechanics.chain import build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import Call, Expression, Name
+from derive.robot.names import robot_symbols
+from derive.robot.robot import Robot
+
+Arrays = Mapping[str, npt.NDArray[np.float64]]
+
+BATCHES = 5
+"""Geometries that are tried."""
+
+CONFIGURATIONS = 12
+"""Configurations of each."""
+
+ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
+"""Angles of joints that are tried, none close to a right angle, where arms are singular."""
+
+_ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
+_COLUMN = re.compile(r"([nsoapP])([xyz])")
+_WRIST = re.compile(r"[pP]?[wWcC]([xyz])|([xyz])[wWcC]")
+_COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
+
+
+@dataclass(frozen=True)
+class PoseNames:
+    """The names of a printed solution that the pose gives.
+
+    Attributes:
+        robot: Whose pose it is; its own names are none of the pose.
+        entries: Row and column, from 1, of each name.
+        wrist: Which coordinate, from 0, of the wrist's centre a name is.
+        angles: Names of the planar orientation.
+        relatives: Entries whose names differ from those by their indices only, which may have been meant.
+    """
+
+    robot: Robot
+    entries: Mapping[str, tuple[int, int]]
+    wrist: Mapping[str, int]
+    angles: Mapping[str, Expression]
+    relatives: Mapping[str, tuple[int, int]]
+
+    @classmethod
+    def of(cls, robot: Robot, words: Iterable[str]) -> PoseNames:
+        """Those among the words of a text.
+
+        Args:
+            robot: Whose pose it is.
+            words: Everything in the text that may be a name.
+        """
+        own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+        words = [word for word in dict.fromkeys(words) if word not in own]
+        flat = {word: word.replace("_", "") for word in words}
+        letters = {found[1] for word in flat.values() if (found := _COLUMN.fullmatch(word))}
+        o_is_position = "s" in letters or not letters.intersection("npaP")
+        entries: dict[str, tuple[int, int]] = {}
+        wrist: dict[str, int] = {}
+        for word, short in flat.items():
+            if found := _ENTRY.fullmatch(short):
+                row, column = [int(group) for group in found.groups() if group]
+                entries[word] = row, column
+            elif found := _COLUMN.fullmatch(short):
+                column = 4 if found[1] == "o" and o_is_position else _COLUMNS[found[1].lower()]
+                entries[word] = "xyz".index(found[2]) + 1, column
+            elif short in ("x", "y", "z"):
+                entries[word] = "xyz".index(short) + 1, 4
+            elif found := _WRIST.fullmatch(short):
+                wrist[word] = "xyz".index(found[1] or found[2])
+        example = _Arm(
+            robot,
+            {s: 0.3 + 0.1 * k for k, s in enumerate(_symbols(robot))},
+            [np.full(1, 0.4 + 0.3 * k) for k in range(robot.n)],
+        )
+        is_planar = all(parallel(axis, example.arms[0].axes[0]) for axis in example.arms[0].axes) and robot.n > 1
+        angles: dict[str, Expression] = {}
+        for word, short in flat.items() if is_planar else ():
+            for stem, function in (("", ""), ("c", "cos"), ("s", "sin")):
+                if short in (f"{stem}phi", f"{stem}varphi"):
+                    angle = Name("(phi)")
+                    angles[word] = Call(function, (angle,)) if function else angle
+        if example.wrist is None:
+            wrist = {}
+        relatives = {other: place for word in entries for other, place in _relatives(word, entries[word])}
+        relatives = {name: at for name, at in relatives.items() if name not in own and name not in words}
+        return cls(robot, entries, wrist, angles, relatives)
+
+    @property
+    def meanings(self) -> dict[str, Expression]:
+        """What the names stand for: themselves, or the angle of a planar arm."""
+        return {**{name: Name(name) for name in (*self.entries, *self.wrist)}, **self.angles}
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """The rows of a task that says as much as these names do; none where they say less than a position."""
+        found = {f"{'xyz'[row - 1]}" for row, column in self.entries.values() if column == 4}
+        found |= {"xyz"[k] for k in self.wrist.values()}
+        if any(column < 4 for _, column in self.entries.values()):
+            return ()
+        rows = tuple(row for row in "xyz" if row in found)
+        return (*rows, *(("phi",) if self.angles else ()))
+
+
+class _Arm:
+    """An arm of numbers at several configurations.
+
+    Args:
+        robot: The robot.
+        values: Numbers of its parameters.
+        q: The joint variables.
+    """
+
+    def __init__(self, robot: Robot, values: Mapping[str, float], q: list[npt.NDArray[np.float64]]) -> None:
+        self._robot = plain = replace(robot, links=(), gravity=None)
+        known = {sympy.Symbol(name): mpmath.mpf(value) for name, value in values.items()}
+        self._size = len(q[0])
+        chain = build_chain(plain, ArrayDomain(plain, q, known))
+        end = forward_kinematics(chain)
+        rows = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
+        self.pose = [[np.broadcast_to(np.asarray(x, dtype=np.float64), self._size) for x in row] for row in rows]
+        self.arms = placed(chain, q, self._size)
+
+    @property
+    def wrist(self) -> npt.NDArray[np.float64] | None:
+        """The centre of the wrist at each configuration; None where there is none.
+
+        It is where the last three axes meet; of arms with three joints the last one if they are planar, else the end.
+        """
+        centres = [self._centre(arm) for arm in self.arms]
+        found = [centre for centre in centres if centre is not None]
+        return np.array(found) if len(found) == len(centres) else None
+
+    def _centre(self, arm: Placed) -> npt.NDArray[np.float64] | None:
+        if len(arm.axes) == 3:
+            is_planar = all(parallel(axis, arm.axes[0]) for axis in arm.axes) and self._robot.joints[2].is_revolute
+            return arm.points[2] if is_planar else arm.end
+        if len(arm.axes) < 6 or not all(joint.is_revolute for joint in self._robot.joints[-3:]):
+            return None
+        (a, b, c), (p, q, r) = arm.axes[-3:], arm.points[-3:]
+        if parallel(a, b) or parallel(b, c):
+            return None
+        centre = nearest(p, a, q, b)
+        gaps = [float(np.linalg.norm(np.cross(centre - point, axis))) for point, axis in ((p, a), (q, b), (r, c))]
+        return centre if max(gaps) < 1e-9 else None
+
+
+def _relatives(word: str, place: tuple[int, int]) -> Iterator[tuple[str, tuple[int, int]]]:
+    """Names with other indices than one, and their entries."""
+    if word[-1].isdigit():
+        columns = (1, 2, 3, 4) if word[0] in "tT" else (1, 2, 3)
+        yield from ((f"{word[:-2]}{i}{j}", (i, j)) for i in (1, 2, 3) for j in columns)
+    else:
+        yield from ((f"{word[:-1]}{axis}", (i, place[1])) for i, axis in enumerate("xyz", 1))
+
+
+def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = False) -> tuple[Place, ...]:
+    """Random configurations with everything that a formula may know; the same ones each time.
+
+    Args:
+        names: The names of the pose.
+        sums: Names of sums of joint variables.
+        numbers: Whether parameters have the numbers of the robot file, else random ones.
+    """
+    return tuple(place for batch in range(BATCHES) for place in _places(names, sums, random.Random(batch), numbers))
+
+
+def pose_of(robot: Robot, values: Mapping[str, float]) -> list[list[float]]:
+    """The pose of an arm, three rows of four entries.
+
+    Args:
+        robot: The robot.
+        values: Numbers of its parameters and joint variables.
+    """
+    q = [np.array([values[joint.variable]]) for joint in robot.joints]
+    arm = _Arm(robot, {name: values[name] for name in _symbols(robot)}, q)
+    return [[float(x[0]) for x in row] for row in arm.pose]
+
+
+def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random, numbers: bool) -> Iterator[Place]:
+    robot = names.robot
+    drawn = {name: rng.randint(20, 150) / 100 for name in _symbols(robot)}
+    values = {**drawn, **{n: float(x) for n, x in parameter_values(robot).items()}} if numbers else drawn
+    q, required = [], np.ones(CONFIGURATIONS, dtype=bool)
+    for joint in robot.joints:
+        if joint.is_revolute:
+            own = np.array([rng.choice(ANGLES) for _ in range(CONFIGURATIONS)])
+        elif (limits := _limits(joint.limits, values)) is not None:
+            own = np.array([round(rng.uniform(*limits), 2) for _ in range(CONFIGURATIONS)])
+        else:
+            own = np.array([rng.choice((1, 1, -1)) * rng.randint(20, 150) / 100 for _ in range(CONFIGURATIONS)])
+            required &= own > 0
+        q.append(own)
+    arm = _Arm(robot, values, q)
+    centre, entries = arm.wrist if names.wrist else None, {**names.relatives, **names.entries}
+    for k in range(CONFIGURATIONS):
+        known = {**values, **{joint.variable: float(x[k]) for joint, x in zip(robot.joints, q, strict=True)}}
+        known.update({name: Evaluator(known)(meaning) for name, meaning in sums.items()})
+        known.update({name: float(arm.pose[i - 1][j - 1][k]) for name, (i, j) in entries.items()})
+        known["(phi)"] = float(np.arctan2(arm.pose[1][0][k], arm.pose[0][0][k]))
+        if centre is not None:
+            known.update({name: float(centre[k][axis]) for name, axis in names.wrist.items()})
+        pose = [[float(x[k]) for x in row] for row in arm.pose]
+        yield Place(known, pose, bool(required[k]))
+
+
+def _limits(limits: tuple[Expression, Expression] | None, values: Mapping[str, float]) -> tuple[float, float] | None:
+    """The range of a slide, where the file gives one."""
+    if limits is None:
+        return None
+    try:
+        low, high = (evaluate(limit, {name: Fraction(value) for name, value in values.items()}) for limit in limits)
+    except (ArithmeticError, DeriveError):
+        return None
+    return (low, high) if low < high else None
+
+
+def _symbols(robot: Robot) -> tuple[str, ...]:
+    return robot_symbols(replace(robot, links=(), gravity=None))

@@ -1,0 +1,445 @@
+"""A printed solution of the inverse kinematics: what its lines say, in which order they can be used, their values.
+
+A line gives a joint variable, a sum of them, or a cosine, sine or tangent of one; other lines name quantities, such as
+D. A plus-minus is a name of its own wherever it stands, and its values are 1 and -1: `Choice`. So a line has a value
+for every choice, and it is right if for every configuration some choice gives what the line is about.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.findings import ROUNDED, significant
+from derive.checking.inverse.joint_combinations import JointCombinations, Known, Vector, unit_vector
+from derive.checking.latex.names import SIGN
+from derive.errors import CheckError, Location, listed
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Number,
+    children,
+    names,
+    rebuilt,
+    substitute,
+)
+from derive.robot.robot import Robot
+
+MAX_SIGNS = 10
+"""Plus-minus signs that one line may depend on."""
+
+CLOSE = 1e-7
+"""Difference of angles [rad] and of lengths relative to their size below which they are the same."""
+
+Choice = Mapping[str, float]
+"""A value of every plus-minus, and for lines with alternatives which one."""
+
+_BAD = (ArithmeticError, ValueError, KeyError)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Formula:
+    """A printed right-hand side.
+
+    Attributes:
+        expression: What it says, in the names of the robot, of the pose and of named quantities.
+        text: As it is printed.
+        location: Where it stands.
+        first: The name that means the first alternative in it, as in ``or q4 + pi``.
+    """
+
+    expression: Expression
+    text: str
+    location: Location
+    first: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """What is printed about one quantity.
+
+    Attributes:
+        quantity: What it is called in messages: ``q2``, ``cos(q2)``, ``D``.
+        formulas: What is printed for it; several where alternatives are given.
+        target: What it is in the joint variables; None of a quantity that is only named.
+        name: Its name in other lines, if it has one.
+        primed: Whether it gives a joint of a second solution from those of the first, as in ``theta5' = -theta5``.
+    """
+
+    quantity: str
+    formulas: tuple[Formula, ...]
+    target: Expression | None = None
+    name: str = ""
+    primed: bool = False
+
+    @property
+    def switch(self) -> str:
+        """The name of the choice between its alternatives."""
+        return f"{SIGN}{self.quantity}"
+
+
+@dataclass(frozen=True)
+class Place:
+    """One configuration of the arm and everything that a printed formula may know about it.
+
+    Attributes:
+        values: Numbers by name: parameters, joint variables, sums of them, entries of the pose.
+        pose: Three rows of four entries.
+        required: Whether a complete solution must give it; negative slides need not be given.
+        twin: The configuration whose second solution it is, where primed lines are printed.
+    """
+
+    values: Mapping[str, float]
+    pose: Sequence[Sequence[float]]
+    required: bool = True
+    twin: Place | None = None
+
+
+class PrintedInverse:
+    """The lines of one printed solution.
+
+    Args:
+        robot: Whose solution it is.
+        lines: Its lines, those that only name quantities too.
+        sums: What names such as q23 stand for.
+
+    Attributes:
+        robot: Whose solution it is.
+        lines: Its lines.
+        sums: What names such as q23 stand for.
+        joints: Reads linear combinations of joint variables.
+        named: The lines that only name quantities, by name.
+        given: The lines with a target, but those that are primed.
+        primed: The lines that give a second solution from a first one.
+        close: Difference below which values are the same; decimals of many digits count as rounded.
+    """
+
+    def __init__(self, robot: Robot, lines: Sequence[Line], sums: Mapping[str, Expression]) -> None:
+        self.robot, self.lines, self.sums = robot, tuple(lines), sums
+        self.joints = JointCombinations(robot, sums)
+        self.named = {line.name: line for line in self.lines if line.target is None}
+        self.given = tuple(line for line in self.lines if line.target is not None and not line.primed)
+        self.primed = tuple(line for line in self.lines if line.primed)
+        self.close = CLOSE
+        self._names: dict[Formula, frozenset[str]] = {}
+        self._before: dict[Line, tuple[Line, ...]] = {}
+        self._choices: dict[Line, dict[str, tuple[float, ...]]] = {}
+
+    def check_size(self) -> None:
+        """Refuse what cannot be tried, and look for decimals of many digits.
+
+        Raises:
+            CheckError: A line that depends on too many plus-minus signs, or on itself.
+        """
+        decimals = [d for line in self.lines for f in line.formulas for d in _digits(f.expression)]
+        self.close = max(CLOSE, 10.0 ** (3 - max(decimals))) if decimals else CLOSE
+        for line in self.lines:
+            if len(self._signs(line)) > MAX_SIGNS:
+                found = f"{line.quantity} depends on {len(self._signs(line))} plus-minus signs"
+                raise CheckError(found, allowed=f"at most {MAX_SIGNS}", location=line.formulas[0].location)
+
+    def changed(self, line: Line, formula: Formula, expression: Expression) -> PrintedInverse:
+        """The solution with another expression in the place of one.
+
+        Args:
+            line: The line.
+            formula: One of its formulas.
+            expression: What stands there then.
+        """
+        formulas = tuple(replace(f, expression=expression) if f is formula else f for f in line.formulas)
+        return self._with([replace(line, formulas=formulas) if x is line else x for x in self.lines])
+
+    def _with(self, lines: Sequence[Line]) -> PrintedInverse:
+        """A solution with other lines, which knows the names in formulas that both have."""
+        found = PrintedInverse(self.robot, lines, self.sums)
+        found.close, found._names = self.close, self._names
+        return found
+
+    def _names_in(self, formula: Formula) -> frozenset[str]:
+        if formula not in self._names:
+            self._names[formula] = frozenset(names(formula.expression))
+        return self._names[formula]
+
+    def mapped(self, change: Mapping[int, Expression]) -> PrintedInverse:
+        """The solution with other expressions.
+
+        Args:
+            change: By the identity of a formula what it says then.
+        """
+        lines = [
+            replace(line, formulas=tuple(replace(f, expression=change.get(id(f), f.expression)) for f in line.formulas))
+            for line in self.lines
+        ]
+        return self._with(lines)
+
+    # -- values
+
+    def named_before(self, line: Line) -> tuple[Line, ...]:
+        """The named quantities that a line needs, each behind those that it needs itself.
+
+        Args:
+            line: The line.
+
+        Raises:
+            CheckError: Some need each other.
+        """
+        if line not in self._before:
+            found: dict[str, Line] = {}
+            self._collect(line, found, ())
+            self._before[line] = tuple(found.values())
+        return self._before[line]
+
+    def _collect(self, line: Line, found: dict[str, Line], above: tuple[str, ...]) -> None:
+        for formula in line.formulas:
+            for name in sorted(self._names_in(formula) & {*self.named, *above}):
+                if name in above:
+                    what = f"{listed(dict.fromkeys((*above, name)))} are given by each other"
+                    raise CheckError(what, remedy="give one of them by what is known", location=formula.location)
+                if name in self.named and name not in found:
+                    self._collect(self.named[name], found, (*above, name))
+                    found[name] = self.named[name]
+
+    def choices(self, line: Line) -> dict[str, tuple[float, ...]]:
+        """The plus-minus signs and alternatives that the value of a line depends on, with their values.
+
+        Args:
+            line: The line.
+        """
+        if line not in self._choices:
+            parts = (*self.named_before(line), line)
+            switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in parts}
+            self._choices[line] = {
+                **dict.fromkeys(self._signs(line), (1.0, -1.0)),
+                **{name: values for name, values in switches.items() if len(values) > 1},
+            }
+        return self._choices[line]
+
+    def _signs(self, line: Line) -> tuple[str, ...]:
+        formulas = [f for part in (*self.named_before(line), line) for f in part.formulas]
+        found = dict.fromkeys(name for f in formulas for name in self._names_in(f) if name[0] == SIGN)
+        return tuple(sorted(found))
+
+    def value(self, line: Line, place: Place, choice: Choice) -> float:
+        """What a line gives at a configuration.
+
+        Args:
+            line: The line.
+            place: The configuration.
+            choice: The values of plus-minus signs and alternatives.
+
+        Raises:
+            ArithmeticError: There is no value.
+            ValueError: A root of a negative number.
+            KeyError: A name without a number.
+        """
+        known = {**place.values, **choice}
+        for part in (*self.named_before(line), line):
+            formula = part.formulas[int(choice.get(part.switch, 0))]
+            own = {formula.first: Evaluator(known)(part.formulas[0].expression)} if formula.first else {}
+            known[part.name or part.quantity] = value = Evaluator({**known, **own})(formula.expression)
+        return value
+
+    def values(self, line: Line, place: Place, fixed: Choice | None = None) -> Iterator[float]:
+        """What a line gives at a configuration, for all choices.
+
+        Args:
+            line: The line.
+            place: The configuration.
+            fixed: Choices that are made already.
+
+        Yields:
+            Its values; choices that give none are left out.
+        """
+        free = {name: values for name, values in self.choices(line).items() if name not in (fixed or {})}
+        for chosen in product(*free.values()):
+            try:
+                yield self.value(line, place, {**(fixed or {}), **dict(zip(free, chosen, strict=True))})
+            except _BAD:
+                continue
+
+    def wanted(self, line: Line, place: Place) -> float:
+        """What a line should give at a configuration; not a number where its left side has no value.
+
+        Args:
+            line: The line, one with a target.
+            place: The configuration.
+        """
+        assert line.target is not None
+        try:
+            return Evaluator(place.values)(line.target)
+        except _BAD:
+            return math.nan
+
+    def hits(self, line: Line, place: Place, fixed: Choice | None = None) -> bool:
+        """Whether some choice gives what the line is about.
+
+        Args:
+            line: The line.
+            place: The configuration.
+            fixed: Choices that are made already.
+        """
+        if place.twin is not None and self.hits(line, place.twin, fixed):
+            return True
+        wanted, is_angle = self.wanted(line, place), self.is_angle(line)
+        if math.isnan(wanted):
+            return True
+        return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
+
+    def hit_together(self, lines: Sequence[Line], place: Place, fixed: Choice | None = None) -> bool:
+        """Whether some choice gives what all of some lines are about.
+
+        Args:
+            lines: The lines.
+            place: The configuration.
+            fixed: Choices that are made already.
+        """
+        shared = {name: values for name, values in self.shared(lines).items() if name not in (fixed or {})}
+        return any(
+            all(self.hits(line, at, {**(fixed or {}), **dict(zip(shared, chosen, strict=True))}) for line in lines)
+            for at in (replace(place, twin=None), *filter(None, (place.twin,)))
+            for chosen in product(*shared.values())
+        )
+
+    def shared(self, lines: Sequence[Line]) -> dict[str, tuple[float, ...]]:
+        """The choices that more than one of some lines depend on.
+
+        Args:
+            lines: The lines.
+        """
+        own = [self.choices(line) for line in lines]
+        return {n: values for choices in own for n, values in choices.items() if sum(n in o for o in own) > 1}
+
+    def coupled(self) -> Iterator[tuple[Line, ...]]:
+        """The lines with targets in groups whose choices do not depend on each other."""
+        waiting = list(self.given)
+        while waiting:
+            group = [waiting.pop(0)]
+            keys = set(self.choices(group[0]))
+            while more := [line for line in waiting if keys.intersection(self.choices(line))]:
+                group += more
+                waiting = [line for line in waiting if line not in more]
+                keys.update(name for line in more for name in self.choices(line))
+            yield tuple(line for line in self.given if line in group)
+
+    def has_arc(self, line: Line) -> bool:
+        """Whether an arc function of one argument stands in a line or in what it needs.
+
+        Args:
+            line: The line.
+        """
+        formulas = [f.expression for part in (*self.named_before(line), line) for f in part.formulas]
+        return any(count_calls(e, arc) for e in formulas for arc in ("acos", "asin", "atan"))
+
+    def is_angle(self, line: Line) -> bool:
+        """Whether a line is right up to full turns.
+
+        Args:
+            line: The line, one with a target.
+        """
+        assert line.target is not None
+        vector = self.joints.combination(line.target)
+        revolute = [joint.is_revolute for joint in self.robot.joints]
+        return vector is not None and any(c and r for c, r in zip(vector, revolute, strict=True))
+
+    # -- which line needs which
+
+    @property
+    def _steps(self) -> list[tuple[Line, tuple[str, Vector]]]:
+        return [(line, m) for line in self.given if line.target and (m := self.joints.meaning(line.target))]
+
+    @cached_property
+    def free(self) -> tuple[str, ...]:
+        """The joint variables that are taken as known: no line gives them, or only as a part of a sum."""
+        own = [vector for _, (_, vector) in self._steps]
+        units = {joint.variable: unit_vector(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
+        untouched = [name for j, name in enumerate(units) if not any(vector[j] for vector in own)]
+        alone = [name for name, unit in units.items() if unit not in own]
+        return tuple(untouched if self._order(untouched)[1] == [] else alone)
+
+    def _order(self, free: Sequence[str]) -> tuple[Known, list[Line]]:
+        """What is known at the end where some joint variables are, and the lines that need each other."""
+        variables = [joint.variable for joint in self.robot.joints]
+        known, waiting = Known([variables.index(name) for name in free], len(variables)), self._steps
+        while waiting:
+            ready = [step for step in waiting if all(known.has(*need) for need in self._needs(step[0]))]
+            if not ready:
+                break
+            for _, found in ready:
+                known.add(*found)
+            waiting = [step for step in waiting if step not in ready]
+        return known, [line for line, _ in waiting]
+
+    @cached_property
+    def determined(self) -> tuple[str, ...]:
+        """The joint variables that the lines give.
+
+        Raises:
+            CheckError: Lines that need each other.
+        """
+        known, left = self._order(self.free)
+        if left:
+            whole = listed(dict.fromkeys(line.quantity for line in left))
+            found = f"{whole} are given by each other" if len(left) > 1 else f"{whole} is given by itself"
+            where = left[0].formulas[0].location
+            raise CheckError(found, remedy="give one of them by the pose alone", location=where)
+        units = {joint.variable: unit_vector(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
+        return tuple(name for name, unit in units.items() if name not in self.free and known.has("", unit))
+
+    def _needs(self, line: Line) -> Iterator[tuple[str, Vector]]:
+        for part in (*self.named_before(line), line):
+            for formula in part.formulas:
+                own = {formula.first: ZERO} if formula.first else {}
+                yield from self.joints.needed(substitute(formula.expression, own))
+
+
+def _digits(e: Expression) -> Iterator[int]:
+    """Significant digits of the decimals in an expression that count as rounded."""
+    if isinstance(e, Number) and (digits := significant(e.value)) in ROUNDED:
+        yield digits
+    for part in children(e):
+        yield from _digits(part)
+
+
+def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -> bool:
+    """Whether two values are the same, angles up to full turns.
+
+    Args:
+        value: What is printed.
+        wanted: What is right.
+        is_angle: Whether they are angles.
+        close: Difference below which they are the same.
+    """
+    if is_angle:
+        return abs(math.remainder(value - wanted, math.tau)) < close
+    return abs(value - wanted) < close * (1 + abs(wanted))
+
+
+def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
+    """An expression with calls of one function in the place of those of another.
+
+    Args:
+        e: The expression.
+        old: The function.
+        new: What is called instead.
+        swapped: Whether its two arguments change their order.
+    """
+    whole = rebuilt(e, lambda part: with_calls(part, old, new, swapped))
+    if isinstance(whole, Call) and whole.function == old:
+        return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
+    return whole
+
+
+def count_calls(e: Expression, function: str) -> int:
+    """How often a function is called.
+
+    Args:
+        e: An expression.
+        function: The name of the function.
+    """
+    own = isinstance(e, Call) and e.function == function
+    return own + sum(count_calls(part, function) for part in children(e))

@@ -1,0 +1,296 @@
+"""What the lines of a printed solution are about: which give joints, which only name quantities.
+
+Text and LaTeX are split by their own modules into equations with sides; what is common to both stands here: the names
+that may occur, and how ``alpha = theta1 + theta2 - theta4 = atan2(r12, r11)`` becomes lines.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from derive.checking.inverse.poses import PoseNames
+from derive.checking.inverse.printed import Formula, Line, PrintedInverse
+from derive.checking.latex.names import SIGN
+from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
+from derive.lecture.shorthand import notation_text, resolve_tokens
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, add, names, negate
+from derive.robot.names import joint_label, robot_symbols
+from derive.robot.robot import Robot
+
+_JOINT = re.compile(r"(vartheta|theta|th|q|d)([0-9]+)")
+_SUM = re.compile(r"(?:vartheta|theta|th|q)([0-9]{2,})")
+_CIRCULAR = re.compile(r"([cCsS])([0-9]+)")
+_SIGN_NAME = re.compile(r"(?:sgn|sign|eps|epsilon|varepsilon|sigma)[0-9]*")
+
+
+@dataclass(frozen=True)
+class Part:
+    """One of the alternatives that a side of an equation is.
+
+    Attributes:
+        text: As it is printed.
+        location: Where it stands.
+        read: Reads it with some names and what they stand for.
+    """
+
+    text: str
+    location: Location
+    read: Callable[[Mapping[str, Expression]], Expression]
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of an equation.
+
+    Attributes:
+        parts: Its alternatives, mostly one.
+        word: The name that it is, on one line; empty of a formula.
+        primed: Whether that name has a prime.
+    """
+
+    parts: tuple[Part, ...]
+    word: str = ""
+    primed: bool = False
+
+
+@dataclass(frozen=True)
+class _Read:
+    """A side that has been read."""
+
+    word: str
+    formulas: tuple[Formula, ...]
+    primed: bool = False
+
+    @property
+    def expression(self) -> Expression:
+        return self.formulas[0].expression
+
+
+@dataclass
+class Vocabulary:
+    """The names of one printed solution.
+
+    Attributes:
+        robot: Whose solution it is.
+        pose: The names of the pose.
+        meanings: What names stand for that the robot itself does not have.
+        sums: Names of sums of joint variables.
+        new: Names that the solution gives itself.
+    """
+
+    robot: Robot
+    pose: PoseNames
+    meanings: dict[str, Expression] = field(default_factory=dict)
+    sums: dict[str, Expression] = field(default_factory=dict)
+    new: set[str] = field(default_factory=set)
+
+    @classmethod
+    def of(cls, robot: Robot, words: Sequence[str], defined: Sequence[str]) -> Vocabulary:
+        """The names among the words of a text.
+
+        Args:
+            robot: Whose solution it is.
+            words: Everything that may be a name.
+            defined: Names that stand alone on a side of an equation.
+        """
+        own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+        found = cls(robot, PoseNames.of(robot, words))
+        for word in dict.fromkeys(words):
+            if word not in own and word not in found.pose.meanings:
+                found._learn(word)
+        found.new = {w for w in defined if w not in own and (w in found.pose.meanings or w not in found.meanings)}
+        found.new -= {w for w in found.new if w in found.pose.angles or found._is_token(w)}
+        found.meanings |= {**found.pose.meanings, **{word: Name(word) for word in found.new}}
+        return found
+
+    def _learn(self, word: str) -> None:
+        """A word that is a joint variable, a sum of them, a cosine or sine, or a sign."""
+        flat = word.replace("_", "")
+        if _SIGN_NAME.fullmatch(flat):
+            self.meanings[word] = Name(SIGN + flat)
+        elif (match := _JOINT.fullmatch(flat)) and (variable := self._variable(match[1], match[2])):
+            self.meanings[word] = Name(variable)
+        elif match := _SUM.fullmatch(flat):
+            try:
+                token = resolve_tokens(Name(f"c{match[1]}"), self.robot)
+            except CheckError:
+                return
+            if isinstance(token, Call):
+                self.sums[word], self.meanings[word] = token.arguments[0], Name(word)
+        elif (match := _CIRCULAR.fullmatch(flat)) and flat != word:
+            self.meanings[word] = resolve_tokens(Name(match[1].lower() + match[2]), self.robot)
+        elif match and match[1].isupper():
+            self.meanings[word] = resolve_tokens(Name(flat.lower()), self.robot)
+
+    def _is_token(self, word: str) -> bool:
+        """Whether a word such as c2 is the cosine or sine of joint angles."""
+        try:
+            return isinstance(resolve_tokens(Name(word), self.robot), Call)
+        except CheckError:
+            return False
+
+    def _variable(self, stem: str, label: str) -> str:
+        for joint in self.robot.joints:
+            if joint_label(joint.variable) == label and (stem == "q" or (stem == "d") is not joint.is_revolute):
+                return joint.variable
+        return ""
+
+    def is_forward(self, word: str, e: Expression) -> bool:
+        """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone.
+
+        Args:
+            word: The name on its left side.
+            e: Its right side.
+        """
+        is_plain = self.pose.entries.keys().isdisjoint(names(e)) and self.new.isdisjoint(names(e))
+        return word in self.pose.entries and is_plain and self.has_joints(e)
+
+    def has_joints(self, e: Expression) -> bool:
+        """Whether joint variables occur in an expression.
+
+        Args:
+            e: The expression.
+        """
+        variables = {joint.variable for joint in self.robot.joints}
+        return any(name in variables or name in self.sums for name in names(e))
+
+
+@dataclass(frozen=True)
+class Refused:
+    """An equation that is not understood.
+
+    Attributes:
+        location: Where it stands.
+        reason: Why not.
+    """
+
+    location: Location
+    reason: str
+
+
+def assembled(
+    robot: Robot, equations: Sequence[Sequence[Side]], words: Sequence[str], refused: list[Refused] | None = None
+) -> tuple[PrintedInverse, Vocabulary]:
+    """The lines of a printed solution.
+
+    Args:
+        robot: Whose solution it is.
+        equations: Its equations, side by side.
+        words: Everything in them that may be a name.
+        refused: Where equations go that are not understood; None to refuse the whole.
+
+    Returns:
+        The solution, and its names.
+
+    Raises:
+        CheckError: A side that cannot be read, or nothing about a joint.
+    """
+    defined = [side.word for sides in equations for side in sides if side.word]
+    vocabulary = Vocabulary.of(robot, words, defined)
+    lines: list[Line] = []
+    for sides in equations:
+        before = len(lines)
+        try:
+            found_here = tuple(_lines(vocabulary, [_read(side, vocabulary) for side in sides]))
+        except CheckError as error:
+            if refused is None:
+                raise
+            refused.append(Refused(error.location or sides[0].parts[0].location, error.found))
+            continue
+        for line in found_here:
+            _merge(lines, line, before)
+    found = PrintedInverse(robot, [_without_itself(line) for line in lines], vocabulary.sums)
+    found.check_size()
+    _refuse_unknown(found, vocabulary)
+    if not found.given:
+        where = equations[0][0].parts[0].location if equations else None
+        variables = ", ".join(joint.variable for joint in robot.joints)
+        remedy = "write left sides such as theta1 = or q1 ="
+        raise CheckError("no line gives a joint variable", allowed=f"of {variables}", remedy=remedy, location=where)
+    return found, vocabulary
+
+
+def _refuse_unknown(printed: PrintedInverse, vocabulary: Vocabulary) -> None:
+    """Refuse a name that stands alone on a side and that no line defines."""
+    for line in printed.lines:
+        for formula in line.formulas:
+            for name in names(formula.expression):
+                if name in vocabulary.new and name not in printed.named and name not in vocabulary.pose.meanings:
+                    known = listed(dict.fromkeys((*printed.named, *(j.variable for j in vocabulary.robot.joints))))
+                    remedy = near_miss(name, printed.named) or f"write a line {name} = ..."
+                    found, where = f"unknown name {quoted(name)}", formula.location
+                    raise UnknownNameError(found, allowed=f"known: {known}", remedy=remedy, location=where)
+
+
+def _read(side: Side, vocabulary: Vocabulary) -> _Read:
+    formulas = (Formula(part.read(vocabulary.meanings), part.text, part.location) for part in side.parts)
+    return _Read(side.word, tuple(formulas), side.primed)
+
+
+def _lines(vocabulary: Vocabulary, sides: Sequence[_Read]) -> Iterator[Line]:
+    """The lines that one equation makes."""
+    first, *others = sides
+    joints = vocabulary.has_joints
+    if others and first.primed:
+        if not joints(first.expression):
+            where = first.formulas[0].location
+            raise CheckError("prime of a name that is no joint variable", remedy="remove it", location=where)
+        yield replace(_about(vocabulary, first, others[0].formulas), primed=True)
+        return
+    if not others:
+        raise CheckError(
+            "formula without a left side", remedy="write theta1 = ...", location=first.formulas[0].location
+        )
+    if first.word in vocabulary.new and not vocabulary.is_forward(first.word, others[0].expression):
+        value = next((side for side in others if not joints(side.expression)), others[0])
+        yield Line(first.word, value.formulas, name=first.word)
+        for side in others:
+            if side is not value and joints(side.expression):
+                about = Formula(first.expression, first.formulas[0].text, value.formulas[0].location)
+                yield _about(vocabulary, side, (about,))
+        return
+    target = first if joints(first.expression) else next((side for side in others if joints(side.expression)), None)
+    if target is None:  # a condition of the pose
+        return
+    rest = [side for side in (first, *others) if side is not target]
+    for side, after in zip(rest, (*rest[1:], None), strict=True):
+        if side.word in vocabulary.new and after is not None:  # alpha, between what it is and its formula
+            yield Line(side.word, after.formulas, name=side.word)
+            continue
+        yield _about(vocabulary, target, side.formulas)
+
+
+def _about(vocabulary: Vocabulary, target: _Read, formulas: tuple[Formula, ...]) -> Line:
+    """A line about joint variables; of an equation with named quantities on both sides, that its sides are equal."""
+    e = target.expression
+    what = notation_text(e, vocabulary.robot)
+    if any(name in vocabulary.new or name[0] == SIGN for name in names(e)):
+        whole = tuple(replace(f, expression=add(e, negate(f.expression))) for f in formulas)
+        return Line(what, whole, ZERO)
+    return Line(what, formulas, e)
+
+
+def _merge(lines: list[Line], line: Line, before: int) -> None:
+    """One line more, or further alternatives of one that an equation before has."""
+    for i, other in enumerate(lines[:before]):
+        same = other.name == line.name if line.target is None else other.target == line.target
+        same = same and other.primed is line.primed
+        if same and (other.target is None) is (line.target is None) and not isinstance(line.target, Number):
+            known = {formula.expression for formula in other.formulas}
+            new = tuple(f for f in line.formulas if f.expression not in known)
+            lines[i] = replace(other, formulas=(*other.formulas, *new))
+            return
+    lines.append(line)
+
+
+def _without_itself(line: Line) -> Line:
+    """A line whose alternatives such as ``q4 + pi`` mean the first one by the unknown's own name."""
+    if not isinstance(line.target, Name):
+        return line
+    first, *others = line.formulas
+    own = line.target.name
+    return replace(
+        line, formulas=(first, *(replace(f, first=own if own in names(f.expression) else "") for f in others))
+    )

@@ -1,0 +1,223 @@
+"""The smallest change that makes a line of a printed solution right.
+
+The changes are those of `edits` at every place of the line and of the quantities that it needs, and some that only
+solutions have: a plus-minus that is missing, an atan2 for an arc function. A change is tried at one configuration at
+which the line fails, and kept if the line is right at all others too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import combinations
+
+from derive.checking.formulas.diagnosis import PAIRED
+from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token
+from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse
+from derive.checking.latex.names import SIGN
+from derive.errors import CheckError
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    add,
+    children,
+    multiply,
+    number,
+    power,
+)
+from derive.robot.expression import names as names_in
+
+MAX_TRIED = 6_000
+"""Changes that are tried for one line."""
+
+MAX_PAIRS = 6_000
+"""Pairs of changes of one kind that are tried."""
+
+LONGEST_SUM = 8
+"""Terms of a sum of which neighbouring ones are squared."""
+
+MISSING = Name(f"{SIGN}new")
+"""A plus-minus that is put in."""
+
+
+@dataclass(frozen=True)
+class InverseRepair:
+    """What makes a line right.
+
+    Attributes:
+        line: The line that is changed: the one that is wrong, or a quantity that it needs.
+        formula: Which of its formulas.
+        edits: The changes.
+        solution: The solution with them made.
+    """
+
+    line: Line
+    formula: Formula
+    edits: tuple[Edit, ...]
+    solution: PrintedInverse
+
+    @property
+    def expression(self) -> Expression:
+        """What the formula says then."""
+        return self.edits[-1].formula
+
+
+class Repairer:
+    """The search for what repairs some lines.
+
+    Args:
+        printed: The solution.
+        lines: Lines that should become right together.
+        places: Configurations, first of all one at which they are not.
+        known: Names that may stand in a formula.
+    """
+
+    def __init__(
+        self, printed: PrintedInverse, lines: Sequence[Line], places: Sequence[Place], known: Sequence[str]
+    ) -> None:
+        self._printed, self._lines, self._places = printed, lines, places
+        self._tried = 0
+        angles = tuple(joint.variable for joint in printed.robot.joints if joint.is_revolute)
+        tokens = [Call(f, (Name(angle),)) for angle in angles for f in ("cos", "sin")]
+        lengths = [Name(name) for name in known if name not in angles]
+        squares = [power(length, 2) for length in lengths]
+        self._may = Replacements(
+            names=tuple(known),
+            angles=angles,
+            factors=(*tokens, *lengths, *(power(length, -1) for length in lengths)),
+            terms=tuple(
+                term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, multiply(number(-1), x))
+            ),
+        )
+
+    def first(self, kinds: Sequence[SlipKind], sites: Sequence[tuple[Line, Formula]]) -> InverseRepair | None:
+        """The first change, of the first kind that has one; then two changes of one kind.
+
+        Args:
+            kinds: In the order in which they are tried.
+            sites: The formulas that may be changed.
+        """
+        for kind in kinds:
+            for line, formula in sites:
+                found = [(edit,) for edit in self._edits(formula.expression, kind)]
+                if repair := self._least(line, formula, found):
+                    return repair
+        for kind in kinds:
+            for line, formula in sites if kind in PAIRED else ():
+                firsts = list(self._edits(formula.expression, kind))
+                if len(firsts) ** 2 > MAX_PAIRS:
+                    continue
+                pairs = [(one, two) for one in firsts for two in self._edits(one.formula, kind)]
+                if repair := self._least(line, formula, pairs):
+                    return repair
+        return None
+
+    def _edits(self, e: Expression, kind: SlipKind) -> Iterator[Edit]:
+        for spot in places_in(e):
+            yield from edits(spot, self._may, kind)
+            if kind is SlipKind.PLUS_MINUS and not isinstance(spot.parent, Product | Power):
+                yield from _plus_minus(spot)
+            if kind is SlipKind.ATAN2:
+                yield from _atan2(spot)
+            if kind is SlipKind.SYMBOL and isinstance(spot.node, Number):
+                sign = number(-1 if spot.node.value < 0 else 1)
+                meant = (multiply(sign, Name(name)) for name in self._may.names if name not in self._may.angles)
+                yield from (Edit(kind, spot, name, spot.node, name) for name in meant)
+            if kind is SlipKind.EXPONENT and isinstance(spot.node, Sum):
+                yield from _squares(spot, spot.node.terms)
+
+    def _least(self, line: Line, formula: Formula, candidates: Sequence[tuple[Edit, ...]]) -> InverseRepair | None:
+        """The candidate that touches least, of those that are right."""
+        found: list[tuple[int, int, int, InverseRepair]] = []
+        for made in candidates:
+            self._tried += 1
+            if self._tried > MAX_TRIED:
+                break
+            changed = self._printed.changed(line, formula, made[-1].formula)
+            lines = [changed.lines[self._printed.lines.index(x)] for x in self._lines]
+            with suppress(CheckError):
+                if not all(changed.hit_together(lines, place) for place in self._places):
+                    continue
+                size = sum(_size(edit.old) for edit in made)
+                found.append((size, made[0].place.depth, len(found), InverseRepair(line, formula, made, changed)))
+        return min(found)[-1] if found else None
+
+
+def places_in(e: Expression, above: Spot | None = None, index: int = 0) -> Iterator[Spot]:
+    """Every place of a formula, from one down, without values.
+
+    Args:
+        e: The formula, or a part of it.
+        above: The place above.
+        index: Which child of the node above it is.
+    """
+    spot = Spot(e, above, index, depth=above.depth + 1 if above else 0)
+    yield spot
+    if not is_token(e):
+        for i, part in enumerate(children(e)):
+            yield from places_in(part, spot, i)
+
+
+def _plus_minus(spot: Spot) -> Iterator[Edit]:
+    """A plus-minus before a term, an argument, or a half turn more for the second solution."""
+    node = spot.node
+    if not isinstance(node, Number) and not any(name[0] == SIGN for name in names_in(node)):
+        yield Edit(SlipKind.PLUS_MINUS, spot, multiply(MISSING, node), node, multiply(MISSING, node))
+    if isinstance(node, Product):
+        for i, factor in enumerate(node.factors):
+            if isinstance(factor, Call) and factor.function == "sqrt":
+                new = multiply(*node.factors[:i], multiply(MISSING, factor), *node.factors[i + 1 :])
+                yield Edit(SlipKind.PLUS_MINUS, spot, new, factor, multiply(MISSING, factor))
+
+
+def _squares(spot: Spot, terms: Sequence[Expression]) -> Iterator[Edit]:
+    """Neighbouring terms of a sum squared: what ``(a1 + a2)**2 - x**2`` was without its first exponent."""
+    for i, j in combinations(range(min(len(terms), LONGEST_SUM) + 1), 2):
+        if 1 < j - i < len(terms):
+            part = add(*terms[i:j])
+            square = power(part, 2)
+            yield Edit(SlipKind.EXPONENT, spot, add(*terms[:i], square, *terms[j:]), part, square)
+
+
+def _atan2(spot: Spot) -> Iterator[Edit]:
+    """An atan2 in the place of an arc function."""
+    if not isinstance(spot.node, Call) or spot.node.function not in ("acos", "asin", "atan"):
+        return
+    (u,) = spot.node.arguments
+    other = Call("sqrt", (add(number(1), multiply(number(-1), power(u, 2))),))
+    ways: list[tuple[Expression, Expression]] = []
+    match spot.node.function:
+        case "atan":
+            above, below = _quotient(u)
+            minus = number(-1)
+            ways = [(above, below), (multiply(minus, above), multiply(minus, below))]
+            ways += [(multiply(MISSING, above), below), (above, multiply(MISSING, below))]
+        case "acos":
+            ways = [(multiply(MISSING, other), u), (other, u)]
+        case "asin":
+            ways = [(u, multiply(MISSING, other)), (u, other)]
+    for y, x in ways:
+        new = Call("atan2", (y, x))
+        yield Edit(SlipKind.ATAN2, spot, new, spot.node, new)
+
+
+def _quotient(e: Expression) -> tuple[Expression, Expression]:
+    """Numerator and denominator."""
+    factors = e.factors if isinstance(e, Product) else (e,)
+    below = [power(f.base, -f.exponent) for f in factors if isinstance(f, Power) and f.exponent < 0]
+    above = [f for f in factors if not (isinstance(f, Power) and f.exponent < 0)]
+    fraction = next((f.value for f in above if isinstance(f, Number)), None)
+    if fraction is not None and fraction.denominator != 1:
+        above = [number(f.value.numerator) if isinstance(f, Number) else f for f in above]
+        below.append(number(fraction.denominator))
+    return multiply(*above), multiply(*below)
+
+
+def _size(e: Expression) -> int:
+    return 1 if is_token(e) else 1 + sum(map(_size, children(e)))

@@ -1,0 +1,164 @@
+"""Printed solutions as plain text: ``theta2 = atan2(+-sqrt(1 - D**2), D)``, one quantity a line, the order free.
+
+What the grammar of formulas does not have is rewritten before it is parsed, and places are those of the text as it was
+typed: a plus-minus is a factor, ``arctan2`` and ``Atan2`` are atan2, ``acos`` and its like are functions.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+
+from derive.checking.inverse.reading import Part, Side
+from derive.checking.latex.names import PlusMinus
+from derive.errors import CheckError, Location
+from derive.lecture.shorthand import read_formula
+from derive.robot.expression import Expression
+from derive.robot.parser import FORMULA_FUNCTIONS, place
+from derive.robot.robot import Robot
+
+INVERSE = {"acos": "acos", "arccos": "acos", "asin": "asin", "arcsin": "asin", "atan": "atan", "arctan": "atan"}
+"""Inverse functions of one argument by the names that they have."""
+
+COSINE_MAY_BE_FIRST = "Atan2"
+"""How a two-argument arctangent is called whose order depends on the book: Atan2, A tan, ArcTan."""
+
+MAX_LINES = 200
+"""Lines of one solution."""
+
+WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_TOKEN = re.compile(
+    r"(?P<plus>\+/-|\+-|±)|(?P<minus>-/\+|-\+|∓)|(?P<degrees>°)"
+    r"|(?P<tan>A[ ]tan(?=\s*\())|(?P<word>[A-Za-z][A-Za-z0-9_]*)|(?P<other>.)",
+    re.DOTALL,
+)
+_COMMENT = re.compile(r"#[^\n]*")
+_OR = re.compile(r"(?<![A-Za-z0-9_])(?:or|oppure|ou)(?![A-Za-z0-9_])")
+_LEAD = re.compile(r"\s*(?:where|with|and|dove|con|e|onde|com)\s+(?=[A-Za-z])")
+_NEXT = re.compile(
+    r",(?=\s*(?:where\s+|with\s+|and\s+)?(?:[A-Za-z][A-Za-z0-9_]*|(?:cos|sin|tan)\([A-Za-z0-9_]*\))\s*=)"
+)
+
+
+def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -> tuple[list[list[Side]], list[str]]:
+    """The equations of a text, one on a line or between semicolons.
+
+    Args:
+        text: The text.
+        robot: Whose solution it is.
+        start: Where its first character stands.
+        signs: Gives plus-minus signs their names.
+
+    Returns:
+        Equations with their sides, and every word.
+
+    Raises:
+        CheckError: A line without an equals sign, or more lines than are read.
+    """
+    found: list[list[Side]] = []
+    text = _COMMENT.sub(lambda match: " " * len(match[0]), text)
+    for begin, end in _spans(text):
+        lead = _LEAD.match(text, begin, end)
+        sides = _cut(text, lead.end() if lead else begin, end, re.compile("="))
+        if len(sides) < 2 or any(not text[a:b].strip() for a, b in sides):
+            where = place(text, begin + len(text[begin:end]) - len(text[begin:end].lstrip()), start)
+            raise CheckError(
+                "line that is no equation", remedy="write theta1 = ..., one quantity a line", location=where
+            )
+        found.append([_side(text, span, robot, start, signs) for span in sides])
+        if len(found) > MAX_LINES:
+            raise CheckError("too many lines", allowed=f"at most {MAX_LINES}", location=start)
+    return found, WORD.findall(text)
+
+
+def _spans(text: str) -> Iterator[tuple[int, int]]:
+    """Where equations stand."""
+    for begin, end in _cut(text, 0, len(text), re.compile(r"[\n;]"), everywhere=True):
+        for span in _cut(text, begin, end, _NEXT):
+            if text[slice(*span)].strip():
+                yield span
+
+
+def _cut(text: str, begin: int, end: int, at: re.Pattern[str], everywhere: bool = False) -> list[tuple[int, int]]:
+    """The parts of a text between signs that stand outside of brackets."""
+    cuts = [begin]
+    for match in at.finditer(text, begin, end):
+        before = text[begin : match.start()]
+        if everywhere or before.count("(") == before.count(")"):
+            cuts += [match.start(), match.end()]
+    return list(zip(cuts[::2], [*cuts[1::2], end], strict=True))
+
+
+def _side(text: str, span: tuple[int, int], robot: Robot, start: Location, signs: PlusMinus) -> Side:
+    whole = text[slice(*span)].strip()
+    is_primed = len(whole) > 1 and whole[-1] in "'\u2032\u2019" and bool(WORD.fullmatch(whole[:-1]))
+    if is_primed:
+        whole = whole[:-1]
+        span = span[0], span[0] + text[slice(*span)].index(whole) + len(whole)
+    parts = []
+    for begin, end in _cut(text, *span, _OR):
+        shown = text[begin:end].strip()
+        begin += len(text[begin:end]) - len(text[begin:end].lstrip())
+        where = place(text, begin, start)
+        parts.append(Part(shown, where, partial(_formula, shown, robot, where, signs)))
+    return Side(tuple(parts), whole if WORD.fullmatch(whole) else "", is_primed)
+
+
+def _formula(
+    text: str, robot: Robot, where: Location, signs: PlusMinus, meanings: Mapping[str, Expression]
+) -> Expression:
+    """A formula, with errors at places of the text as it was typed."""
+    known = dict(meanings)
+    rewritten, origins = _rewritten(text, known, signs)
+    own = Location("")
+    functions = FORMULA_FUNCTIONS | {*INVERSE.values(), COSINE_MAY_BE_FIRST}
+    try:
+        return read_formula(rewritten, robot, own, known, functions)
+    except CheckError as error:
+        column = error.location.column - 1 if error.location else 0
+        offset = origins[column] if column < len(origins) else len(text)
+        found = error.found.replace(repr(rewritten), repr(text)) if len(rewritten) < 40 else error.found
+        raise type(error)(
+            found, allowed=error.allowed, remedy=error.remedy, location=place(text, offset, where)
+        ) from None
+
+
+def _rewritten(text: str, known: dict[str, Expression], signs: PlusMinus) -> tuple[str, Sequence[int]]:
+    """The text in the grammar of formulas, and where each of its characters comes from."""
+    pieces: list[tuple[str, int]] = []
+    for match in _TOKEN.finditer(text):
+        kind, token = match.lastgroup, match[0]
+        if kind in ("plus", "minus"):
+            name = f"plusminus{len(pieces)}"
+            known[name] = signs.another()
+            token = f"{'+' if kind == 'plus' else '-'}{name}*"
+        elif kind == "degrees":
+            token = "*pi/180"
+        elif kind in ("word", "tan") and text[match.end() :].lstrip()[:1] == "(":
+            token = _function(token, _has_two_arguments(text, match.end()))
+        pieces.append((" " if token in "\n\r\t" else token, match.start()))
+    origins = [offset for token, offset in pieces for _ in token]
+    return "".join(token for token, _ in pieces), origins
+
+
+def _function(word: str, two: bool) -> str:
+    """What a function is called in the grammar."""
+    plain = word.lower().replace("_", "").replace(" ", "")
+    if two and plain in ("atan2", "arctan2"):
+        return "atan2" if word[0] == "a" else COSINE_MAY_BE_FIRST
+    if two and plain in ("atan", "arctan"):
+        return COSINE_MAY_BE_FIRST
+    return INVERSE.get(plain, plain if plain in ("sqrt", "sin", "cos", "tan") else word)
+
+
+def _has_two_arguments(text: str, offset: int) -> bool:
+    """Whether a comma stands in the brackets that open at a place, not in brackets of their own."""
+    depth = 0
+    for letter in text[offset:]:
+        depth += {"(": 1, ")": -1}.get(letter, 0)
+        if letter == "," and depth == 1:
+            return True
+        if letter == ")" and depth == 0:
+            return False
+    return False

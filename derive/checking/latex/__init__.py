@@ -1,0 +1,1 @@
+"""Formulas in LaTeX documents: pieces, equations, left sides, grammar, names."""

@@ -1,0 +1,229 @@
+r"""LaTeX as people have it, taken apart: displays, their rows and equations, and the sides of each.
+
+Nothing is understood here but structure. Every side of an equation is a piece of the text with its place. Lines broken
+inside a sum are joined, ``x = a, \quad y = b`` and the columns of ``align`` are separate equations, and ``a = b = c``
+has three sides.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, RELATION, Piece, display_piece
+from derive.checking.latex.typography import cleaned
+from derive.errors import CheckError, Location
+from derive.robot.parser import place
+
+_WORDS = (
+    "and|or|where|with|so|hence|thus|therefore|then|for|if|since|let|yields|gives|dove|con|quindi|per|allora|onde|com|logo|"
+    "então|und|mit|wobei|also|avec|donc|où|y|donde"
+)
+_SEPARATOR = re.compile(
+    r"\\(?:qquad|quad|enspace|Rightarrow|Longrightarrow|implies|rightarrow|Leftrightarrow|iff|therefore|land)(?![A-Za-z])"
+    r"|\\(?:text|textrm|mathrm|mbox|intertext|shortintertext|textnormal)\s*"
+    rf"\{{(?:\s*[,;.]?\s*(?:{_WORDS})\s*[:,]?\s*|[^{{}}A-Za-z]*|\s[^{{}}]*|[^{{}}]*\s|[^{{}}]+\s[^{{}}]+)\}}"
+    r"|(?P<mark>[,;])"
+)
+_NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*\)[\s\v.,;]*$")
+"""The number of an equation that is typed behind it."""
+
+_OPENING, _CLOSING = "([{", ")]}"
+_OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
+_ENDS_OPEN = re.compile(r"(?:[-+*/=]|\\(?:cdot|times|ast))\s*$")
+_PROSE = re.compile(r"(?:[^\W\d_]|(?<=\w)-(?=\w)|[\s.,;:()'\u2019])*")
+_FENCE = re.compile(
+    r"\\\[(?P<square>.*?)\\\]|\$\$(?P<double>.*?)\$\$|\\\((?P<round>.*?)\\\)|(?<!\\)\$(?P<single>[^$]*)(?<!\\)\$"
+    r"|\\(?P<macro>eq|mx|whole)\s*(?=\{)"
+    r"|\\begin\s*\{(?P<name>[A-Za-z]+)(?P<star>\*?)\}(?P<display>.*?)\\end\s*\{(?P=name)(?P=star)\}",
+    re.DOTALL,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Equation:
+    """What stands between equals signs; a lone formula has one side.
+
+    Attributes:
+        sides: From left to right.
+    """
+
+    sides: tuple[Piece, ...]
+
+
+def equations(text: str, start: Location, *, document: bool = False, time: bool = True) -> Iterator[Equation]:
+    """The equations of a text.
+
+    Args:
+        text: LaTeX: a formula, an equation, a display, or a document.
+        start: Where its first character stands, for errors.
+        document: Whether prose and environments of other kinds may stand around the displays.
+        time: Whether t is time, so that q(t) is q.
+
+    Yields:
+        The equations, in their order.
+
+    Raises:
+        CheckError: An environment that is no display and no matrix, or one that does not end.
+    """
+    plain = cleaned(text, time)
+    for begin, end in _displays(plain, start, document):
+        try:
+            whole = display_piece(plain, begin, end, text, start)
+        except CheckError:
+            if document:
+                continue
+            raise
+        yield from _equations(whole)
+
+
+def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int, int]]:
+    """Where mathematics begins and ends; the whole text where nothing marks it."""
+    fences: list[tuple[int, int]] = []
+    begin_document = plain.find("\\begin{document}") + len("\\begin{document}") if document else 0
+    position = begin_document if document and "\\begin{document}" in plain else 0
+    while match := _FENCE.search(plain, position):
+        name = match["name"]
+        if match["macro"]:  # of the handout's fragments; the second group of \\mx says the same entry by entry
+            closing = _closing(plain, match.end())
+            fences.append((match.end() + 1, closing))
+            is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
+            position = _closing(plain, closing + 1) if is_pair else closing
+        elif name is None or name in EQUATION_ENVIRONMENTS:
+            if match.lastgroup and not (document and match["single"] is not None):
+                fences.append((match.start(), match.end()))
+            position = match.end()
+        elif document:
+            position = match.start() + len("\\begin")
+        else:
+            position = match.end()
+    outside, last = [], 0
+    for begin, end in (*fences, (len(plain), len(plain))):
+        outside.append((last, plain[last:begin]))
+        last = end
+    strange = [(offset, text) for offset, text in outside if not _PROSE.fullmatch(text)]
+    if document or (fences and not strange):
+        yield from fences
+        return
+    if fences and any(plain.startswith(("$", "\\[", "\\("), begin) for begin, _ in fences):
+        offset, text = strange[0]
+        where = place(plain, offset + len(text) - len(text.lstrip()), start)
+        raise CheckError("formula partly outside the dollar signs", remedy="enclose all of it", location=where)
+    yield 0, len(plain)
+
+
+def _closing(text: str, opening: int) -> int:
+    """Where the brace is that closes the one at a place; the end of the text where there is none."""
+    depth = 0
+    for match in re.compile(r"\\.|[{}]", re.DOTALL).finditer(text, opening):
+        depth += {"{": 1, "}": -1}.get(match[0], 0)
+        if depth == 0:
+            return match.start()
+    return len(text)
+
+
+# -- from a display to its equations
+
+
+def _equations(display: Piece) -> Iterator[Equation]:
+    text = _without_fences(display.text)
+    spans = _joined(text, [span for row in _spans(text, "\f") for span in _row_parts(text, row)])
+    shown, text = text, text.replace("\f", " ").replace("\v", " ")
+    for begin, end in spans:
+        whole = Piece(text, display.offset, display.matrices)
+        if number := _NUMBERED.search(shown[begin:end]):
+            end = begin + number.start()
+        printed = text[begin:end].rstrip()
+        end = begin + len(printed if printed.endswith("...") else printed.rstrip(" \n\r.,;:"))
+        ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]
+        sides = [whole.part(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+        sides = [_without_separators(side) for side in sides]
+        if any(side.text.strip() for side in sides):
+            yield Equation(tuple(side for side in sides if side.text.strip()))
+
+
+def _without_fences(text: str) -> str:
+    """Blanks for what marks a display, and for the one brace before a system of equations."""
+    text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), text)
+    if text.count("\\{") != text.count("\\}"):
+        text = text.replace("\\{", "  ")
+    return text
+
+
+def _spans(text: str, sign: str, begin: int = 0, end: int | None = None) -> Iterator[tuple[int, int]]:
+    end = len(text) if end is None else end
+    cuts = [i for i in range(begin, end) if text[i] == sign]
+    yield from zip((begin, *(i + 1 for i in cuts)), (*cuts, end), strict=True)
+
+
+def _depths(text: str, begin: int, end: int) -> int:
+    """How many brackets are open at the end."""
+    part = text[begin:end]
+    return sum(map(part.count, _OPENING)) - sum(map(part.count, _CLOSING))
+
+
+def _relations(text: str, begin: int, end: int) -> list[tuple[int, int]]:
+    """Equals signs outside of brackets."""
+    found, depth, last = [], 0, begin
+    for match in RELATION.finditer(text, begin, end):
+        depth, last = depth + _depths(text, last, match.start()), match.end()
+        if depth <= 0:
+            found.append(match.span())
+    return found
+
+
+def _row_parts(text: str, row: tuple[int, int]) -> Iterator[tuple[int, int]]:
+    """The equations that stand side by side in one row."""
+    begin, end = row
+    cuts: list[tuple[int, int]] = []
+    depth, last = 0, begin
+    marks = [(m.start(), m.end()) for m in _SEPARATOR.finditer(text, begin, end)]
+    marks += [(i, i + 1) for i in range(begin, end) if text[i] == "\v"]
+    for first, stop in sorted(marks):
+        depth, last = depth + _depths(text, last, first), stop
+        if depth > 0:
+            continue
+        here = cuts[-1][1] if cuts else begin
+        done, rest = _relations(text, here, first), _relations(text, stop, end)
+        is_mark = text[first] in "\v,;"
+        complete = bool(done) and bool(text[done[-1][1] : first].strip(" \v\n\r"))
+        words = not is_mark and not re.match(r"\\q?quad|\\enspace", text[first:stop])
+        if not complete and not (words and not done):
+            continue
+        left = text[stop : rest[0][0]].strip(" \v\n\r") if rest else ""
+        left = _SEPARATOR.sub(" ", left).strip(" \v\n\r")
+        if left and not _OPERATOR.match(left):
+            cuts.append((first, stop))
+    edges = [begin, *(edge for cut in cuts for edge in cut), end]
+    yield from zip(edges[::2], edges[1::2], strict=True)
+
+
+def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Parts of one equation that stand on several lines, together."""
+    found: list[tuple[int, int]] = []
+    for begin, end in parts:
+        part = text[begin:end].strip(" \v\n\r")
+        if not part:
+            continue
+        if found:
+            first, last = found[-1]
+            before = text[first:last].rstrip(" \v\n\r")
+            relations = _relations(text, begin, end)
+            continues = (
+                _OPERATOR.match(part)
+                or _ENDS_OPEN.search(before)
+                or _depths(text, first, last) > 0
+                or (not relations and _relations(text, first, last))
+            )
+            if continues:
+                found[-1] = (first, end)
+                continue
+        found.append((begin, end))
+    return found
+
+
+def _without_separators(side: Piece) -> Piece:
+    """Spaces and words that part nothing are blank; commas stay, for a formula must not have one."""
+    text = _SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text)
+    return Piece(text, side.offset, side.matrices)

@@ -1,0 +1,257 @@
+r"""Formulas in the LaTeX of lecture notes as expression trees: ``c_1 \left(a_2 c_2 + a_3 c_{23}\right)``.
+
+Understood are fractions, roots, powers, subscripts, dots, Greek letters, cosines and sines with or without brackets,
+juxtaposition as product, matrices with factors and sums, and everything that only moves ink (``\left``, ``\,``).
+Whatever else occurs is refused at its place, in words; nothing is ever guessed from a macro that is not known.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+
+from derive.checking.latex.grammar import MisplacedError, parsed
+from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.names import LatexNames, PlusMinus
+from derive.checking.latex.pieces import MATRIX_MARK, Piece, PrintedMatrix
+from derive.checking.latex.typography import PRIMED, cleaned
+from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
+from derive.robot.expression import ZERO, Expression, expanded_terms
+from derive.robot.parser import place
+from derive.robot.reading.size_limits import FORMULA_LIMITS
+from derive.robot.robot import Robot
+
+MAX_TERMS = 1_000_000
+"""Terms of a formula when multiplied out, at most; an analytic Jacobian of a 7R arm has 300,000, and long formulas are
+compared at points."""
+
+MACROS = (
+    *("cos", "sin", "tan", "sqrt", "frac", "tfrac", "dfrac", "left", "right", "dot", "ddot", "cdot", "times", "quad"),
+    *("alpha", "beta", "gamma", "delta", "epsilon", "theta", "vartheta", "lambda", "mu", "nu", "xi", "pi", "rho"),
+    *("sigma", "tau", "phi", "varphi", "chi", "psi", "omega", "ell", "mathrm", "text", "operatorname", "mathbf"),
+)
+
+_MACRO = re.compile(r"\\[A-Za-z]+|\\.")
+_LONG_SCRIPT = re.compile(r"([_^])\s*([A-Za-z0-9][0-9]+)")
+_REMEDIES = {
+    "=": "write only the right-hand side",
+    "'": "primes have no meaning here; remove it",
+    "^": "write an exponent as ^2 or ^{2}, that of a function as \\cos^2\\theta_1 or (\\cos\\theta_1)^2",
+    "&": "check one entry at a time",
+    "$": "dollar signs may only stand around the whole formula",
+    "|": "use brackets",
+    ",": "write decimals with a point; separate equations by a line break",
+    **dict.fromkeys((".", "\u2026", "\u22ef"), "write out what dots stand for"),
+    "<": "only equations can be compared",
+    ">": "only equations can be compared",
+}
+_MACRO_REMEDIES = {
+    **dict.fromkeys(("ldots", "cdots", "dots", "vdots", "ddots", "dotsc", "dotsb"), "write out what dots stand for"),
+    **dict.fromkeys(("pm", "mp"), "these are two formulas; check one sign at a time"),
+    **dict.fromkeys(("newcommand", "renewcommand", "def", "DeclareMathOperator"), "write own macros out"),
+    **dict.fromkeys(("sum", "prod", "int"), "write the terms out"),
+    **dict.fromkeys(("bar", "hat", "tilde", "overline", "widehat"), "names have dots only; write a plain name"),
+    **dict.fromkeys(("arctan", "arccos", "arcsin"), r"write \operatorname{atan2}(y, x)"),
+    **dict.fromkeys(("approx", "simeq", "leq", "geq", "le", "ge", "neq", "sim"), "only equations can be compared"),
+}
+
+
+def read_latex(
+    text: str,
+    robot: Robot,
+    location: Location | None = None,
+    abbreviations: Mapping[str, Expression] | None = None,
+) -> Expression:
+    r"""A LaTeX formula as an expression in the robot's own names.
+
+    Args:
+        text: The formula, a right-hand side; dollar signs around it are allowed.
+        robot: Whose formula it is.
+        location: Where its first character stands.
+        abbreviations: Further names and what they stand for, such as h.
+
+    Returns:
+        The tree, in the order in which the formula is printed.
+
+    Raises:
+        CheckError: An unknown macro, an unknown name, or text outside the grammar; placed at it.
+    """
+    start = location or Location("<latex>")
+    piece = Piece(_without_dollars(cleaned(text)), 0)
+    return LatexReader(robot, text, start, abbreviations).formula(piece)
+
+
+class LatexReader:
+    """Reads the pieces of one text.
+
+    Args:
+        robot: Whose formulas they are.
+        text: The text as it was typed.
+        start: Where its first character stands.
+        abbreviations: Further names and what they stand for.
+        entries: Names of entries of quantities such as b12 and what they stand for, looked up last.
+        signs: Gives plus-minus signs their names, where they and inverse functions are allowed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        text: str,
+        start: Location,
+        abbreviations: Mapping[str, Expression] | None = None,
+        entries: Mapping[str, Expression] | None = None,
+        signs: PlusMinus | None = None,
+    ) -> None:
+        self.names = LatexNames(robot, abbreviations, entries, signs)
+        self._text = text
+        self._start = start
+
+    def location(self, offset: int) -> Location:
+        """The place of a character.
+
+        Args:
+            offset: Its position in the text, from 0.
+        """
+        return place(self._text, offset, self._start)
+
+    def formula(self, piece: Piece) -> Expression:
+        """What a piece says that is no matrix.
+
+        Args:
+            piece: The piece.
+
+        Raises:
+            CheckError: It cannot be read, or is a matrix; placed at what is not understood.
+        """
+        found = self.value(piece)
+        if isinstance(found, Table):
+            raise CheckError("matrix where a formula is expected", location=self.location(piece.start))
+        return found
+
+    def value(self, piece: Piece) -> Expression | Table:
+        """What a piece says.
+
+        Args:
+            piece: The piece.
+
+        Raises:
+            CheckError: It cannot be read; placed at what is not understood.
+        """
+        self._check_size(piece)
+        marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
+        tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
+        try:
+            found = parsed(_RUN.sub(self._long_name, piece.text), self.names, tables)
+        except UnexpectedInput as error:
+            raise self._refusal(piece, error) from None
+        except MisplacedError as error:
+            raise error.error.at(self.location(piece.offset + error.offset)) from None
+        except DeriveError as error:
+            raise error.at(self.location(piece.start)) from None
+        except ZeroDivisionError:
+            raise CheckError("division by zero", location=self.location(piece.start)) from None
+        formulas = [found] if not isinstance(found, Table) else [e.formula for row in found.rows for e in row]
+        if any(expanded_terms(formula, MAX_TERMS) > MAX_TERMS for formula in formulas):
+            raise CheckError("formula has too many terms when multiplied out", location=self.location(piece.start))
+        return found
+
+    def _long_name(self, match: re.Match[str]) -> str:
+        """One sign for a run of letters that is a name of the robot, as SymPy prints it: ``qd_{1}``, ``Ixx_{1}``."""
+        run = match["run"]
+        if run is None:
+            return match[0]
+        sub = re.sub(r"[^A-Za-z0-9]", "", match["sub"] or "")
+        knows = self.names.knows
+        if not knows(run + sub) or all(map(knows, (*run[:-1], run[-1] + sub))):
+            return match[0]
+        sign = self.names.sign(run)
+        return sign.ljust(len(run)) + match[0][len(run) :]
+
+    def _matrix(self, matrix: PrintedMatrix) -> Expression | Table:
+        """The entries of a matrix; one with an unknown name says so, since the others can be compared all the same."""
+        if len({len(row) for row in matrix.rows}) != 1:
+            where = self.location(matrix.rows[-1][0].start) if matrix.rows else self._start
+            lengths = " and ".join(map(str, sorted({len(row) for row in matrix.rows}))) or "no"
+            remedy = r"check & and \\ of its rows"
+            raise CheckError(f"matrix whose rows have {lengths} entries", remedy=remedy, location=where)
+        table = Table(tuple(tuple(self._entry(cell) for cell in row) for row in matrix.rows))
+        if not matrix.is_determinant:
+            return table
+        determinant = table.determinant
+        if determinant.unknown is not None:
+            raise determinant.unknown
+        return determinant.formula
+
+    def _entry(self, cell: Piece) -> Entry:
+        text = " ".join(self._text[cell.start : cell.end].split())
+        if not cell.text.strip():
+            raise CheckError("empty entry", remedy="write 0", location=self.location(cell.start))
+        try:
+            return Entry(self.formula(cell), text, cell.start)
+        except UnknownNameError as error:
+            return Entry(ZERO, text, cell.start, error)
+
+    def _check_size(self, piece: Piece) -> None:
+        """Refuse what is empty or beyond a limit."""
+        text, longest, deepest = piece.text, FORMULA_LIMITS.text_length, FORMULA_LIMITS.depth
+        if len(text) > longest:
+            where = self.location(piece.start)
+            raise CheckError(f"formula of {len(text)} characters", allowed=f"at most {longest}", location=where)
+        if not text.strip(" \t\r\n$"):
+            raise CheckError("empty formula", remedy="write the right-hand side", location=self.location(piece.offset))
+        depth = 0
+        for match in _BRACKET.finditer(text):
+            depth += 1 if match[0] in "([{" else -1
+            if depth > deepest:
+                where = self.location(piece.offset + match.start())
+                raise CheckError("brackets nested too deeply", allowed=f"at most {deepest}", location=where)
+
+    def _refusal(self, piece: Piece, error: UnexpectedInput) -> CheckError:
+        """The message for text that the grammar does not know."""
+        text, offset = piece.text, len(piece.text)
+        if isinstance(error, UnexpectedToken | UnexpectedCharacters):
+            at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
+            offset = offset if at_end else error.pos_in_stream or 0
+        where, rest = self.location(piece.offset + offset), text[offset:]
+        if not rest.strip():
+            return CheckError("formula ends too early", remedy="check brackets and braces", location=where)
+        before = text[:offset].rstrip()
+        script_start = len(before) - 1 if before.endswith(("_", "^")) else offset  # reading may stop in mid script
+        if match := _LONG_SCRIPT.match(text, script_start):
+            where = self.location(piece.offset + match.start())
+            mark, script = match[1], match[2]
+            shown = f"LaTeX prints only {script[0]!r} of {mark}{script} as a script"
+            return CheckError(shown, remedy=f"write {mark}{{{script}}}", location=where)
+        if match := _MACRO.match(rest):
+            name = match[0][1:]
+            if name in MACROS:
+                return CheckError(f"{match[0]} at a place where it has no meaning", location=where)
+            hint = near_miss(name, MACROS).replace("'", "\\", 1).replace("'", "")
+            if name in _MACRO_REMEDIES:
+                return CheckError(f"{match[0]} in a formula", remedy=_MACRO_REMEDIES[name], location=where)
+            hint = hint or "allowed: " + ", ".join(f"\\{macro}" for macro in (*MACROS[:5], "cdot")) + ", Greek letters"
+            return CheckError(f"unknown macro {quoted(match[0])}".replace("\\\\", "\\"), remedy=hint, location=where)
+        sign = "'" if rest[0] in PRIMED.values() else rest[0]
+        return CheckError(f"unexpected {quoted(sign)}", remedy=_REMEDIES.get(sign, "check it"), location=where)
+
+
+_RUN = re.compile(
+    r"\\(?:math[a-z]+|text[a-z]*|operatorname\*?|boldsymbol|bm|pmb|vec|mbox)\s*\{[^{}]*\}|\\[A-Za-z]+|_\s*\{[^{}]*\}"
+    r"|(?P<run>[A-Za-z]{2,})(?P<sub>[0-9]*\s*(?:_\s*(?:\{[^{}]*\}|[A-Za-z0-9]))?)"
+)
+"""A run of letters that is no macro, no script and no word in roman letters, with its subscript."""
+
+_BRACKET = re.compile(r"[][(){}]")
+
+
+def _without_dollars(text: str) -> str:
+    """The text with blanks for the dollar signs around it, so that every offset stays."""
+    inner = text.strip()
+    for dollars in ("$$", "$"):
+        if inner.startswith(dollars) and inner.endswith(dollars) and len(inner) > 2 * len(dollars):
+            first, last = text.index(dollars), text.rindex(dollars)
+            blank = " " * len(dollars)
+            return text[:first] + blank + text[first + len(dollars) : last] + blank + text[last + len(dollars) :]
+    return text

@@ -1,0 +1,425 @@
+r"""The grammar of formulas, and what each of its rules makes of its parts: an expression, a matrix, a name, a script.
+
+A name stays a `Symbol` until all its scripts are known; a script is its text with its offset.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, partial, reduce
+from importlib.resources import files
+from typing import Any
+
+from lark import Lark, Token
+from lark.visitors import Transformer_NonRecursive
+
+from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.names import FLAT, LatexNames, Symbol
+from derive.checking.latex.typography import PRIMED
+from derive.errors import CheckError, DeriveError
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Number,
+    Pi,
+    Power,
+    Product,
+    add,
+    multiply,
+    negate,
+    number,
+    power,
+)
+from derive.robot.reading.size_limits import FORMULA_LIMITS
+
+
+@dataclass(frozen=True, slots=True)
+class _Raised:
+    """A power whose base may yet be the argument of a c or s that stands before it, as in ``c(q_1)^2``."""
+
+    base: Any
+    exponent: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class _Digits:
+    """A written number, of which two side by side are refused."""
+
+    value: Expression
+    offset: int
+
+
+Value = Expression | Symbol | Table | _Raised | _Digits
+Children = list[Any]
+
+
+class MisplacedError(Exception):
+    """An error with the offset of what caused it.
+
+    Attributes:
+        offset: Where in the text that was read.
+        error: What is wrong.
+    """
+
+    def __init__(self, offset: int, error: DeriveError) -> None:
+        super().__init__(str(error))
+        self.offset = offset
+        self.error = error
+
+
+def parsed(text: str, names: LatexNames, tables: Mapping[int, Expression | Table]) -> Expression | Table:
+    """What a formula says.
+
+    Args:
+        text: The formula, cleaned, each matrix as one character.
+        names: What its names stand for.
+        tables: Its matrices by their offsets in the text.
+
+    Returns:
+        An expression in the order in which it is printed, or a matrix.
+
+    Raises:
+        UnexpectedInput: Lark's error for what the grammar does not know.
+        MisplacedError: What has no meaning where it stands.
+        CheckError: What has none at all.
+        ZeroDivisionError: A division by zero.
+    """
+    found: Expression | Table = _Builder(names, tables).transform(_parser().parse(text))
+    return found
+
+
+@cache
+def _parser() -> Lark:
+    grammar = files("derive.checking").joinpath("latex_formula.lark").read_text(encoding="utf-8")
+    return Lark(grammar, parser="lalr")
+
+
+class _Builder(Transformer_NonRecursive[Token, Any]):
+    """Makes of every rule of the grammar an expression, a matrix, a name, or a script."""
+
+    def __init__(self, names: LatexNames, tables: Mapping[int, Expression | Table]) -> None:
+        super().__init__()
+        self._names = names
+        self._tables = tables
+
+    def __default__(self, data: str, children: Children, meta: object) -> Any:
+        """What a rule makes of what its parts have become."""
+        match data, children:
+            case "start", (value,):
+                return self._settled(value)
+            case "exponent_group", (value,):
+                return self._tree(value)
+            case "plus", (_, value):
+                return value
+            case "minus", (_, value):
+                return _each(self._settled(value), negate)
+            case "plus_minus", (token, value):
+                return _each(self._settled(value), partial(multiply, self._sign(token)))
+            case "bracket", (_, value, _):
+                return self._settled(value)
+            case "sum", (first, *rest):
+                return self._sum(first, rest)
+            case "product", _:
+                return self._product(children)
+            case "operand", _:
+                return multiply(*(_number(c) if isinstance(c, Token) else self._tree(c) for c in children))
+            case "degrees", (token, _):
+                return multiply(_number(token), number(Fraction(1, 180)), Pi())
+            case "fraction", (token, above, below):
+                value = multiply(self._tree(above), power(self._tree(below), -1))
+                return _Digits(value, token.start_pos or 0) if isinstance(value, Number) else value
+            case "over", (above, _, below):
+                return multiply(self._tree(above), power(self._tree(below), -1))
+            case "short_fraction", (token,):
+                above, below = [Fraction(c) for c in token if c.isdigit()]
+                return _Digits(number(above / below), token.start_pos or 0)
+            case "number", (token,):
+                return _Digits(_number(token), token.start_pos or 0)
+            case "exponent_digit", (token,):
+                return number({"²": "2", "³": "3"}.get(token[-1], token[-1]))
+            case "number_power", (token, exponent):
+                return self._power(_number(token), exponent)
+            case "bracket_power", (base, exponent):
+                return _Raised(base, exponent)
+            case (("matrix" | "transpose" | "list"), _):
+                return self._matrix(data, children)
+        return self._of_functions(data, children)
+
+    def _of_functions(self, data: str, children: Children) -> Any:
+        """Functions of one argument and of two, their powers and inverses."""
+        match data, children:
+            case "atan2", (token, *arguments):
+                return self._of_two(token, arguments)
+            case "inverse", (token, *arguments):
+                return self._inverse_function(token, None, arguments)
+            case "inverse_of_two", (token, exponent, *arguments):
+                return self._inverse_function(token, exponent, arguments)
+            case (("call" | "root_letter"), (function, argument)):
+                return self._call(function, argument)
+            case "absolute", (_, argument, _, *exponents):  # |x| is the root of x^2
+                absolute = Call("sqrt", (power(self._tree(argument), 2),))
+                return self._power(absolute, exponents[0]) if exponents else absolute
+            case "call_power", (function, argument, exponent):
+                return self._power(self._call(function, argument), exponent)
+            case "power_call", (function, exponent, argument):
+                if isinstance(exponent, Number) and exponent.value < 0:
+                    return self._inverse_function(function, exponent, [argument])
+                return self._power(self._call(function, argument), exponent)
+        return self._of_names(data, children)
+
+    def _of_names(self, data: str, children: Children) -> Any:
+        """Names with their scripts, dots and primes, and powers of them."""
+        match data, children:
+            case "letter", (token,) if token[0] in self._names.words:
+                return Symbol(self._names.words[token[0]] + token[1:], token.start_pos or 0)
+            case (("circular" | "circular_power"), (function, *others)):
+                scripts = [other for other in others if isinstance(other, tuple)]
+                letter = _function(function)[0]
+                symbol = Symbol(letter + "".join(text for text, _ in scripts), function.start_pos or 0)
+                return self._power(symbol, others[-1]) if data == "circular_power" else symbol
+            case (("primed" | "primed_power"), (base, *others)):
+                exponent = others.pop() if data == "primed_power" else None
+                dots = next(count for count, mark in PRIMED.items() if mark == others[-1])
+                symbol = _symbol(base, others[:-1])
+                dotted = Symbol(symbol.text, symbol.offset, symbol.dots + dots)
+                return dotted if exponent is None else self._power(dotted, exponent)
+            case (("power" | "bracket_subscript_power" | "accent_power"), (base, *others)):
+                scripts = [other for other in others if isinstance(other, tuple)]
+                (exponent,) = (other for other in others if not isinstance(other, tuple))
+                return _Raised(_symbol(base, scripts), exponent)
+        return _name_or_script(data, children)
+
+    def _settled(self, value: Value) -> Expression | Table:
+        """The expression or matrix that a value stands for."""
+        match value:
+            case Table():
+                return value
+            case _Digits():
+                return value.value
+            case _Raised():
+                return self._power(value.base, value.exponent)
+            case Symbol():
+                try:
+                    return self._names.meaning(value)
+                except DeriveError as error:
+                    raise MisplacedError(value.offset, error) from None
+        return value
+
+    def _tree(self, value: Value) -> Expression:
+        """The expression that a value stands for."""
+        settled = self._settled(value)
+        if isinstance(settled, Table):
+            raise CheckError("matrix where a formula is expected", remedy="multiply and add matrices only")
+        return settled
+
+    def _sum(self, first: Value, rest: Children) -> Expression | Table:
+        terms = [self._settled(first)]
+        for sign, term in zip(rest[::2], rest[1::2], strict=True):
+            settled = self._settled(term)
+            if sign.type == "PLUS_MINUS":
+                settled = _each(settled, partial(multiply, self._sign(sign)))
+            terms.append(_each(settled, negate) if sign == "-" else settled)
+        tables = [term for term in terms if isinstance(term, Table)]
+        formulas = [term for term in terms if not isinstance(term, Table)]
+        if tables and formulas:
+            raise CheckError("sum of a matrix and a formula", remedy="add matrices only")
+        return reduce(Table.plus, tables) if tables else add(*formulas)
+
+    def _product(self, children: Children) -> Expression | Table:
+        """Factors side by side, with signs of multiplication and division between them, and c before an angle."""
+        factors: list[Expression | Table] = []
+        function, exponent, divide = "", 1, False
+        before: object = None
+        for child in children:
+            if isinstance(child, Token):
+                divide, before = child.type == "SLASH", None
+                continue
+            if isinstance(child, _Digits) and isinstance(before, _Digits):
+                raise MisplacedError(
+                    child.offset, CheckError("two numbers side by side", remedy=r"write \cdot between them")
+                )
+            before = child
+            if not function and child is not children[-1]:
+                function, exponent = self._circular(child)
+                if function:
+                    continue
+            value = self._applied(function, child, exponent) if function else self._settled(child)
+            factors.append(self._inverse(value) if divide else value)
+            function, divide = "", False
+        formulas = [factor for factor in factors if not isinstance(factor, Table)]
+        scale = _bounded(multiply(*formulas))
+        tables = [factor for factor in factors if isinstance(factor, Table)]
+        if not tables:
+            return scale
+        return (
+            reduce(Table.times, tables).changed(lambda e: multiply(scale, e))
+            if formulas
+            else reduce(Table.times, tables)
+        )
+
+    def _circular(self, child: Value) -> tuple[str, int]:
+        """The function that c or s stands for, and the exponent that it bears."""
+        base, exponent = (child.base, child.exponent) if isinstance(child, _Raised) else (child, number(1))
+        if not isinstance(base, Symbol) or not isinstance(exponent, Number):
+            return "", 1
+        return self._names.circular(base), int(exponent.value)
+
+    def _applied(self, function: str, child: Value, exponent: int) -> Expression:
+        """``c`` before an angle, which may bear the exponent that belongs to the cosine."""
+        if isinstance(child, _Raised):
+            return self._power(Call(function, (self._tree(child.base),)), child.exponent)
+        return power(Call(function, (self._tree(child),)), exponent)
+
+    def _inverse(self, value: Expression | Table) -> Expression:
+        if isinstance(value, Table):
+            raise CheckError("division by a matrix", remedy="write the inverse out")
+        return power(value, -1)
+
+    def _matrix(self, data: str, children: Children) -> Expression | Table:
+        """A matrix, a list, or the transpose of one."""
+        if data == "list":
+            entries = tuple(Entry(self._tree(child)) for child in children if not isinstance(child, Token))
+            table = Table((entries,))
+            return table.transposed if isinstance(children[-1], Token) and children[-1].type == "TRANSPOSE" else table
+        first = children[0]
+        value = self._tables[first.start_pos or 0] if isinstance(first, Token) else self._settled(first)
+        if data == "transpose":
+            if not isinstance(value, Table):
+                raise CheckError("transpose of a formula", remedy="transpose matrices only")
+            return value.transposed
+        return value
+
+    def _call(self, token: Token, argument: Value) -> Expression:
+        return Call("sqrt" if token.type == "ROOT" else _function(token), (self._tree(argument),))
+
+    def _sign(self, token: Token) -> Expression:
+        """A plus-minus, where it has a meaning."""
+        if self._names.signs is None:
+            what = CheckError(
+                f"{token} in a formula",
+                remedy="these are two formulas; check one sign at a time, or an inverse solution as a whole",
+            )
+            raise MisplacedError(token.start_pos or 0, what)
+        return self._names.signs.another()
+
+    def _inverse_function(self, token: Token, exponent: Expression | None, children: Children) -> Expression:
+        r"""An arc function, where it has a meaning; ``\cos^{-1}`` is one too."""
+        arguments = [child for child in children if not isinstance(child, Token)]
+        if self._names.signs is None:
+            shown = f"inverse function {token}^{{-1}}" if exponent else f"{token} in a formula"
+            raise MisplacedError(token.start_pos or 0, CheckError(shown, remedy=r"write \operatorname{atan2}(y, x)"))
+        if exponent and exponent != number(-1):
+            raise MisplacedError(token.start_pos or 0, CheckError("exponent of a function", allowed="^{-1} here"))
+        if len(arguments) == 2:
+            return self._of_two(token, arguments)
+        plain = token.lower().replace("tg", "tan")
+        return Call("a" + next(f for f in ("cos", "sin", "tan") if f in plain), (self._tree(arguments[0]),))
+
+    def _of_two(self, token: Token, arguments: Children) -> Expression:
+        """The arctangent of two arguments; in some books it has a capital and takes the cosine first."""
+        may_turn = self._names.signs is not None and (token.type != "ATAN2" or "A" in token)
+        both = [self._tree(argument) for argument in arguments if not isinstance(argument, Token)]
+        return Call("Atan2" if may_turn else "atan2", tuple(both))
+
+    def _power(self, base: Value, exponent: Expression) -> Expression:
+        offset = base.offset if isinstance(base, Symbol) else 0
+        if not isinstance(exponent, Number) or exponent.value.denominator > 2:
+            raise MisplacedError(
+                offset, CheckError("exponent that is no whole number", remedy=r"write roots as \sqrt{}")
+            )
+        tree, value = self._tree(base), exponent.value
+        if value == 0:
+            raise MisplacedError(
+                offset, CheckError("exponent 0", remedy="write 1; a frame's index stands on the left side only")
+            )
+        if value.denominator == 2:
+            tree, value = Call("sqrt", (tree,)), 2 * value
+        inner = tree.exponent if isinstance(tree, Power) else 1
+        if abs(value * inner) > FORMULA_LIMITS.exponent:
+            raise MisplacedError(offset, CheckError("exponent too large", allowed=f"at most {FORMULA_LIMITS.exponent}"))
+        return _bounded(power(tree, int(value)))
+
+
+_NAMES_OF_FUNCTIONS = {
+    "cos": "cos",
+    "sen": "sin",
+    "sin": "sin",
+    "tan": "tan",
+    "tg": "tan",
+    "sgn": "sign",
+    "sign": "sign",
+}
+
+
+def _function(token: Token) -> str:
+    """``cos`` for all the ways to write it."""
+    return next(function for name, function in _NAMES_OF_FUNCTIONS.items() if name in token.lower())
+
+
+def _each(value: Expression | Table, change: Any) -> Expression | Table:
+    return value.changed(change) if isinstance(value, Table) else change(value)
+
+
+def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
+    """What a rule about names makes of its parts: a name, or a script with its offset."""
+    match data, children:
+        case "letter", (token,):
+            return Symbol(_flat(token), token.start_pos or 0)
+        case (("symbol" | "bracket_subscript" | "accent_symbol"), (base, *scripts)):
+            return _symbol(base, scripts)
+        case "accent", (token, base):
+            if not isinstance(base, Symbol):
+                raise MisplacedError(
+                    token.start_pos or 0, CheckError("dot over a formula", allowed="over a joint variable")
+                )
+            return Symbol(base.text, base.offset, base.dots + (2 if token.type == "DDOT" else 1))
+        case (("subscript_group" | "index_group" | "index_subscript"), ((_, offset), *_)):
+            return "".join(text for text, _ in children), offset
+        case "subscript_character", (token,):
+            return token[-1], token.start_pos or 0
+        case "subscript_digits", (token,):
+            return token.translate(_LOWERED), token.start_pos or 0
+        case (("subscript_macro" | "index_part"), (token,)):
+            return _flat(token), token.start_pos or 0
+    raise AssertionError(data)
+
+
+def _symbol(base: Value, scripts: list[tuple[str, int]]) -> Symbol:
+    """A name with its scripts."""
+    if not isinstance(base, Symbol):
+        raise MisplacedError(scripts[0][1] if scripts else 0, CheckError("subscript of a formula", allowed="of a name"))
+    return Symbol(base.text + "".join(text for text, _ in scripts), base.offset, base.dots)
+
+
+def _bounded(e: Expression) -> Expression:
+    """The tree itself; no folded number may outgrow a float."""
+    first = e.factors[0] if isinstance(e, Product) else e
+    if isinstance(first, Number):
+        bits = max(first.value.numerator.bit_length(), first.value.denominator.bit_length())
+        if bits > FORMULA_LIMITS.number_bits:
+            raise CheckError("number too large or too fine", allowed=f"at most {FORMULA_LIMITS.number_bits} bits")
+    return e
+
+
+def _number(token: Token) -> Expression:
+    if len(token) > FORMULA_LIMITS.digits:
+        raise MisplacedError(
+            token.start_pos or 0, CheckError("number with too many digits", allowed=f"{FORMULA_LIMITS.digits}")
+        )
+    return number(Fraction(str(token).replace("{,}", ".")))
+
+
+def _flat(token: Token) -> str:
+    """The letters of a name: the macro's own name, or what stands in its braces."""
+    text = str(token)
+    if text.startswith("{"):  # {\it a1}
+        return text[1:-1].split()[-1]
+    if "{" in text:
+        return "".join(text[text.index("{") + 1 : -1].replace("\\_", "_").split())
+    macro = text.removeprefix("\\")
+    return FLAT.get(macro, macro)
+
+
+_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")

@@ -1,0 +1,207 @@
+"""What the left sides of printed equations mean for one robot: quantities, parts and entries with their values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import sympy
+
+from derive.checking.latex.left import Left, Target, Turned, candidates, is_scalar, taken_apart
+from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
+from derive.errors import QuantityError
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
+from derive.model.equality import scalar_quantity
+from derive.model.model import Model
+from derive.model.quantities import REGISTRY
+from derive.model.quantity_names import parse
+from derive.robot.expression import Expression
+from derive.robot.names import joint_label
+
+_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+"""Entries that may stand in formulas."""
+
+
+LARGEST_INVERSE = 3
+"""Rows of a matrix that is inverted; transforms are inverted whatever their size."""
+
+
+@dataclass(frozen=True, slots=True)
+class Right:
+    """A derived quantity, or the part of it that is meant.
+
+    Attributes:
+        quantity: Its name.
+        value: The part.
+        rows: Its rows counted in the whole, 0 where that has none.
+        columns: Its columns likewise.
+    """
+
+    quantity: str
+    value: Matrix
+    rows: tuple[int, ...]
+    columns: tuple[int, ...]
+
+    def fitting(self, table: Table) -> Table | None:
+        """The printed table in this shape, a vector as it stands or turned; None where it does not fit.
+
+        Args:
+            table: What is printed.
+        """
+        turned = table.transposed if 1 in table.shape else table
+        return next((t for t in (table, turned) if t.shape == self.value.shape), None)
+
+    def agrees(self, asked: Right) -> bool:
+        """Whether it is what is asked about, or that is an entry or a part of it.
+
+        Args:
+            asked: What is asked about.
+        """
+        if self.value.shape == asked.value.shape:
+            return bool(self.value == asked.value)
+        return self.quantity == asked.quantity and asked.rows != (0,)
+
+    @property
+    def shown(self) -> str:
+        """The quantity with the indices of the part, for messages."""
+        indices = [str(i) for (i, *more) in (self.rows, self.columns) if i and not more]
+        return f"{self.quantity}[{','.join(indices)}]" if indices else self.quantity
+
+
+class Meanings:
+    """The quantities of one robot, as left sides name them.
+
+    Args:
+        model: The robot's model.
+        torque: Which of the three indices of a Christoffel symbol is that of the torque, from 0; Spong's is the last.
+    """
+
+    def __init__(self, model: Model, torque: int = 0) -> None:
+        self._model, self._robot, self._torque = model, model.robot, torque
+        labels = [joint_label(joint.variable) for joint in self._robot.joints]
+        self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
+        self._rights: dict[Target, Right | None] = {}
+
+    def targets(self, left: Left) -> tuple[Target, ...]:
+        """The quantities that a left side may mean; without links there is no dynamics.
+
+        Args:
+            left: The left side.
+        """
+        found = [self._in_our_order(target) for target in candidates(left, self._robot.n, self._first)]
+        return tuple(target for target in found if REGISTRY[target.quantity.partition("[")[0]].is_of(self._robot))
+
+    def _in_our_order(self, target: Target) -> Target:
+        """A Christoffel symbol with the index of the torque in front."""
+        if not (self._torque and target.quantity.startswith("christoffel[")):
+            return target
+        indices = target.quantity.removesuffix("]").partition("[")[2].split(",")
+        return replace(target, quantity=f"christoffel[{','.join([indices.pop(self._torque), *indices])}]")
+
+    def right(self, target: Target) -> Right | None:
+        """What a target stands for, derived once; None where the robot has no such quantity or entry.
+
+        Args:
+            target: A quantity, or the part of one.
+        """
+        if target not in self._rights:
+            self._rights[target] = None
+            with suppress(QuantityError, IndexError):
+                self._rights[target] = self._derived(target)
+        return self._rights[target]
+
+    def _derived(self, target: Target) -> Right:
+        value = self._model.quantity(target.quantity)
+        if not hasattr(value, "shape"):
+            value = sympy.ImmutableMatrix([[value]])
+            return Right(target.quantity + target.turned, self._turned(target, value), (0,), (0,))
+        whole = _whole(target.quantity, value)
+        rows = target.rows or tuple(range(1, value.shape[0] + 1))
+        columns = target.columns or tuple(range(1, value.shape[1] + 1))
+        part = value.extract([i - 1 for i in rows], [j - 1 for j in columns])
+        if target.is_determinant:
+            part = part.extract([i for i in range(part.rows) if any(part.row(i))], list(range(part.cols)))
+            if part.shape[0] != part.shape[1] or not 0 < part.shape[0] <= LARGEST_DETERMINANT:
+                raise QuantityError(f"determinant of {target.quantity}")
+            return Right(f"det {target.quantity}", sympy.ImmutableMatrix([[part.det(method="berkowitz")]]), (0,), (0,))
+        if target.turned in (Turned.TRANSPOSED, Turned.BOTH):
+            rows, columns = columns, rows
+        elif whole.columns == (0,):
+            columns = (0,)
+        return Right(target.quantity + target.turned, self._turned(target, part), rows, columns)
+
+    def _turned(self, target: Target, part: Matrix) -> Matrix:
+        """The transpose or inverse of a matrix.
+
+        Raises:
+            QuantityError: It has no inverse, or a long one.
+        """
+        if target.turned in (Turned.TRANSPOSED, Turned.BOTH):
+            part = part.T
+        if target.turned not in (Turned.INVERTED, Turned.BOTH):
+            return part
+        if parse(self._model, target.quantity)[0].name in ("T", "A") and part.rows == part.cols:
+            size = sum(row < 4 for row in target.rows) or 3
+            turn, place = part[:size, :size].T, part[:size, size:]
+            moved = (-turn * place).applyfunc(self._written)
+            return sympy.ImmutableMatrix(turn.row_join(moved).col_join(part[size:, :]))
+        if part.rows != part.cols or part.rows > LARGEST_INVERSE:
+            raise QuantityError(f"inverse of {target.quantity}", allowed=f"up to {LARGEST_INVERSE} rows")
+        determinant = self._written(part.det(method="berkowitz"))
+        if determinant == 0:
+            raise QuantityError(f"inverse of {target.quantity}, which is singular everywhere")
+        return part.adjugate().applyfunc(lambda entry: self._written(entry) / determinant)
+
+    def _written(self, expression: Expr) -> Expr:
+        """A sum of products as the model would write it, in factors."""
+        domain = self._model.domain
+        return self._model.form.determinant(domain.constant(expression_from_sympy(expression)))
+
+    def asked(self, quantity: str) -> Iterator[Right]:
+        """What is asked about: an entry, or a quantity as a whole, or parts of it.
+
+        Args:
+            quantity: Its name.
+
+        Yields:
+            Its meanings, the likeliest first.
+        """
+        with suppress(QuantityError):
+            yield Right(quantity, sympy.ImmutableMatrix([[scalar_quantity(self._model, quantity)]]), (0,), (0,))
+        value = self._model.quantity(quantity)
+        if hasattr(value, "shape"):
+            yield _whole(quantity, value)
+        name = parse(self._model, quantity)[0].name
+        parts = (target for target in candidates(Left(name), self._robot.n) if target.quantity == quantity)
+        yield from (right for target in parts if target.rows and (right := self.right(target)))
+
+
+class EntryNames(Mapping[str, Expression]):
+    """Entries of quantities by the names that they have in print, such as b12 and c1,22.
+
+    Args:
+        meanings: What they stand for.
+    """
+
+    def __init__(self, meanings: Meanings) -> None:
+        self._meanings = meanings
+
+    def __getitem__(self, name: str) -> Expression:
+        left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
+        for target in self._meanings.targets(left) if left else ():
+            if is_scalar(target) and (right := self._meanings.right(target)):
+                return expression_from_sympy(right.value[0, 0])
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(())
+
+    def __len__(self) -> int:
+        return 0
+
+
+def _whole(quantity: str, value: Matrix) -> Right:
+    rows, columns = value.shape
+    return Right(quantity, value, tuple(range(1, rows + 1)), (0,) if columns == 1 else tuple(range(1, columns + 1)))

@@ -1,0 +1,1 @@
+"""The sheet as data: document, formulas, language, budget, and its writer in LaTeX."""

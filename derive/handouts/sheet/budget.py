@@ -1,0 +1,272 @@
+"""A sheet within a number of pages: what is least useful is left out first, and the sheet says so.
+
+Pages are estimated from what is printed, so that the same robot gives the same sheet with and without LaTeX; the
+estimate is on the high side.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from math import ceil
+
+from derive.handouts.sheet.document import (
+    Blank,
+    Block,
+    Document,
+    Figure,
+    Formula,
+    Paragraph,
+    Rows,
+    Section,
+    Steps,
+    Table,
+    rows_of,
+)
+from derive.handouts.sheet.language import Text
+
+PAGE = 780.0
+"""What a page holds by the heights below, which are on the high side [pt]; the text of a page is 731 pt high."""
+
+USEFULNESS = (
+    "conversion",
+    "skew",
+    "christoffel",
+    "link-jacobians",
+    "newton-euler",
+    "coriolis",
+    "energies",
+    "orientation",
+    "singularities",
+    "motion",
+    "example",
+    "parameters",
+    "convention",
+    "gravity",
+    "inverse",
+    "transforms",
+    "inertia",
+    "jacobian",
+    "kinematics",
+    "figure",
+    "table",
+)
+"""Parts of the handout, the least useful first: what follows from other parts by rule comes before what does not."""
+
+_LINE, _ROW, _FRACTION, _DISPLAY, _HEADING, _LANDSCAPE = 12.0, 15.0, 14.0, 22.0, 36.0, 440.0
+"""Heights of a line of text, of a row of a display, more for a fraction, around a display, of a heading, of a page
+turned on its side [pt]."""
+
+_LETTERS = 95
+"""Letters on a line of text."""
+
+_LONG = 60.0
+"""Height from which a formula may be left out on its own [pt]."""
+
+_MARKUP = re.compile(r"\\[A-Za-z]+|[{}$`_^]")
+
+
+def pages(document: Document) -> int:
+    """About how many pages a document has on paper.
+
+    Args:
+        document: The handout.
+
+    Returns:
+        Pages, rather too many than too few.
+    """
+    count, filled = 1, 3 * _HEADING
+    for section in document.sections:
+        above = _HEADING  # a heading goes to the next page with what follows it
+        for block in section.blocks:
+            for piece in _pieces(block):
+                if filled + above + piece > PAGE:
+                    count, filled = count + 1, 0.0
+                filled, above = filled + above + piece, 0.0
+                while filled > PAGE:  # a piece that is higher than a page
+                    count, filled = count + 1, filled - PAGE
+    return count
+
+
+def height(block: Block) -> float:
+    """About how much of a page a block takes.
+
+    Args:
+        block: Any block.
+
+    Returns:
+        Its height [pt].
+    """
+    return sum(_pieces(block))
+
+
+def _pieces(block: Block) -> Iterator[float]:
+    """Heights of what no page divides, one below the other [pt]."""
+    match block:
+        case Paragraph(text):
+            yield _words(text)
+        case Rows(lines, landscape):
+            drawn = [_DISPLAY, *map(_row, lines)]
+            yield from [PAGE] * ceil(sum(drawn) / _LANDSCAPE) if landscape else drawn
+        case Formula():
+            for rows in block.rows:
+                yield from _pieces(rows)
+            for entries in (block.named, block.omitted):
+                yield from (*_pieces(Rows(entries)), 2 * _ROW) if entries else ()
+            yield _words(block.note)
+        case Blank(_, task, _, gaps):
+            yield _words(task) + _LINE * sum(gap.lines for gap in gaps)
+        case Table(_, rows, long):
+            count = len(rows) + 3
+            yield from [_LINE] * count if long else [_LINE * count]
+        case Figure(drawing, caption):
+            yield drawing.height + _words(caption) + _LINE
+        case Steps(_, blocks):
+            yield 1.5 * _LINE
+            for inner in blocks:
+                yield from _pieces(inner)
+
+
+def _words(text: str) -> float:
+    return _LINE * ceil(len(_MARKUP.sub("", text)) / _LETTERS) + 4.0 if text else 0.0
+
+
+def _row(line: str) -> float:
+    rows = line.count("\\\\") + 1 if "bmatrix" in line else 1
+    return _ROW + _LINE * (rows - 1) + (_FRACTION if "\\frac" in line else 0.0)
+
+
+# -- leaving out
+
+Test = Callable[[Block], bool]
+"""Whether a block may be left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Sparing:
+    """Leaves blocks out and says so where the first of them stood.
+
+    Attributes:
+        limit: Pages, for the sentence.
+        text: The language.
+    """
+
+    limit: int
+    text: Text
+
+    def blocks(self, blocks: tuple[Block, ...], test: Test) -> tuple[Block, ...]:
+        """What may be left out replaced by a sentence.
+
+        Args:
+            blocks: The blocks.
+            test: What may be left out.
+
+        Returns:
+            The blocks that stay; one sentence for neighbours that are left out alike.
+        """
+        kept: list[Block] = []
+        for block in blocks:
+            shown: Block = block
+            if test(block):
+                shown = Paragraph(self._sentence(block), is_answer=True)
+            elif isinstance(block, Steps):
+                shown = replace(block, blocks=self.blocks(block.blocks, test))
+            elif isinstance(block, Formula) and any(map(test, block.rows)):
+                rows = tuple(rows for rows in block.rows if not test(rows))
+                shown = replace(block, rows=rows, note=self._note(block), blanks=())
+            if not kept or shown != kept[-1]:
+                kept.append(shown)
+        return tuple(kept)
+
+    def _sentence(self, block: Block) -> str:
+        _ = self.text
+        if isinstance(block, Steps):
+            return _(
+                "%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=self.limit
+            )
+        if isinstance(block, Formula) and block.function:
+            return _(
+                "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
+                pages=self.limit,
+                function=block.function,
+            )
+        return _("Left out to keep within the page limit (%(pages)s).", pages=self.limit)
+
+    def _note(self, block: Formula) -> str:
+        """The note of a formula without its longest entries."""
+        sentence = self.text(
+            "The longest entries are left out to keep within the page limit (%(pages)s).", pages=self.limit
+        )
+        return f"{block.note} {sentence}".strip()
+
+
+def within(document: Document, limit: int, text: Text, spare: int = 0) -> Document:
+    """The document, shortened until it has no more pages than that.
+
+    Entries on pages turned on their side go first, then what is longer than a page, then the steps, then the other long
+    formulas, then whole parts; in each of these the least useful part first, until the rest fits.
+
+    Args:
+        document: The handout.
+        limit: Most pages; 0 for any number.
+        text: The language.
+        spare: Pages by which the estimate has to stay below the limit.
+
+    Returns:
+        The same document where it fits; else a shorter one that says at its head and in place what is left out.
+    """
+    most = limit - spare
+    if not limit or pages(document) <= most:
+        return document
+    sections = {section.part: section for section in document.sections}
+    touched: list[str] = []
+    sparing = _Sparing(limit, text)
+    for part, shorter in _shortened(sections, sparing):
+        if shorter == sections.get(part):
+            continue
+        touched += [part] if part not in touched else []
+        if shorter is None:
+            del sections[part]
+        else:
+            sections[part] = shorter
+        found = _said(document, sections, touched, limit, text)
+        if pages(found) <= most:
+            return found
+    return _said(document, sections, touched, limit, text)
+
+
+def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tuple[str, Section | None]]:
+    """One part after the other, shorter each time it comes; None in place of a part that is left out as a whole."""
+    tests: tuple[Test, ...] = (
+        lambda block: isinstance(block, Rows) and block.landscape,
+        lambda block: isinstance(block, Formula | Steps) and _tallest(block) > PAGE,
+        lambda block: isinstance(block, Steps),
+        lambda block: isinstance(block, Formula) and height(block) > _LONG,
+    )
+    for test in tests:
+        for part in USEFULNESS:
+            if part in sections:
+                yield part, replace(sections[part], blocks=sparing.blocks(sections[part].blocks, test))
+    for part in USEFULNESS[:-1]:
+        if part in sections:
+            yield part, None
+
+
+def _tallest(block: Block) -> float:
+    """The height of the block; of steps that of their tallest display, for they need not go as a whole."""
+    inner = block.blocks if isinstance(block, Steps) else rows_of(block)
+    return max(map(height, inner), default=0.0)
+
+
+def _said(document: Document, sections: dict[str, Section], touched: list[str], limit: int, text: Text) -> Document:
+    """The shorter document with a sentence at its head that names what it lacks."""
+    titles = ", ".join(section.title for section in document.sections if section.part in touched)
+    sentence = text(
+        "To keep within the page limit (%(pages)s) this sheet leaves out all or some of: %(titles)s.",
+        pages=limit,
+        titles=titles,
+    )
+    kept = [sections[section.part] for section in document.sections if section.part in sections]
+    first = replace(kept[0], blocks=(Paragraph(sentence, is_answer=True), *kept[0].blocks))
+    return replace(document, sections=(first, *kept[1:]))

@@ -1,0 +1,269 @@
+"""From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot.
+
+Small matrices stand side by side; entries can be copied, and an exercise has blanks in their place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.layout.quantity import LaidOut, Namer
+from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, concatenate, italic, joined, script
+from derive.handouts.notation.printer import Cell
+from derive.handouts.notation.text import PlainPrinter
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.sheet.language import Text
+from derive.handouts.sheet.latex_writer import macros
+from derive.model.entries import Entries
+
+
+def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> Formula:
+    """A laid-out quantity as a formula.
+
+    Args:
+        context: The handout.
+        laid_out: The quantity as lines.
+        function: The generated function that computes it.
+        task: What an exercise asks in its place.
+
+    Returns:
+        The formula.
+    """
+    _ = context.text
+    rows = [Rows(laid_out.lines)] if laid_out.lines else []
+    if laid_out.landscape:
+        rows.append(Rows(laid_out.landscape, landscape=True))
+    note = unlisted(_, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else ""
+    return Formula(
+        rows=tuple(rows),
+        named=laid_out.named,
+        omitted=laid_out.omitted,
+        note=note,
+        function=function,
+        entries=_Copied(context, laid_out),
+        task=task,
+        blanks=laid_out.blanks,
+    )
+
+
+def unlisted(text: Text, symmetric: bool, has_zeros: bool) -> str:
+    """What a reader must know of a matrix that is printed entry by entry.
+
+    Args:
+        text: The language.
+        symmetric: Whether the entries below the diagonal are left out.
+        has_zeros: Whether entries are left out that are zero.
+
+    Returns:
+        A sentence; empty where all entries are listed.
+    """
+    _ = text
+    if symmetric and has_zeros:
+        return _("The matrix is symmetric; entries that are not listed are zero.")
+    if symmetric:
+        return _("The matrix is symmetric.")
+    return _("Entries that are not listed are zero.") if has_zeros else ""
+
+
+class _Copied(Sequence[Entry]):
+    """Entries of a quantity for copying, written when they are looked at: paper has no use for them."""
+
+    def __init__(self, context: Context, laid_out: LaidOut) -> None:
+        self._values = laid_out.values
+        self._latex = context.printer.latex
+
+    @cached_property
+    def _entries(self) -> tuple[Entry, ...]:
+        python = PlainPrinter().doprint
+        return tuple(Entry(name.tex, self._latex(value), python(value)) for name, value in self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._entries[place]
+
+
+def entry_namer(symbol: Box, comma: str = "") -> Namer:
+    """Names of the entries of a matrix that has no letter of its own: (A)_{12}.
+
+    Args:
+        symbol: The matrix.
+        comma: What separates row and column.
+
+    Returns:
+        (row, column) -> name of the entry.
+    """
+    held = _bracketed(symbol)
+    return lambda row, column: script(held, italic(f"{row}{comma}{column}"))
+
+
+def component_namer(symbol: Box) -> Namer:
+    """Names of the components of a vector: (z_1)_2.
+
+    Args:
+        symbol: The vector.
+
+    Returns:
+        (row, column) -> name of the component.
+    """
+    held = _bracketed(symbol)
+    return lambda row, _: script(held, italic(str(row)))
+
+
+def _bracketed(symbol: Box) -> Box:
+    return concatenate(Box("(", BRACKET_WIDTH), symbol, Box(")", BRACKET_WIDTH))
+
+
+def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> list[str]:
+    """A matrix of the robot's data: in brackets if it fits, else entry by entry.
+
+    Args:
+        symbol: What it is called.
+        cells: Its entries in print, row by row.
+        namer: (row, column) -> name of an entry.
+
+    Returns:
+        LaTeX of each line.
+    """
+    box = concatenate(symbol, EQUALS, matrix([[joined(cell) for cell in row] for row in cells]))
+    if fits(box, len(cells)):
+        return [box.tex]
+    return equation_lines(
+        Equation(namer(i, j), cell) for i, row in enumerate(cells, 1) for j, cell in enumerate(row, 1)
+    )
+
+
+# -- small matrices
+
+
+@dataclass(frozen=True, slots=True)
+class Small:
+    """A matrix that fits on a line and may share it.
+
+    Attributes:
+        box: ``symbol = [...]``.
+        laid_out: The same as a quantity of its own.
+    """
+
+    box: Box
+    laid_out: LaidOut
+
+
+def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Small | None:
+    """A matrix as one box, which may share a line.
+
+    Args:
+        context: The handout.
+        symbol: What stands on the left side.
+        quantity: The matrix.
+        namer: (row, column) -> name of an entry.
+
+    Returns:
+        The box; None if the matrix is too wide or has too many terms.
+    """
+    if not quantity.is_short(context.policy.matrix_terms):
+        return None
+    entries = {place: quantity.entry(*place) for place in quantity.places}
+    rows, columns = (range(1, size + 1) for size in quantity.shape)
+    cells = [[joined(context.printer.pieces(entries[i, j])) for j in columns] for i in rows]
+    box = concatenate(symbol, EQUALS, matrix(cells))
+    if not fits(box, len(rows)):
+        return None
+    values = tuple((namer(*place), value) for place, value in entries.items() if quantity.terms(*place))
+    return Small(box, LaidOut((box.tex,), values=values, blanks=(symbol.tex,)))
+
+
+def side_by_side(items: Sequence[Small]) -> LaidOut:
+    """Small matrices that share lines, as one quantity.
+
+    Args:
+        items: The matrices.
+
+    Returns:
+        Their lines.
+    """
+    return LaidOut(
+        tuple(pack(item.box for item in items)),
+        values=tuple(value for item in items for value in item.laid_out.values),
+        blanks=tuple(blank for item in items for blank in item.laid_out.blanks),
+    )
+
+
+# -- links and rotors
+
+
+@dataclass(frozen=True, slots=True)
+class BodyItem:
+    """A quantity of one link or rotor.
+
+    Attributes:
+        symbol: What it is called.
+        quantity: The quantity.
+        group: Which letter its intermediate terms have.
+        symmetric: Whether the entries below the diagonal may be left out.
+    """
+
+    symbol: Box
+    quantity: Entries
+    group: int
+    symmetric: bool = False
+
+
+def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
+    """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them.
+
+    Args:
+        context: The handout.
+        items: The quantities.
+        task: What an exercise asks in their place.
+
+    Yields:
+        Formulas; of what is too long in one, the numbers of terms.
+    """
+    _ = context.text
+    row: list[Small] = []
+    for item in items:
+        fitting = small(context, item.symbol, item.quantity, entry_namer(item.symbol))
+        if fitting is not None:
+            row.append(fitting)
+            continue
+        if row:
+            yield formula(context, side_by_side(row), task=task)
+            row = []
+        laid_out = context.dynamics.body(item.symbol, item.quantity, item.group, item.symmetric)
+        if laid_out.lines or not laid_out.omitted:
+            yield replace(formula(context, laid_out, task=task), omitted=())
+        if laid_out.omitted:
+            words = _("These entries are too long to print; multiplied out they have so many terms:")
+            yield Paragraph(words, is_answer=True)
+            yield Rows(laid_out.omitted, is_answer=True)
+    if row:
+        yield formula(context, side_by_side(row), task=task)
+
+
+# -- formulas that hold for every robot
+
+
+def textbook(name: str, **values: object) -> Rows:
+    """A formula as textbooks print it, such as c_ijk by the derivatives of B.
+
+    Args:
+        name: Its macro in ``templates/handout/textbook.tex.jinja``.
+        values: What the macro asks for: letters as LaTeX, and what the robot has.
+
+    Returns:
+        Its lines; an indented line of the template continues the one before.
+    """
+    lines: list[str] = []
+    for line in getattr(macros("textbook.tex.jinja"), name)(**values).splitlines():
+        if line.startswith(" "):
+            lines[-1] += f" {line.strip()}"
+        elif line:
+            lines.append(line)
+    return Rows(tuple(lines))

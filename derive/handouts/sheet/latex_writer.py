@@ -1,0 +1,260 @@
+"""A document as LaTeX that stands alone: pdflatex, amsmath, longtable, booktabs and nothing beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from typing import Any
+
+from jinja2.environment import Template, TemplateModule
+
+from derive.handouts.figure.writers import PREAMBLE, latex_drawing
+from derive.handouts.layout.lines import displays
+from derive.handouts.sheet.document import (
+    Blank,
+    Block,
+    Document,
+    Figure,
+    Formula,
+    Gap,
+    Kind,
+    Paragraph,
+    Rows,
+    Steps,
+    Table,
+    blocks_of,
+    gap_rows,
+    rows_of,
+    spans,
+)
+from derive.handouts.sheet.language import Text
+from derive.targets.escape import latex_text
+from derive.targets.templating import environment
+
+_LONGEST_WORD = 16
+"""Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
+
+_DISPLAY, _DISPLAY_END = "\\begin{align*}", "\\end{align*}"
+_OPEN = "%"
+"""Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph."""
+
+
+_TABLE_FOLLOWS = "\\nopagebreak"
+"""Between a paragraph and what it announces."""
+
+_NO_SECTION_BREAK = "\\makeatletter\\global\\@secpenalty=10000 \\makeatother\n"
+
+
+def latex(document: Document, text: Text) -> str:
+    """The document as ``sheet.tex``.
+
+    Args:
+        document: The handout.
+        text: The language of the writer's own words.
+
+    Returns:
+        The LaTeX source.
+    """
+    blocks = [block for section in document.sections for block in blocks_of(section)]
+    rows = [part for block in blocks for part in rows_of(block)]
+    words = (
+        [word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in document.title.split()
+    )
+    sections: list[dict[str, Any]] = []
+    for part in document.sections:
+        is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], Paragraph)
+        if is_short and sections:
+            sections[-1]["blocks"] = _held(sections[-1]["blocks"])
+        sections.append({"title": latex_words(part.title), "blocks": _joined(part.blocks, text), "stays": is_short})
+    source = latex_template("document.tex.jinja").render(
+        name=document.name,
+        version=document.version,
+        digest=document.digest,
+        title=" ".join("\\allowbreak{}".join(map(latex_text, word)) for word in words),
+        subtitle=latex_words(document.subtitle),
+        form=[latex_words(word) for word in document.form],
+        footer=latex_words(document.footer),
+        landscape=any(part.landscape for part in rows),
+        figures=any(isinstance(block, Figure) for block in blocks),
+        figure_preamble=PREAMBLE.rstrip(),
+        sections=sections,
+    )
+    before, display, rest = source.rpartition(_DISPLAY)
+    if _DISPLAY not in before:
+        return source
+    before, _, last_but_one = before.rpartition(_DISPLAY)
+    held = _with_next(_DISPLAY + last_but_one)  # so that no matrix is alone on the last page
+    return f"{before}{_NO_SECTION_BREAK}{held}{display}{rest}"
+
+
+def _held(blocks: list[str]) -> list[str]:
+    """A section behind whose last display no page ends, so that a sentence in a section of its own is never alone."""
+    before, display, last = "\n".join(blocks).rpartition(_DISPLAY)
+    return [before + _with_next(display + last)]
+
+
+def _with_next(source: str) -> str:
+    """A display behind which no page ends, and what follows it; one that is broken itself stays as it is."""
+    display, end, rest = source.partition(_DISPLAY_END)
+    if not end or "\\\\\n" in display:
+        return source
+    return f"\\begingroup\\postdisplaypenalty=10000 \\interdisplaylinepenalty=10000\n{display}{end}\n\\endgroup{rest}"
+
+
+# -- templates
+
+
+@cache
+def latex_template(name: str) -> Template:
+    """A template of LaTeX, which is full of braces, so that its marks are ``<< >>`` and ``<% %>``.
+
+    Args:
+        name: Path below ``templates/handout``.
+
+    Returns:
+        The template.
+    """
+    marks = environment().overlay(
+        block_start_string="<%",
+        block_end_string="%>",
+        variable_start_string="<<",
+        variable_end_string=">>",
+        comment_start_string="<#",
+        comment_end_string="#>",
+    )
+    return marks.get_template(f"handout/{name}")
+
+
+@cache
+def macros(name: str) -> TemplateModule:
+    """The macros of a template of LaTeX.
+
+    Args:
+        name: Path below ``templates/handout``.
+
+    Returns:
+        A module with a function for each macro.
+    """
+    return latex_template(name).module
+
+
+# -- texts
+
+
+def latex_words(text: str) -> str:
+    """A text with its marks.
+
+    Args:
+        text: Plain words, mathematics between dollar signs, code between backticks.
+
+    Returns:
+        LaTeX.
+    """
+    written = []
+    for kind, part in spans(text):
+        if kind is Kind.MATHEMATICS:
+            written.append(f"${part}$")
+        elif kind is Kind.CODE:
+            code = latex_text(part).replace("\\_", "\\_\\allowbreak{}").replace(" ", "\\ ")
+            written.append(f"\\texttt{{{code}}}")
+        else:
+            before, after = (" " if edge.isspace() else "" for edge in (part[:1], part[-1:]))
+            body = latex_text(part)
+            written.append(f"{before}{body}{after}" if body else " ")
+    return "".join(written)
+
+
+# -- blocks
+
+
+def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[str]:
+    """Blocks one after the other; a display joins the paragraph before it, which may be that of a title."""
+    written: list[str] = []
+    for block in blocks:
+        source = _written(block, text)
+        if not source:  # a result of which only an exercise and a page say more
+            continue
+        is_display = source.startswith(_DISPLAY)
+        if is_display and not is_open:  # the group ends with the display: a note behind it leaves the paragraph open
+            first, rest = source.split(_DISPLAY_END, 1)
+            source = f"\\begingroup\\abovedisplayskip=0pt\n{first}{_DISPLAY_END}\n\\endgroup{rest}"
+        elif is_open and not is_display:
+            if isinstance(block, Table) and block.long and written:
+                written[-1] = f"\\tableroom\n{written[-1]}"
+            announced = isinstance(block, Table) or (written and written[-1].endswith(f":{_OPEN}"))
+            source = f"{_TABLE_FOLLOWS if announced else ''}\\par\n{source}"
+        written.append(source)
+        is_open = source.endswith(_OPEN)
+    return [*written, "\\par"] if is_open else written
+
+
+def _written(block: Block, _: Text) -> str:
+    """One block by its macro."""
+    match block:
+        case Paragraph(text):
+            return latex_words(text) + _OPEN
+        case Rows(lines, landscape):
+            return _macro("rows", displays=displays(lines), landscape=landscape)
+        case Formula():
+            named = displays(block.named)
+            sentences = {
+                "named": latex_words(_("With the abbreviations")),
+                "entries": latex_words(_("the entries are as follows.")),
+                "omitted": latex_words(omitted_words(block, _)),
+            }
+            return _macro(
+                "formula",
+                named=[*named[:-1], *map(_with_next, named[-1:])],
+                rows=[_written(rows, _) for rows in block.rows if rows.lines],
+                omitted=displays(block.omitted),
+                note=latex_words(block.note),
+                words=sentences,
+            )
+        case Blank(number, task, points, gaps):
+            rows = ["".join(_gap(gap) for gap in row) for row in gap_rows(gaps)]
+            return _macro(
+                "blank", number=number, task=latex_words(task), points=points, displays=displays(rows, kept=False)
+            )
+        case Table(header, rows, long):
+            head, *body = (_strut(row) + " & ".join(map(latex_words, row)) for row in (header, *rows))
+            return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
+        case Figure(drawing, caption):
+            return _macro("figure", drawing=latex_drawing(drawing), caption=latex_words(caption))
+        case Steps(title, blocks):
+            return _macro("steps", title=latex_words(title), blocks=_joined(blocks, _, is_open=True))
+
+
+def omitted_words(block: Formula, _: Text) -> str:
+    """What stands before the numbers of terms of entries that are left out.
+
+    Args:
+        block: The formula.
+        _: Translates it.
+
+    Returns:
+        A sentence with marks.
+    """
+    if block.function:
+        return _(
+            "These entries are too long to print; `%(function)s` in `model_numpy.py` computes them. "
+            "Multiplied out they have so many terms:",
+            function=block.function,
+        )
+    return _("These entries are too long to print; multiplied out they have so many terms:")
+
+
+def _strut(row: Iterable[str]) -> str:
+    """What keeps fractions off the rules of a table."""
+    return "\\rule[-1.3ex]{0pt}{4ex}" if any("frac" in cell for cell in row) else ""
+
+
+def _gap(gap: Gap) -> str:
+    """The left side of an answer with room behind it and below, as an invisible rule."""
+    room = f"\\rule[-{gap.lines:.1f}\\baselineskip]{{0pt}}{{{gap.lines:.1f}\\baselineskip}}"
+    whole = f"{gap.name} = {room}" if gap.name else room
+    return f"\\makebox[.47\\linewidth][l]{{$\\displaystyle {whole}$}}" if gap.is_half else whole
+
+
+def _macro(name: str, **values: object) -> str:
+    source: str = getattr(macros("blocks.tex.jinja"), name)(**values)
+    return source.removesuffix("\n")

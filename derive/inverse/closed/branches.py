@@ -1,0 +1,337 @@
+"""All solutions of poses in floats, under one interface: by the solution graph, else by damped Newton.
+
+Every leaf of the graph is a candidate. One that does not reproduce its pose to rounding is polished by Newton steps
+with the exact Jacobian; what does not reproduce it then is no solution (at special poses the product of the branches
+exceeds the number of solutions), and of candidates that coincide one is kept.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.inverse.closed.fields import FloatField
+from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.walk import Run
+from derive.inverse.general.rigid_motion import BESIDE, beside
+from derive.inverse.numeric.chain import Array, Entries, NumericChain, Problem
+from derive.inverse.numeric.newton import Status, fit, follow, polish, solve
+from derive.robot.evaluate import parameter_values
+from derive.robot.options.solution_policy import POLICY
+from derive.robot.robot import Robot
+
+REPRODUCED = 1e-10
+"""Largest error of the pose of a solution, lengths relative to the reach."""
+
+RESCUED = 60
+"""Most steps of damped Newton from the leaves of a pose at which none is a solution."""
+
+STARTS = 24
+"""Configurations from which solutions are looked for, too, where an arm has fewer joints than its task has dimensions:
+poses beside are out of its reach."""
+
+NEIGHBOURS = 40
+"""Most steps of damped Newton from a solution of a pose beside, or from such a configuration."""
+
+ALONE = 1e-5
+"""Smallest singular value of the derivatives at a solution that is none of a continuum."""
+
+
+@dataclass(frozen=True, eq=False)
+class Branches:
+    """The solutions of a batch of poses.
+
+    Attributes:
+        q: (..., branches, n), NaN where a branch does not exist.
+        status: (..., branches) a `Status` each.
+    """
+
+    q: Array
+    status: Array
+
+
+@dataclass(frozen=True, eq=False)
+class InverseSolver:
+    """Solves one arm.
+
+    Attributes:
+        graph: Its solution graph.
+        chain: Its numbers.
+        field: The floats that the graph is run over.
+        entries: The entries of the pose that are wanted, rows and columns from 0.
+    """
+
+    graph: SolutionGraph
+    chain: NumericChain
+    field: FloatField
+    entries: Entries
+
+    @classmethod
+    def of(cls, robot: Robot, graph: SolutionGraph, parameters: Mapping[str, float] | None = None) -> InverseSolver:
+        """The solver of an arm.
+
+        Args:
+            robot: The arm as it was read.
+            graph: Its graph.
+            parameters: A number for every symbol that has none in the file; it may override those of the file.
+        """
+        entries = tuple(sorted(graph.places))
+        numbers = parameter_values(robot, parameters)
+        return cls(graph, NumericChain.of(robot, parameters), FloatField(numbers), entries)
+
+    def solve(
+        self,
+        poses: npt.ArrayLike,
+        given: npt.ArrayLike | None = None,
+        near: Sequence[float] | None = None,
+        tolerance: float = POLICY.orthogonal,
+    ) -> Branches:
+        """All solutions of poses.
+
+        Args:
+            poses: (..., 4, 4).
+            given: (..., k) variables of the given joints, in their order.
+            near: (n,) what joints take that a singular pose leaves free; zero unless given.
+            tolerance: Most by which R^T R of a pose may differ from 1; beyond rounding the nearest rotation is taken.
+
+        Returns:
+            (..., branches, n) and their status; angles in (-pi, pi].
+
+        Raises:
+            ValueError: Poses, given joints or configurations have another shape, are not finite, or poses are none.
+            TypeError: They are no real numbers.
+        """
+        goal = self._poses(poses, tolerance)
+        batch, count = goal.shape[:-2], len(self.graph.given)
+        values = _real_numbers("given", np.zeros((*batch, 0)) if given is None else given)
+        if values.shape[-1:] != (count,) or not np.isfinite(values).all():
+            raise ValueError(f"given joints: finite numbers of shape (..., {count}), not {values.shape}")
+        if values.shape[:-1] not in ((), (1,), batch):
+            raise ValueError(f"given joints of {values.shape[:-1]} beside poses of {batch}")
+        nearby = None if near is None else _real_numbers("near", near)
+        if nearby is not None and (nearby.shape != (self.chain.n,) or not np.isfinite(nearby).all()):
+            raise ValueError(f"near: finite numbers of shape ({self.chain.n},), not {nearby.shape}")
+        flat = goal.reshape(-1, 4, 4)
+        row = np.broadcast_to(values, (*batch, count)).reshape(len(flat), count)
+        found = self._closed(flat, row, nearby) if self.graph.is_closed else self._numeric(flat, row, nearby)
+        shape = (*batch, found.q.shape[1])
+        return Branches(found.q.reshape(*shape, self.chain.n), found.status.reshape(shape))
+
+    def _poses(self, poses: npt.ArrayLike, tolerance: float) -> Array:
+        """The goals, if that is what they are."""
+        goal = _real_numbers("a pose", poses)
+        if goal.shape[-2:] != (4, 4):
+            raise ValueError(f"a pose has shape (4, 4), or (..., 4, 4), not {goal.shape}")
+        if not np.isfinite(goal).all():
+            raise ValueError("a pose has finite entries")
+        if np.abs(goal[..., 3]).max(initial=0.0) > POLICY.far:
+            raise ValueError(f"not a pose: its position is {np.abs(goal[..., 3]).max():.0e} m away")
+        if np.abs(goal[..., 3, :] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0) > POLICY.orthogonal:
+            raise ValueError("not a pose: its last row is not 0, 0, 0, 1")
+        turn = goal[..., :3, :3]
+        away = np.abs(np.swapaxes(turn, -1, -2) @ turn - np.eye(3)).max(initial=0.0)
+        turns = any(j < 3 for _, j in self.entries)
+        if turns and away > tolerance:
+            remedy = "; give it more digits, or a tolerance= with which the nearest rotation is taken"
+            raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}{remedy}")
+        if turns and (np.linalg.det(turn) < 0).any():
+            raise ValueError("not a pose: its rotation is a reflection")
+        if turns and away > POLICY.orthogonal:
+            left, _, right = np.linalg.svd(turn)
+            goal = goal.copy()
+            goal[..., :3, :3] = left @ right  # of all rotations the nearest in the sum of squares
+        return goal
+
+    @property
+    def _given(self) -> int:
+        return len(self.graph.given)
+
+    @property
+    def _free(self) -> Array:
+        return np.array([i not in self.graph.given for i in range(self.chain.n)])
+
+    def _closed(self, poses: Array, given: Array, near: Array | None) -> Branches:
+        q, status, doubt, free = self._leaves(poses, given, near)
+        settled = np.zeros_like(free)
+        suspect = doubt | free
+        q, status = self._checked(poses, q, status, doubt, free, settled)
+        for place in POLICY.elsewhere:
+            stuck = np.flatnonzero((free & (status == Status.NONE)).any(axis=1))
+            if not stuck.size:
+                break
+            lacking = free[stuck] & (status[stuck] == Status.NONE)
+            there = self._leaves(poses[stuck], given[stuck], [place] * self.chain.n)
+            tried = np.where(lacking[..., None], there[0], q[stuck]), np.where(lacking, there[1], status[stuck])
+            still, known = free[stuck], settled[stuck]
+            q[stuck], status[stuck] = self._checked(poses[stuck], *tried, lacking & there[2], still, known)
+            free[stuck] = still
+        unsure = np.flatnonzero((suspect & ((status == Status.NONE) | (status == Status.SINGULAR))).any(axis=1))
+        if unsure.size:
+            self._add_from(poses, q, status, unsure, self._beside(poses[unsure], given[unsure]))
+            unsure = unsure[self.graph.is_short | (status[unsure] == Status.NONE).all(axis=1)]
+            self._add_from(poses, q, status, unsure, self._spread(poses[unsure], given[unsure]))
+        return Branches(np.where((status == Status.NONE)[..., None], np.nan, self._folded(q)), status)
+
+    def _leaves(
+        self, poses: Array, given: Array, near: Sequence[float] | Array | None
+    ) -> tuple[Array, Array, Array, Array]:
+        """The leaves of the graph: joints, status (negative where a leaf does not exist), doubt, and freedom."""
+        rows = [[poses[:, i, j] for j in range(4)] for i in range(3)]
+        zero = np.zeros(len(poses))
+        nearby = None if near is None else [zero + value for value in near]
+        run = Run(self.graph, self.field, rows, [given[:, k] for k in range(self._given)], nearby)
+        no = zero.astype(bool)
+        candidates, statuses, doubts, frees = [], [], [], []
+        for leaf in run.leaves():
+            exists = leaf.exists & ~no
+            free = np.any([no | mask for mask in leaf.free], axis=0)
+            doubts.append(no | leaf.doubt)
+            frees.append(free)
+            status = np.where(free, Status.SINGULAR, np.where(leaf.boundary, Status.BOUNDARY, Status.EXACT))
+            q = np.stack([zero + value for value in run.angles(leaf)], axis=-1)
+            statuses.append(np.where(np.isfinite(q).all(axis=-1), np.where(exists, status, -status), Status.NONE))
+            candidates.append(np.where(np.isfinite(q), q, 0.0))
+        for table, empty in ((candidates, np.zeros_like(candidates[0])), (statuses, zero), (doubts, no), (frees, no)):
+            table += [empty] * self.graph.spare
+        found = (np.stack(each, axis=1) for each in (candidates, statuses, doubts, frees))
+        q, status, doubt, freedom = found
+        return q, status.astype(np.int8), doubt, freedom
+
+    def _checked(
+        self, poses: Array, q: Array, status: Array, doubt: Array, free: Array, settled: Array
+    ) -> tuple[Array, Array]:
+        """Candidates polished, those dropped that do not reproduce their pose or repeat another one.
+
+        A negative status is that of a leaf that does not exist by its nodes. From those that are in doubt, and from all
+        where no leaf that exists is a solution, damped Newton goes on. Leaves whose free joints may be where they are
+        get settled; another posture with these elsewhere is not listed.
+        """
+        pose, row = np.nonzero(status != Status.NONE)
+        refined, residual = (
+            q[pose, row],
+            Problem(self.chain, poses[pose], self.entries, self._free).residual(q[pose, row]),
+        )
+        rough = np.flatnonzero((residual > POLICY.rounding) & (status[pose, row] > 0))
+        part = Problem(self.chain, poses[pose[rough]], self.entries, self._free)
+        refined[rough], residual[rough] = polish(part, refined[rough])
+        residual[status[pose, row] < 0] = math.inf
+        solved = np.zeros(len(poses), dtype=bool)
+        solved[pose[residual <= REPRODUCED]] = True
+        settled[pose, row] |= free[pose, row] & (residual <= POLICY.rounding)
+        lost = np.flatnonzero(~solved[pose] | (doubt[pose, row] & (residual > REPRODUCED)))
+        part = Problem(self.chain, poses[pose[lost]], self.entries, self._free)
+        refined[lost], residual[lost] = follow(part, *fit(part, q[pose[lost], row[lost]], RESCUED))
+        status[pose[lost], row[lost]] = Status.SINGULAR
+        rescued = np.zeros_like(free)
+        rescued[pose[lost], row[lost]] = True
+        q[pose, row] = refined
+        status[pose, row] = np.where(residual <= REPRODUCED, np.abs(status[pose, row]), Status.NONE)
+        return q, self._once(poses, q, status, rescued, free, settled)
+
+    def _beside(self, poses: Array, given: Array) -> Array:
+        """(poses, k, n) the leaves of poses a little beside, at which nothing is special."""
+        unit = Problem(self.chain, poses).unit
+        found = [self._leaves(beside(poses, k, unit), given, None)[0] for k in range(len(BESIDE))]
+        return np.concatenate(found, axis=1)
+
+    def _spread(self, poses: Array, given: Array) -> Array:
+        """(poses, k, n) configurations that fill the joint space evenly, joints that are given where they are."""
+        spread = starts(self.chain.n) * Problem(self.chain, poses).scale[:, None]
+        spread[..., self.chain.revolute] *= math.pi
+        spread[..., ~self._free] = given[:, None]
+        return spread
+
+    def _add_from(self, poses: Array, q: Array, status: Array, rows: Array, starts: Array) -> None:
+        """Add solutions to which damped steps from (rows, k, n) configurations lead."""
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        part = Problem(self.chain, poses[rows[place]], self.entries, self._free)
+        found, residual = follow(part, *fit(part, starts.reshape(-1, self.chain.n), NEIGHBOURS))
+        reached = np.flatnonzero(residual <= REPRODUCED)
+        slopes = replace(part, poses=part.poses[reached]).errors(found[reached])[1]
+        alone = np.linalg.svd(slopes, compute_uv=False)[..., -1] > ALONE
+        for k, is_alone in zip(reached.tolist(), alone.tolist(), strict=True):
+            self._add(poses, q, status, rows[place[k]], branch[k], found[k], is_alone)
+
+    def _add(self, poses: Array, q: Array, status: Array, row: int, branch: int, found: Array, alone: bool) -> None:
+        """Add a solution that is not listed, in the place of its branch where that is none.
+
+        One of a continuum is added where there is nothing else.
+        """
+        apart = (q[row] - found) / Problem(self.chain, poses[row], self.entries, self._free).scale
+        apart -= np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
+        listed = status[row] != Status.NONE
+        again = (listed & (np.abs(apart).max(axis=-1) < POLICY.double)).any() or listed.all()
+        if listed.any() and (again or not alone):
+            return
+        place = branch % len(listed)
+        place = place if not listed[place] else int(listed.argmin())
+        q[row, place], status[row, place] = found, Status.EXACT if alone else Status.SINGULAR
+
+    def _once(self, poses: Array, q: Array, status: Array, rescued: Array, free: Array, settled: Array) -> Array:
+        """The status of candidates, `Status.NONE` for those that repeat an earlier one."""
+        scale = Problem(self.chain, poses, self.entries, self._free).scale
+        for before, later in combinations(range(q.shape[1]), 2):
+            both = (status[:, before] != Status.NONE) & (status[:, later] != Status.NONE)
+            if both.any():
+                apart = (q[:, later] - q[:, before]) / scale
+                turns = np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
+                edge = (status[:, before] != Status.EXACT) & (status[:, later] != Status.EXACT)
+                distance = np.abs(apart - turns)
+                near = distance.max(axis=-1) < np.where(edge, POLICY.double, POLICY.same)
+                status[both & near, later] = Status.NONE
+                two = both & ~near & ((distance > POLICY.double).sum(axis=-1) <= 2)  # joints that turn about one axis
+                for one, other in ((before, later), (later, before)):
+                    elsewhere = two & settled[:, one] & rescued[:, other]
+                    status[elsewhere, other], free[elsewhere, other] = Status.NONE, False
+        return status
+
+    def _numeric(self, poses: Array, given: Array, near: Array | None) -> Branches:
+        start = None if near is None else near.tolist()
+        found = [
+            solve(
+                self.chain, pose, entries=self.entries, given=dict(zip(self.graph.given, row, strict=True)), near=start
+            )
+            for pose, row in zip(poses, given, strict=True)
+        ]
+        width = max((len(one.q) for one in found), default=0)
+        q = np.full((len(poses), width, self.chain.n), np.nan)
+        status = np.zeros((len(poses), width), dtype=np.int8)
+        for k, one in enumerate(found):
+            q[k, : len(one.q)], status[k, : len(one.q)] = one.q, one.status
+        return Branches(q, status)
+
+    def _folded(self, q: Array) -> Array:
+        turns = 2 * math.pi * np.ceil((q - math.pi) / (2 * math.pi))
+        return q - np.where(self.chain.revolute & self._free, turns, 0.0)
+
+
+def starts(joints: int) -> Array:
+    """Configurations that fill the joint space evenly, in half turns and units of length (Roberts's sequence).
+
+    Args:
+        joints: How many joints.
+
+    Returns:
+        (STARTS, joints) between -1 and 1.
+    """
+    ratio = 2.0
+    for _ in range(60):
+        ratio = (1.0 + ratio) ** (1.0 / (joints + 1))
+    steps = np.outer(np.arange(1, STARTS + 1), ratio ** -np.arange(1.0, joints + 1.0))
+    return np.round(2.0 * ((0.5 + steps) % 1.0) - 1.0, 3)
+
+
+def _real_numbers(name: str, value: npt.ArrayLike) -> Array:
+    """What a caller gave, as floats."""
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name}: rows of unequal length") from None
+    if found.dtype.kind not in "fiub":
+        raise TypeError(f"{name}: real numbers, not {found.dtype}")
+    return found.astype(np.float64, copy=False)

@@ -1,0 +1,364 @@
+"""How the elementary equations of inverse kinematics are solved.
+
+Each is solved over any numbers (`Field`) by + - * / and square roots alone, without angles. With c and s the cosine and
+sine of the unknown,
+
+    A c + B s = C:  h = sqrt(A^2 + B^2 - C^2),  c = (A C - e B h)/(A^2 + B^2),  s = (B C + e A h)/(A^2 + B^2),  e = +-1,
+
+which is theta = atan2(B, A) + e atan2(h, C) (type 2 of Khalil and Dombre, Modeling, Identification and Control of
+Robots, 2002, chapter 4); two such equations determine c and s by Cramer's rule (type 3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Generic, Protocol, Self, TypeVar
+
+from derive.algebra.ring import Polynomial
+from derive.inverse.closed.nodes import Equation, Exponents, Formula, Kind
+from derive.mechanics.vectors import Scalar
+from derive.robot.expression import Expression
+
+ILL = 1e9
+"""By this factor a coefficient may be larger than one that is zero: what is divided by it has lost three digits."""
+
+DOUBLE, MISSING = 1e5, 1e2
+"""By these factors a radicand may be above that of a double root, or below zero, so that rounding decides about it."""
+
+TURNED = 1e-12
+"""Where two equations are one, turned, their determinant is a square: it is zero below this part of what others are."""
+
+SHORT = Fraction(1, 10**10)
+"""Where all coefficients are small their radicand counts as if it was this part of its usual size: they are rounded."""
+
+FOLDED = Fraction(1, 10**12)
+"""Where a radicand keeps all its digits its two roots are one below this part of what it usually is."""
+
+
+class Mask(Protocol):
+    """Where something holds: a truth value, or an array of them."""
+
+    def __and__(self, other: Any, /) -> Self: ...
+    def __or__(self, other: Any, /) -> Self: ...
+    def __invert__(self) -> Self: ...
+
+
+N = TypeVar("N", bound=Scalar)
+"""A number, with + - * between numbers and ints."""
+
+M = TypeVar("M", bound=Mask)
+"""Where something holds."""
+
+
+class Field(Protocol[N, M]):
+    """Numbers that a graph is run over, with + - * between them and with ints, and masks with & | ~."""
+
+    def number(self, value: Any) -> N:
+        """A rational number.
+
+        Args:
+            value: An int or a Fraction.
+        """
+
+    def constant(self, expression: Expression) -> N:
+        """A parameter, a root, the sine of a constant angle: what a generator stands for that is no unknown.
+
+        Args:
+            expression: The exact expression.
+        """
+
+    def divide(self, a: N, b: N) -> N:
+        """The quotient; any number where the divisor is zero.
+
+        Args:
+            a: The dividend.
+            b: The divisor.
+        """
+
+    def sqrt(self, a: N) -> N:
+        """The square root; any number where there is none.
+
+        Args:
+            a: The radicand.
+        """
+
+    def is_zero(self, a: N, scale: N) -> M:
+        """Whether a coefficient is zero, within rounding.
+
+        Args:
+            a: The number.
+            scale: The size that it usually has.
+        """
+
+    def has_root(self, a: N, scale: N) -> M:
+        """Whether a number has a square root: it is not below zero, but for rounding.
+
+        Args:
+            a: The radicand.
+            scale: The size of what it is the difference of.
+        """
+
+    def merges(self, a: N, scale: N) -> M:
+        """Whether the two square roots of a number cannot be told apart.
+
+        Args:
+            a: The radicand.
+            scale: The size of what it is the difference of.
+        """
+
+    def select(self, mask: M, a: N, b: N) -> N:
+        """The one number where a mask holds, and the other elsewhere.
+
+        Args:
+            mask: The mask.
+            a: Where it holds.
+            b: Elsewhere.
+        """
+
+    def never(self, mask: M) -> bool:
+        """Whether a mask is known to hold nowhere, so that what depends on it need not be computed.
+
+        Args:
+            mask: The mask.
+        """
+
+    def truth(self, value: bool) -> M:
+        """A mask that holds everywhere or nowhere.
+
+        Args:
+            value: Which of the two.
+        """
+
+    def cosine_sine(self, angle: N) -> tuple[N, N]:
+        """Of a joint that is given.
+
+        Args:
+            angle: The angle [rad].
+        """
+
+    def angle(self, cosine: N, sine: N) -> N:
+        """The angle of a cosine and a sine, in (-pi, pi].
+
+        Args:
+            cosine: Times any positive number.
+            sine: Times the same number.
+        """
+
+    def unit(self, cosine: N, sine: N) -> tuple[N, N]:
+        """A point that lies on the unit circle but for rounding, which a small determinant makes large, moved there.
+
+        Args:
+            cosine: Of an angle, nearly.
+            sine: Of the angle, nearly.
+        """
+
+    def conic(self, coefficients: Sequence[N]) -> Sequence[tuple[N, N, M, M, M]]:
+        """The four common points of the unit circle and a conic.
+
+        Args:
+            coefficients: Of c^2, c s, s^2, c, s and 1.
+
+        Returns:
+            Cosine, sine, whether the point exists, whether it is a double one, and whether rounding decides about that.
+        """
+
+    def general(self, formula: Formula, values: Mapping[str, N]) -> Sequence[tuple[tuple[tuple[N, ...], ...], M]]:
+        """The values of a general node.
+
+        Args:
+            formula: The node's formula.
+            values: Numbers of all generators that are known.
+
+        Returns:
+            For each branch the numbers of each unknown, and whether the branch exists.
+        """
+
+
+@dataclass(frozen=True)
+class Branch(Generic[N, M]):
+    """One value of an unknown.
+
+    Attributes:
+        numbers: Cosine and sine, or the length.
+        exists: Whether it is real (over floats), or a number at all.
+        boundary: Whether another branch coincides with it.
+        doubt: Whether rounding decides about that: its radicand is all but zero.
+    """
+
+    numbers: tuple[N, ...]
+    exists: M
+    boundary: M
+    doubt: M
+
+
+@dataclass(frozen=True)
+class Solver(Generic[N, M]):
+    """Solves elementary equations over one kind of numbers.
+
+    Attributes:
+        field: The numbers.
+        evaluate: The number of a coefficient.
+        reach: The size of the arm, which the size of every coefficient is a power of.
+    """
+
+    field: Field[N, M]
+    evaluate: Callable[[Polynomial], N]
+    reach: N
+
+    def degenerate(self, formula: Formula, factor: float = 1.0) -> M:
+        """Whether a formula does not determine its unknown here.
+
+        Args:
+            formula: Of one of the elementary types.
+            factor: What is zero may be larger by it: with `ILL` digits are lost.
+        """
+        first = formula.equations[0]
+        second = formula.equations[-1]
+        if formula.kind is Kind.TYPE_3 and len(formula.degenerate) == 2:
+            pairs = zip(formula.degenerate, (first, second), strict=True)
+            zeros = [self._is_zero(p, factor, own) for p, own in pairs]
+            return zeros[0] | zeros[1]
+        if _are_turned(formula):
+            a, b, d, e = map(self.evaluate, (*first.linear[:2], *second.linear[:2]))
+            return self.field.is_zero(a * e - b * d, self._scale(first, second, factor=factor * factor * TURNED))
+        mask = self.field.truth(bool(formula.degenerate))
+        for p in formula.degenerate:
+            mask = mask & self._is_zero(p, factor, *((first,) if second is first else (first, second)))
+        return mask
+
+    def solve(self, formula: Formula) -> list[Branch[N, M]]:
+        """The values of the unknown, where the formula is not degenerate; any numbers elsewhere.
+
+        Args:
+            formula: Of one of the elementary types with equations.
+        """
+        match formula.kind:
+            case Kind.TYPE_1:
+                return self._length(formula.equations[0])
+            case Kind.QUADRATIC:
+                return self._two_lengths(formula.equations[0])
+            case Kind.TYPE_2:
+                return self._angles(formula.equations[0])
+            case Kind.TYPE_3:
+                return self._one_angle(*formula.equations)
+            case Kind.CONIC:
+                equation = formula.equations[0]
+                coefficients = [self.evaluate(equation.coefficient(*exponents)) for exponents in CONIC_TERMS]
+                found = self.field.conic(coefficients)
+                return [Branch((c, s), exists, double, doubt) for c, s, exists, double, doubt in found]
+        raise ValueError(f"no elementary type: {formula.kind}")
+
+    def _is_zero(self, p: Polynomial, factor: float, *equations: Equation) -> M:
+        if p.is_constant:
+            return self.field.truth(not p)
+        return self.field.is_zero(self.evaluate(p), self._scale(*equations, factor=factor))
+
+    def _scale(self, *equations: Equation, factor: float = 1.0) -> N:
+        """The size of the coefficients of an equation, or of the products of those of two, times a factor."""
+        total = Fraction(factor)
+        for equation in equations:
+            total *= equation.size
+        scale = self.field.number(total)
+        for _ in range(sum(equation.dimension for equation in equations)):
+            scale = scale * self.reach
+        return scale
+
+    def _length(self, equation: Equation) -> list[Branch[N, M]]:
+        a, b = (self.evaluate(equation.coefficient(k)) for k in (1, 0))
+        no = self.field.truth(False)
+        return [Branch((self.field.divide(-b, a),), self.field.truth(True), no, no)]
+
+    def _two_lengths(self, equation: Equation) -> list[Branch[N, M]]:
+        """r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none."""
+        f = self.field
+        a, b, c = (self.evaluate(equation.coefficient(k)) for k in (2, 1, 0))
+        size = self.reach * self.reach
+        if not equation.coefficient(1):
+            return self._both(f.divide(-c, a), size, lambda e, root: (e * root,))
+        radicand = b * b - 4 * (a * c)
+        return self._both(radicand, a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
+
+    def _both(self, radicand: N, size: N, value: Callable[[int, N], tuple[N, ...]]) -> list[Branch[N, M]]:
+        """The branches of a square root, the second one only where it can be told from the first."""
+        f = self.field
+        exists, double = f.has_root(radicand, size), f.merges(radicand, size)
+        root = f.select(double, f.number(0), f.sqrt(radicand))
+        boundary = exists & double
+        above, below = (size * f.number(Fraction(factor)) for factor in (DOUBLE, MISSING))
+        small = f.merges(radicand, above)
+        doubt = small if f.never(small) else small & f.has_root(radicand, below)
+        second = exists & ~double
+        return [Branch(value(1, root), exists, boundary, doubt), Branch(value(-1, root), second, boundary, doubt)]
+
+    def _angles(self, equation: Equation) -> list[Branch[N, M]]:
+        f = self.field
+        (has_a, has_b, has_c), (a, b, c) = map(bool, equation.linear), map(self.evaluate, equation.linear)
+        if not has_c:
+            square = a * a + b * b
+            root = f.sqrt(square)
+            cosine, sine = f.divide(-b, root), f.divide(a, root)
+            both = [(cosine, sine), (-cosine, -sine)]
+            exists, no = f.has_root(square, square), f.truth(False)
+            return [Branch(pair, exists, no, no) for pair in both]
+        if not has_a or not has_b:
+            known = f.divide(c, b if has_b else a)
+            radicand, size = self._square_of_other(equation.linear[1 if has_b else 0], equation.linear[2], known)
+            return self._both(radicand, size, lambda e, r: (e * r, known) if has_b else (known, e * r))
+        square = a * a + b * b
+        along = f.divide(c, square)
+
+        def _turned(e: int, root: N) -> tuple[N, ...]:
+            across = f.divide(e * root, square)
+            return a * along - b * across, b * along + a * across
+
+        usual = self._scale(equation)
+        return self._both(square - c * c, square + usual * usual * f.number(SHORT), _turned)
+
+    def _square_of_other(self, factor: Polynomial, right: Polynomial, known: N) -> tuple[N, N]:
+        """1 - x^2 of x = C/B, and its size: by B - C and B + C where one of these is known to all its digits.
+
+        So it is beside a folded elbow of two equal lengths, whose B + C is the square of a distance.
+        """
+        f, one = self.field, self.field.number(1)
+        for sign in (1, -1):
+            exact = factor + sign * right
+            if not right.is_constant and _is_sum_of_squares(exact):
+                near = f.divide(self.evaluate(exact), self.evaluate(factor))
+                return near * (one - sign * known), near * f.number(Fraction(1, 2)) + f.number(FOLDED)
+        return one - known * known, one
+
+    def _one_angle(self, first: Equation, second: Equation) -> list[Branch[N, M]]:
+        f = self.field
+        a, b, c = map(self.evaluate, first.linear)
+        d, e, g = map(self.evaluate, second.linear)
+        if not first.linear[1] and not second.linear[0]:
+            cosine, sine = f.divide(c, a), f.divide(g, e)
+        elif not first.linear[0] and not second.linear[1]:
+            cosine, sine = f.divide(g, d), f.divide(c, b)
+        else:
+            determinant = a * e - b * d
+            cosine = f.divide(c * e - b * g, determinant)
+            sine = f.divide(a * g - c * d, determinant)
+        no = f.truth(False)
+        return [Branch(f.unit(cosine, sine), f.truth(True), no, no)]
+
+
+CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
+"""Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients."""
+
+
+def _is_sum_of_squares(p: Polynomial) -> bool:
+    """Whether no digits are lost in a sum, p.p included: even powers whose factors have one sign."""
+    terms, names = list(p.terms()), p.ring.names
+    even = all(e % 2 == 0 or names[i] == "p.p" for exponents, _ in terms for i, e in enumerate(exponents))
+    return even and len({coefficient > 0 for _, coefficient in terms}) == 1
+
+
+def _are_turned(formula: Formula) -> bool:
+    """Whether of two equations A c + B s = C the second has the coefficients of the first, turned by a right angle."""
+    if formula.kind is not Kind.TYPE_3 or len(formula.degenerate) != 1 or formula.degenerate[0].is_constant:
+        return False
+    (a, b, _), (d, e, _) = (equation.linear for equation in formula.equations)
+    return (d == -b and e == a) or (d == b and e == -a)

@@ -1,0 +1,395 @@
+"""What the equations of the pool say about an arm, found at random reachable poses modulo a prime.
+
+The entries of a pose are no independent numbers, so that ranks mean nothing as polynomials: where an arm reaches, whole
+equations vanish. So joint values are drawn, W is what they lead to, and then one thing is changed while all others
+stand: the angle between two sets of links of a group of parallel joints, or a slide. An equation in which its value
+does not change with it does not determine it; else the value is a polynomial in cosine and sine of the change, whose
+coefficients are found by interpolation. All is done at once, for all equations, as arrays of residues.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+
+import numpy as np
+
+from derive.algebra.residues import Array, Residue, ResidueDomain, echelon, fraction_residue
+from derive.algebra.ring import Polynomial
+from derive.inverse.closed.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, identity_atoms
+from derive.inverse.closed.unknowns import InverseDomain
+from derive.mechanics.vectors import Frame
+from derive.robot.expression import Expression
+
+POSES = 3
+"""Random poses; what vanishes at all of them vanishes everywhere, but for a chance of 1 in 10^18."""
+
+_SPECIAL_POSES = 32
+"""Poses at which formulas may fail: most joints are at zero or at right angles."""
+
+_ANGLE_NODES, _LENGTH_NODES = 6, 4
+"""Values of a change: five (three) determine a polynomial of degree 2, one more checks it."""
+
+_PLACE = re.compile(r"W\[(\d),(\d)\]")
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What is changed: a slide, or the links of a group on one side of an angle.
+
+    Attributes:
+        group: Number of the group, -1 for a slide.
+        links: The links that turn, phi_k as bit k without bit 0; or the joint that slides.
+    """
+
+    group: int
+    links: int
+
+
+@dataclass(frozen=True)
+class Effect:
+    """How the equations depend on one change.
+
+    Attributes:
+        depends: For each equation whether what is changed occurs in it.
+        degrees: For each equation its degree in the change at poses that are reached; 3 stands for all above 2.
+        coefficients: For each equation and pose the coefficients of (1, c, s, c^2, c s), or of (1, r, r^2).
+    """
+
+    depends: Array
+    degrees: Array
+    coefficients: Array
+
+
+class Evidence:
+    """The equations of an arm in numbers.
+
+    Args:
+        domain: The ring of the arm, all of whose parameters that have numbers stand as numbers.
+        cuts: The cuts of the pool.
+        allowed: The entries of T that are given, (row, column) from 1.
+        keep_tool: See `Links`.
+        keep_base: Likewise.
+        deep: Whether the higher invariants are taken too.
+        special: Whether the joints of the poses are at zero and at right angles more often than not.
+        seed: Of the random numbers.
+
+    Attributes:
+        equations: Cut and entry of every equation.
+        effects: Change -> its effect.
+        other: W at the same poses but for other numbers in place of the entries of T that are not told.
+        allowed: For each equation whether it needs nothing of the pose but what is given.
+        values: Numbers of the parameters and of constants.
+    """
+
+    def __init__(
+        self,
+        domain: InverseDomain,
+        cuts: Sequence[Cut],
+        allowed: frozenset[tuple[int, int]],
+        *,
+        keep_tool: bool = False,
+        keep_base: bool = False,
+        deep: bool = False,
+        special: bool = False,
+        seed: int = 1,
+    ) -> None:
+        self.poses, self._special = (_SPECIAL_POSES if special else POSES), special
+        self.domain, self.robot = domain, domain.robot
+        self.residues = ResidueDomain(domain, 1, seed)
+        self.prime = self.residues.prime
+        self._random = random.Random(seed)
+        self._nodes = [self._circle_point() for _ in range(_ANGLE_NODES - 1)]
+        self._steps = [self._random.randrange(1, self.prime) for _ in range(_LENGTH_NODES - 1)]
+        self.equations = [(cut, entry) for cut in cuts for entry in (*ENTRIES, *(HIGHER if deep else ()))]
+        self._layout()
+        links = Links(self.robot, self.residues, self._motion, keep_tool, keep_base)
+        whole = Pool(links, identity_atoms(links, deep=deep)).sides(Cut(0, self.robot.n - 1))[0]
+        self.pose = whole.mapped(self._at_poses)
+        self.end = links.base @ Frame(self.pose.rotation, self.pose.position) @ links.tool
+        reached = self._table(links, cuts, self.pose)
+        anywhere = reached if special else self._table(links, cuts, self._elsewhere())
+        self.effects = {change: self._effect(reached, anywhere, k) for k, change in enumerate(self.changes)}
+        self.other = self._changed(links, allowed) if self.untold(allowed) else self.pose
+        self.allowed = self._allowed(links, cuts)
+        self._numbers: dict[str, Array] = {}
+
+    # -- the samples
+
+    def _layout(self) -> None:
+        """The angles of the links of every group and the slides, for every sample: poses x (base + changes x nodes)."""
+        robot, groups = self.robot, self.domain.groups
+        self.changes = [Change(g, mask) for g, group in enumerate(groups) for mask in range(2, 2 << len(group), 2)]
+        self.changes += [Change(-1, i) for i, joint in enumerate(robot.joints) if not joint.is_revolute]
+        sizes = [len(self._nodes) if change.group >= 0 else len(self._steps) for change in self.changes]
+        self._starts = np.cumsum([1, *sizes])
+        self._width = int(self._starts[-1])
+        self._samples = self.poses * self._width
+        self.turns: list[list[tuple[Array, Array]]] = []
+        for g, group in enumerate(groups):
+            base = [(1, 0)] * self.poses
+            links = [self._turned(g, 0, base)]
+            for k in range(1, len(group) + 1):
+                base = [self._added(pair, self._angle()) for pair in base]
+                links.append(self._turned(g, k, base))
+            self.turns.append(links)
+        self.slides: dict[int, Array] = {}
+        for i, joint in enumerate(robot.joints):
+            if not joint.is_revolute:
+                drawn = [[self._length()] for _ in range(self.poses)]
+                values = np.repeat(np.array(drawn, dtype=np.int64), self._width, axis=1)
+                place = self.changes.index(Change(-1, i))
+                values[:, self._starts[place] : self._starts[place + 1]] += np.array(self._steps)
+                self.slides[i] = values.reshape(-1) % self.prime
+
+    def _turned(self, group: int, link: int, base: Sequence[tuple[int, int]]) -> tuple[Array, Array]:
+        """Cosine and sine of a link's angle in every sample."""
+        p = self.prime
+        c = np.repeat([[pair[0]] for pair in base], self._width, axis=1).astype(np.int64)
+        s = np.repeat([[pair[1]] for pair in base], self._width, axis=1).astype(np.int64)
+        for place, change in enumerate(self.changes):
+            if change.group == group and change.links >> link & 1:
+                span = slice(self._starts[place], self._starts[place + 1])
+                d, e = (np.array([node[k] for node in self._nodes], dtype=np.int64) for k in (0, 1))
+                c[:, span], s[:, span] = (
+                    (c[:, span] * d % p - s[:, span] * e % p) % p,
+                    (s[:, span] * d % p + c[:, span] * e % p) % p,
+                )
+        return c.reshape(-1), s.reshape(-1)
+
+    def _circle_point(self) -> tuple[int, int]:
+        p, t = self.prime, self._random.randrange(2, self.prime - 1)
+        scale = pow(1 + t * t, -1, p)
+        return (1 - t * t) * scale % p, 2 * t * scale % p
+
+    def _angle(self) -> tuple[int, int]:
+        """Cosine and sine of the variable of a joint."""
+        if self._special and self._random.random() < 0.6:
+            return self._random.choice([(1, 0), (0, 1), (-1, 0), (0, -1)])
+        return self._circle_point()
+
+    def _length(self) -> int:
+        """The variable of a slide."""
+        return 0 if self._special and self._random.random() < 0.4 else self._random.randrange(self.prime)
+
+    def _added(self, a: tuple[int, int], b: tuple[int, int]) -> tuple[int, int]:
+        return (a[0] * b[0] - a[1] * b[1]) % self.prime, (a[1] * b[0] + a[0] * b[1]) % self.prime
+
+    def _motion(self, joint: int, start: int) -> tuple[Residue, ...]:
+        """The motion of a joint in every sample."""
+        row, sign = self.robot.joints[joint], self.robot.joints[joint].sign
+        if not row.is_revolute:
+            return (Residue(self.prime, sign * self.slides[joint][None, :]),)
+        cosine, sine = self.turn(joint)
+        return Residue(self.prime, cosine[None, :]), Residue(self.prime, sign * sine[None, :])
+
+    def turn(self, joint: int) -> tuple[Array, Array]:
+        """Cosine and sine of a joint's variable in every sample.
+
+        Args:
+            joint: Its index.
+        """
+        g = next(k for k, group in enumerate(self.domain.groups) if joint in group)
+        place = self.domain.groups[g].index(joint)
+        (c, s), (d, e) = self.turns[g][place], self.turns[g][place + 1]
+        p = self.prime
+        return (c * d % p + s * e % p) % p, self.domain.directions[joint] * ((c * e % p - s * d % p) % p)
+
+    def _at_poses(self, value: Residue) -> Residue:
+        """The value at the poses themselves, nothing changed."""
+        full = np.broadcast_to(value.values, (1, self._samples)).reshape(self.poses, self._width)
+        return Residue(self.prime, full[None, :, 0])
+
+    def _spread(self, value: Residue) -> Residue:
+        return Residue(self.prime, np.repeat(value.values, self._width, axis=1))
+
+    # -- what the samples say
+
+    def complexity(self, equation: int) -> int:
+        """How much there is to an equation besides what it depends on: its entry, and how many joints M has.
+
+        Args:
+            equation: Its number.
+        """
+        cut, entry = self.equations[equation]
+        return cut.last - cut.first + {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}[entry[0]] + 3 * ("." in entry)
+
+    def _table(self, links: Links[Residue], cuts: Sequence[Cut], pose: Atoms[Residue]) -> Array:
+        """The difference of both sides of every equation in every sample, with W as given at each of the poses."""
+        pool = Pool(links, pose.mapped(self._spread))
+        sides = {cut: pool.sides(cut) for cut in cuts}
+        differences = [sides[cut][0].entry(entry) - sides[cut][1].entry(entry) for cut, entry in self.equations]
+        return np.stack([np.broadcast_to(d.values, (1, self._samples))[0] for d in differences])
+
+    def _elsewhere(self) -> Atoms[Residue]:
+        """Random numbers in place of W, zero, one or equal where those of W always are."""
+        known: dict[tuple[int, ...], Residue] = {}
+
+        def _drawn(power: int, value: Residue) -> Residue:
+            key = tuple(int(x) for x in self._plain(value))
+            if len(set(key)) == 1 and key[0] in (0, 1, self.prime - 1):
+                return value
+            if (power, *key) not in known:
+                drawn = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
+                known[(power, *((self.prime - x) % self.prime for x in key))] = -drawn
+                known[(power, *key)] = drawn
+            return known[(power, *key)]
+
+        ratios, lengths, areas = (self.pose.mapped(partial(_drawn, power)) for power in (0, 1, 2))
+        return Atoms(ratios.rotation, lengths.position, lengths.back, areas.square, lengths.moment, areas.reflection)
+
+    def _effect(self, reached: Array, anywhere: Array, place: int) -> Effect:
+        """Coefficients of the equations in one change."""
+        change, p = self.changes[place], self.prime
+        rows, others = (table.reshape(len(table), self.poses, self._width) for table in (reached, anywhere))
+        span = slice(self._starts[place], self._starts[place + 1])
+        values = np.concatenate([rows[:, :, :1], rows[:, :, span]], axis=2)
+        if change.group >= 0:
+            points = [(1, 0), *self._nodes]
+            basis = [[1, c, s, c * c % p, c * s % p] for c, s in points]
+            degree_of = np.array([0, 1, 1, 2, 2])
+        else:
+            basis = [[1, r, r * r % p] for r in (0, *self._steps)]
+            degree_of = np.array([0, 1, 2])
+        size = len(degree_of)
+        inverse = _inverse([row[:size] for row in basis[:size]], p)
+        fitted = _product(values[:, :, :size], inverse, p)
+        check = _product(fitted, np.array(basis[size], dtype=np.int64)[:, None], p)[:, :, 0]
+        degrees = np.where(np.any(fitted != 0, axis=1), degree_of, 0).max(axis=1)
+        depends = np.any(others[:, :, span] != others[:, :, :1], axis=(1, 2))
+        return Effect(depends, np.where(np.all(check == values[:, :, size], axis=1), degrees, 3), fitted)
+
+    def _changed(self, links: Links[Residue], given: frozenset[tuple[int, int]]) -> Atoms[Residue]:
+        """W with other numbers in place of the entries of T that are not told."""
+        entries = self._entries()
+        for place in self.untold(given):
+            entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
+        rotation = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
+        end = Frame((rotation[0], rotation[1], rotation[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
+        inner = links.base.inverse @ end @ links.tool.inverse
+        return frame_atoms(inner, links.zero, deep=self.pose.moment is not None)
+
+    def _allowed(self, links: Links[Residue], cuts: Sequence[Cut]) -> Array:
+        """Which equations do not change with the entries of T that are not told."""
+        if self.other is self.pose:
+            return np.ones(len(self.equations), dtype=bool)
+        same = self._table(links, cuts, self.pose) == self._table(links, cuts, self.other)
+        unchanged: Array = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
+        return unchanged
+
+    def is_told(self, name: str) -> bool:
+        """Whether an entry of W or an invariant needs nothing of the pose but what is given.
+
+        Args:
+            name: The name of its generator.
+        """
+        place = _PLACE.fullmatch(name)
+        if place is not None:
+            name = f"p[{place[1]}]" if place[2] == "4" else f"R[{place[1]},{place[2]}]"
+        return bool(np.all(self._plain(self.pose.entry(name)) == self._plain(self.other.entry(name))))
+
+    def _entries(self) -> dict[tuple[int, int], Residue]:
+        """The entries of T by row and column, from 0."""
+        entries = {(i, j): self.end.rotation[i][j] for i in range(3) for j in range(3)}
+        return entries | {(i, 3): self.end.position[i] for i in range(3)}
+
+    def untold(self, given: frozenset[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Entries of T that are neither given, nor equal to one that is, nor always 0, 1 or -1.
+
+        Args:
+            given: Row and column, from 1, of what is given.
+
+        Returns:
+            Row and column, from 0.
+        """
+        keys = {place: tuple(map(int, self._plain(value))) for place, value in self._entries().items()}
+        told = {key for (i, j), key in keys.items() if (i + 1, j + 1) in given}
+        told |= {tuple((self.prime - x) % self.prime for x in key) for key in told}
+        told |= {(number,) * self.poses for number in (0, 1, self.prime - 1)}
+        return [place for place, key in keys.items() if key not in told]
+
+    def value(self, p: Polynomial, constants: Mapping[str, Expression]) -> Array:
+        """A polynomial of the arm's ring at the poses.
+
+        Args:
+            p: In the ring of `domain`, or in that of the same arm with symbols in place of numbers.
+            constants: What the generators stand for that are constants, with numbers where there are numbers.
+
+        Returns:
+            Residues, one per pose.
+        """
+        total = np.zeros(self.poses, dtype=np.int64)
+        for exponents, coefficient in p.terms():
+            term = np.full(self.poses, fraction_residue(coefficient, self.prime), dtype=np.int64)
+            for i, exponent in enumerate(exponents):
+                for _ in range(exponent):
+                    term = term * self.number(p.ring.names[i], constants) % self.prime
+            total = (total + term) % self.prime
+        return total
+
+    def number(self, name: str, constants: Mapping[str, Expression]) -> Array:
+        """A generator at the poses.
+
+        Args:
+            name: Its name in the ring.
+            constants: What the generators stand for that are constants, with numbers where there are numbers.
+        """
+        if name not in self._numbers:
+            self._numbers[name] = self._number(name, constants) % self.prime
+        return self._numbers[name]
+
+    def _number(self, name: str, constants: Mapping[str, Expression]) -> Array:
+        rows, columns = range(3), range(4)
+        if name == "p.p" or name[:2] in ("u[", "m[", "k["):
+            return self._plain(self.pose.entry(name))
+        if name[:2] in ("T[", "W["):
+            frame = self.end if name[0] == "T" else Frame(self.pose.rotation, self.pose.position)
+            table = {f"[{i + 1},{j + 1}]": (i, j) for i in rows for j in columns}
+            i, j = table[name[1:]]
+            return self._plain(frame.position[i] if j == 3 else frame.rotation[i][j])
+        if name in constants:
+            value = self.residues.constant(constants[name]).values
+            return np.broadcast_to(value.reshape(-1)[0], (self.poses,)).copy()
+        for joint, row in enumerate(self.robot.joints):
+            if name == row.variable:
+                return self.slides[joint].reshape(self.poses, self._width)[:, 0]
+        return self._turn_number(name)
+
+    def _turn_number(self, name: str) -> Array:
+        """The cosine or sine of a sum of angles."""
+        p = self.prime
+        for g, group in enumerate(self.domain.groups):
+            for u, v in combinations(range(len(group) + 1), 2):
+                unknown = self.domain.unknown(*group[u:v])
+                if name in unknown.generators:
+                    first, second = self.turns[g][u], self.turns[g][v]
+                    (c, s), (d, e) = (
+                        [x.reshape(self.poses, self._width)[:, 0] for x in pair] for pair in (first, second)
+                    )
+                    if name == unknown.generators[0]:
+                        return (c * d % p + s * e % p) % p
+                    sine: Array = self.domain.directions[group[u]] * ((c * e % p - s * d % p) % p)
+                    return sine
+        raise KeyError(name)
+
+    def _plain(self, value: Residue) -> Array:
+        plain: Array = np.broadcast_to(value.values, (1, self.poses))[0]
+        return plain
+
+
+def _inverse(rows: list[list[int]], p: int) -> Array:
+    """The transposed inverse of a small matrix modulo a prime: values times it are coefficients."""
+    size = len(rows)
+    joined = np.array([[*row, *(int(i == k) for k in range(size))] for i, row in enumerate(rows)], dtype=np.int64)
+    return echelon(joined, p)[1][:, size:].T
+
+
+def _product(a: Array, b: Array, p: int) -> Array:
+    total: Array = np.zeros((*a.shape[:-1], b.shape[1]), dtype=np.int64)
+    for k in range(b.shape[0]):
+        total = (total + a[..., k : k + 1] * b[k] % p) % p
+    return total

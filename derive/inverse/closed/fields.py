@@ -1,0 +1,439 @@
+"""The numbers over which a graph of solutions is run: floats, complex numbers, integers modulo a prime."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.algebra.residues import Residue, ResidueDomain
+from derive.inverse.closed.conic import line_points
+from derive.inverse.closed.nodes import Formula
+from derive.robot.evaluate import to_float
+from derive.robot.expression import Expression, substitute
+
+Floats = Any
+"""An array of floats (or complex numbers), one entry per pose, or one number."""
+
+Masks = Any
+"""An array of truth values, one entry per pose, or one."""
+
+ZERO = 1e-12
+"""A coefficient below this part of its usual size does not determine an angle: its digits are rounding."""
+
+BEYOND = 1e-11
+"""A radicand may be below zero by this part of its size: the pose is on the boundary of what is reached."""
+
+MERGED = 1e-14
+"""Below this part of its size the two roots of a radicand are one."""
+
+
+class FloatField:
+    """Real numbers: arrays of floats, one entry per pose.
+
+    Args:
+        values: Numbers of the robot's parameters.
+    """
+
+    def __init__(self, values: Mapping[str, Fraction | float]) -> None:
+        self.values = values
+
+    def number(self, value: int | Fraction) -> Floats:
+        """A rational as a float.
+
+        Args:
+            value: The number.
+        """
+        return np.float64(value)
+
+    def constant(self, expression: Expression) -> Floats:
+        """The number of a parameter or constant.
+
+        Args:
+            expression: What stands in the table, or a part of it.
+        """
+        return np.float64(to_float(expression, self.values))
+
+    def divide(self, a: Floats, b: Floats) -> Floats:
+        """The quotient; the dividend where the divisor is zero.
+
+        Args:
+            a: The dividend.
+            b: The divisor.
+        """
+        return a / np.where(b == 0, 1.0, b)
+
+    def sqrt(self, a: Floats) -> Floats:
+        """The square root; 0 of negative numbers.
+
+        Args:
+            a: The radicand.
+        """
+        return np.sqrt(np.maximum(a, 0.0))
+
+    def is_zero(self, a: Floats, scale: Floats) -> Masks:
+        """Whether a coefficient is zero within rounding.
+
+        Args:
+            a: The number.
+            scale: The size that it usually has.
+        """
+        return np.abs(a) <= ZERO * scale
+
+    def has_root(self, a: Floats, scale: Floats) -> Masks:
+        """Whether a number is not below zero, but for rounding.
+
+        Args:
+            a: The radicand.
+            scale: The size of what it is the difference of.
+        """
+        return a >= -BEYOND * np.abs(scale)
+
+    def merges(self, a: Floats, scale: Floats) -> Masks:
+        """Whether the two roots of a number are one within rounding.
+
+        Args:
+            a: The radicand.
+            scale: The size of what it is the difference of.
+        """
+        return a <= MERGED * np.abs(scale)
+
+    def select(self, mask: Masks, a: Floats, b: Floats) -> Floats:
+        """The one number where a mask holds, the other elsewhere.
+
+        Args:
+            mask: The mask.
+            a: Where it holds.
+            b: Elsewhere.
+        """
+        return np.where(mask, a, b)
+
+    def never(self, mask: Masks) -> bool:
+        """Whether a mask holds at no pose.
+
+        Args:
+            mask: The mask.
+        """
+        return not np.any(mask)
+
+    def truth(self, value: bool) -> Masks:
+        """A mask that holds everywhere or nowhere.
+
+        Args:
+            value: Which of the two.
+        """
+        return np.bool_(value)
+
+    def cosine_sine(self, angle: Floats) -> tuple[Floats, Floats]:
+        """Of a joint that is given.
+
+        Args:
+            angle: The angle [rad].
+        """
+        return np.cos(angle), np.sin(angle)
+
+    def angle(self, cosine: Floats, sine: Floats) -> Floats:
+        """The angle of a cosine and a sine.
+
+        Args:
+            cosine: Times any positive number.
+            sine: Times the same number.
+        """
+        return np.arctan2(sine, cosine)
+
+    def unit(self, cosine: Floats, sine: Floats) -> tuple[Floats, Floats]:
+        """A point that lies on the unit circle but for rounding, moved there by a Newton step for 1/sqrt(c^2 + s^2).
+
+        Args:
+            cosine: Of an angle, nearly.
+            sine: Of the angle, nearly.
+        """
+        scale = 1.5 - 0.5 * (cosine * cosine + sine * sine)
+        return cosine * scale, sine * scale
+
+    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
+        """The common points of the unit circle and a conic.
+
+        Args:
+            coefficients: Of c^2, c s, s^2, c, s and 1.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return line_points(self, coefficients)
+
+    def general(self, formula: Formula, values: Mapping[str, Floats]) -> Sequence[Any]:
+        """The values of a general node: its payload solves it.
+
+        Args:
+            formula: The node's formula.
+            values: Numbers of all generators that are known.
+        """
+        found: Sequence[Any] = formula.payload.solve(self, values)
+        return found
+
+
+class ComplexField(FloatField):
+    """Complex numbers, in which every branch exists; for counting solutions."""
+
+    def number(self, value: int | Fraction) -> Floats:
+        """A rational as a complex number.
+
+        Args:
+            value: The number.
+        """
+        return np.complex128(value)
+
+    def sqrt(self, a: Floats) -> Floats:
+        """One of the two square roots.
+
+        Args:
+            a: The radicand.
+        """
+        return np.sqrt(np.asarray(a, dtype=np.complex128))
+
+    def has_root(self, a: Floats, scale: Floats) -> Masks:
+        """Every number has one.
+
+        Args:
+            a: The radicand.
+            scale: Not looked at.
+        """
+        return np.ones_like(a, dtype=bool)
+
+    def merges(self, a: Floats, scale: Floats) -> Masks:
+        """At generic poses the two roots differ.
+
+        Args:
+            a: The radicand.
+            scale: Not looked at.
+        """
+        return np.zeros_like(a, dtype=bool)
+
+    def is_zero(self, a: Floats, scale: Floats) -> Masks:
+        """Whether a coefficient is zero within rounding.
+
+        Args:
+            a: The number.
+            scale: The size that it usually has.
+        """
+        return np.abs(a) <= ZERO * np.abs(scale)
+
+    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
+        """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle.
+
+        Args:
+            coefficients: Of c^2, c s, s^2, c, s and 1.
+        """
+        cc, cs, ss, c, s, one = np.broadcast_arrays(*coefficients)
+        ascending = [cc + c + one, 2 * (cs + s), 2 * (one - cc) + 4 * ss, 2 * (s - cs), cc - c + one]
+        found = []
+        for t, w in quartic_roots(np.stack(ascending, axis=-1)):
+            size = t * t + w * w
+            found.append(((w * w - t * t) / size, 2 * t * w / size, np.abs(size) > 0, np.bool_(False), np.bool_(False)))
+        return found
+
+
+class PrimeField:
+    """Integers modulo a prime, arrays with one entry per pose; a branch exists where its square root does.
+
+    Args:
+        residues: Values of the robot's constants modulo the prime.
+        numbers: What stands in the place of parameters that `residues` does not know.
+    """
+
+    def __init__(self, residues: ResidueDomain, numbers: Mapping[str, Expression]) -> None:
+        self.residues, self.numbers = residues, numbers
+        self.prime = residues.prime
+
+    def number(self, value: int | Fraction) -> Residue:
+        """A rational modulo the prime.
+
+        Args:
+            value: The number.
+        """
+        return self.residues.number(value)
+
+    def constant(self, expression: Expression) -> Residue:
+        """The residue of a parameter or constant.
+
+        Args:
+            expression: What stands in the table, or a part of it.
+        """
+        return self.residues.constant(substitute(expression, self.numbers))
+
+    def divide(self, a: Residue, b: Residue) -> Residue:
+        """The quotient; 0 where the divisor is zero.
+
+        Args:
+            a: The dividend.
+            b: The divisor.
+        """
+        return a * self._power(b, self.prime - 2)
+
+    def sqrt(self, a: Residue) -> Residue:
+        """The square root modulo a prime 4k + 3; any number where there is none.
+
+        Args:
+            a: The radicand.
+        """
+        return self._power(a, (self.prime + 1) // 4)
+
+    def is_zero(self, a: Residue, scale: Residue) -> Masks:
+        """Whether a number is zero.
+
+        Args:
+            a: The number.
+            scale: Not looked at.
+        """
+        return a.values == 0
+
+    def has_root(self, a: Residue, scale: Residue) -> Masks:
+        """Whether a number is a square.
+
+        Args:
+            a: The radicand.
+            scale: Not looked at.
+        """
+        root = self.sqrt(a)
+        return (root * root).values == a.values
+
+    def merges(self, a: Residue, scale: Residue) -> Masks:
+        """Whether the two roots are one.
+
+        Args:
+            a: The radicand.
+            scale: Not looked at.
+        """
+        return a.values == 0
+
+    def select(self, mask: Masks, a: Residue, b: Residue) -> Residue:
+        """The one number where a mask holds, the other elsewhere.
+
+        Args:
+            mask: The mask.
+            a: Where it holds.
+            b: Elsewhere.
+        """
+        return Residue(self.prime, np.where(mask, a.values, b.values))
+
+    def never(self, mask: Masks) -> bool:
+        """Whether a mask holds at no pose.
+
+        Args:
+            mask: The mask.
+        """
+        return not np.any(mask)
+
+    def truth(self, value: bool) -> Masks:
+        """A mask that holds everywhere or nowhere.
+
+        Args:
+            value: Which of the two.
+        """
+        return np.bool_(value)
+
+    def cosine_sine(self, angle: Residue) -> tuple[Residue, Residue]:
+        """A point of the unit circle, with the number as tangent of half the angle.
+
+        Args:
+            angle: The number.
+        """
+        square = angle * angle
+        scale = self._power(1 + square, self.prime - 2)
+        return (1 - square) * scale, 2 * angle * scale
+
+    def angle(self, cosine: Residue, sine: Residue) -> Residue:
+        """The tangent of half the angle, which stands for it.
+
+        Args:
+            cosine: Of the angle.
+            sine: Of the angle.
+        """
+        return self.divide(sine, 1 + cosine)
+
+    def unit(self, cosine: Residue, sine: Residue) -> tuple[Residue, Residue]:
+        """Cosine and sine as they are: nothing is rounded.
+
+        Args:
+            cosine: Of an angle.
+            sine: Of the angle.
+        """
+        return cosine, sine
+
+    def conic(self, coefficients: Sequence[Residue]) -> Sequence[tuple[Residue, Residue, Masks, Masks, Masks]]:
+        """Not needed: graphs with quartics are counted over the complex numbers.
+
+        Args:
+            coefficients: Of the conic.
+
+        Raises:
+            NotImplementedError: Always.
+        """
+        raise NotImplementedError
+
+    def general(self, formula: Formula, values: Mapping[str, Residue]) -> Sequence[Any]:
+        """Not needed: graphs with general nodes have a count of their own.
+
+        Args:
+            formula: The node's formula.
+            values: Numbers of the generators.
+
+        Raises:
+            NotImplementedError: Always.
+        """
+        raise NotImplementedError
+
+    def _power(self, base: Residue, exponent: int) -> Residue:
+        result, values = np.ones_like(base.values), base.values
+        while exponent:
+            if exponent & 1:
+                result = result * values % self.prime
+            exponent >>= 1
+            values = values * values % self.prime
+        return Residue(self.prime, result)
+
+
+def quartic_roots(ascending: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
+    """The roots of quartics as quotients t/w, found as eigenvalues of companion matrices and polished by Newton.
+
+    Before, t is replaced by (t + k)/(1 - k t): the angle is counted from another zero, at which no root is near
+    infinity.
+
+    Args:
+        ascending: Coefficients, (..., 5), real or complex.
+    """
+    best = None
+    for k in (0.0, 0.577, -1.33):
+        moved = _turned_quartic(ascending, k)
+        lead = np.abs(moved[..., 4]) / np.maximum(np.abs(moved).max(axis=-1), 1e-300)
+        worst = float(np.min(lead)) if lead.size else 1.0
+        if best is None or worst > best[0]:
+            best = (worst, k, moved)
+    assert best is not None
+    _, k, moved = best
+    lead = np.where(moved[..., 4:] == 0, 1e-300, moved[..., 4:])
+    companion = np.zeros((*moved.shape[:-1], 4, 4), dtype=moved.dtype)
+    companion[..., np.arange(1, 4), np.arange(3)] = 1
+    companion[..., :, 3] = -moved[..., :4] / lead
+    roots = np.linalg.eigvals(companion).astype(np.complex128)
+    for _ in range(2):
+        value, slope = np.zeros_like(roots), np.zeros_like(roots)
+        for j in range(4, -1, -1):
+            slope = slope * roots + value
+            value = value * roots + moved[..., j : j + 1]
+        step = np.where(np.abs(slope) > 0, value / np.where(slope == 0, 1, slope), 0)
+        roots = np.where(np.abs(step) < 1e-3 * (1 + np.abs(roots)), roots - step, roots)
+    return [(roots[..., i] + k, 1 - k * roots[..., i]) for i in range(4)]
+
+
+def _turned_quartic(ascending: npt.NDArray[Any], k: float) -> npt.NDArray[Any]:
+    """The quartic in t where the old unknown is (t + k)/(1 - k t)."""
+    total = np.zeros_like(ascending)
+    for j in range(5):
+        powers = np.array([1.0])
+        for factor in [[k, 1.0]] * j + [[1.0, -k]] * (4 - j):
+            powers = np.convolve(powers, factor)
+        total = total + ascending[..., j : j + 1] * powers
+    return total

@@ -1,0 +1,444 @@
+"""The formulas of an arm's nodes: the search decides, exact polynomials say it.
+
+The search works with numbers modulo a prime; here the equations it chose are taken from the exact pool, written in the
+one unknown and what is known, and made the formulas of nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache, cached_property, partial
+from itertools import combinations, islice, product
+from math import gcd, lcm
+
+import numpy as np
+
+from derive.algebra.generators import Kind as GeneratorKind
+from derive.algebra.ring import Polynomial
+from derive.inverse.closed.conditions import conditions
+from derive.inverse.closed.evidence import Evidence
+from derive.inverse.closed.graph import Node, SolutionGraph
+from derive.inverse.closed.nodes import Equation, Exponents, Formula, Kind, Source, Unknown
+from derive.inverse.closed.pairs import without_angle, without_length
+from derive.inverse.closed.pool import Links, Pool, dimension
+from derive.inverse.closed.pose import Pose
+from derive.inverse.closed.search import Choice, Search, Step
+from derive.inverse.closed.unknowns import ENTRIES, InverseDomain, State, baked, shifted, with_numbers
+from derive.inverse.closed.walk import Plan, horner
+from derive.inverse.general.choice import general_formula
+from derive.inverse.numeric.chain import POSE, POSITION
+from derive.robot.expression import ZERO, substitute
+from derive.robot.options.inverse import ROWS, Task
+from derive.robot.robot import Robot
+
+_CONSTANTS = (
+    GeneratorKind.INVERSE,
+    GeneratorKind.ROOT,
+    GeneratorKind.PRIME_ROOT,
+    GeneratorKind.CONSTANT_SINE,
+    GeneratorKind.CONSTANT_COSINE,
+    GeneratorKind.PARAMETER,
+    GeneratorKind.PI,
+)
+
+_ALTERNATIVES = 3
+"""Formulas besides the chosen one that a node has for poses at which that one fails."""
+
+_READ = 60
+"""Short equations with two unknowns that are written out."""
+
+_PAIRED = 12
+"""Equations with the same two unknowns that are taken two by two."""
+
+_LONGEST = 4000
+"""Terms of an equation that comes from two; longer ones are not looked at."""
+
+_CONDITIONS = 300
+"""Short equations of the pool among which conditions on the pose are looked for."""
+
+_LONG_SUM = 2
+"""Operations that a sum of angles as unknown must save for each joint more that it spans."""
+
+_COMPARED = 12
+"""Equally simple choices whose formulas are written out to see which is the shortest."""
+
+
+class CoincidenceError(Exception):
+    """An equation that is as short as it seems for the numbers of the parameters alone, not for all of them."""
+
+
+class Derivation:
+    """Writes the nodes of one arm.
+
+    Args:
+        robot: The robot; its dynamics are not looked at.
+        task: The rows of the task, see `ROWS`.
+        given: Indices of the joints that are arguments.
+        deep: Whether the higher invariants are taken too.
+    """
+
+    def __init__(self, robot: Robot, task: Task, given: Sequence[int] = (), *, deep: bool = False) -> None:
+        allowed = frozenset(place for row in task for place in ROWS[row])
+        self.task, self.given = task, tuple(given)
+        turned = [(i, j) in allowed for i in (1, 2, 3) for j in (1, 2, 3)]
+        numbers = self.numbers = baked(robot)
+        zeros = {name: value for name, value in numbers.items() if value == ZERO}
+        self.robot, self.shifts = shifted(with_numbers(robot, zeros))
+        specimen = with_numbers(self.robot, numbers)
+        self.domain = InverseDomain(self.robot)
+        constants = {g.name: substitute(g.expression, numbers) for g in self.domain.generators if g.kind in _CONSTANTS}
+        pose_names = {f"{a}{entry}" for a in "TW" for entry in ENTRIES}
+        self.constants = {name: e for name, e in constants.items() if name not in pose_names and "[" not in name}
+        self.constants.pop("p.p", None)
+        sampled = self.sampled = InverseDomain(specimen, self.constants.values())
+        if (sampled.groups, sampled.directions) != (self.domain.groups, self.domain.directions):
+            self.robot, self.domain = specimen, sampled
+        self._gather(allowed, keep_tool=not all(turned), deep=deep)
+        if self.to_end and any(turned) and all(column == 3 for _, column in self.evidence.untold(allowed)):
+            self._gather(allowed, keep_tool=False, deep=deep)
+        if self._base_mixes(allowed):
+            self._gather(allowed, keep_tool=self.to_end, keep_base=True, deep=deep)
+        self.pose = Pose(self.domain, self.links, self.evidence, self.constants, allowed, deep=deep)
+        self.pool = Pool(self.links, self.pose.atoms)
+        self.search = Search(self.evidence, given)
+        self.polynomial, self.equation = cache(self._polynomial), cache(self._equation)
+        self.nodes: list[Node] = []
+        self.homes: dict[Unknown, int] = {}
+
+    def _gather(
+        self, allowed: frozenset[tuple[int, int]], *, keep_tool: bool, keep_base: bool = False, deep: bool
+    ) -> None:
+        """The equations; they reach to the end effector where its orientation is not told, else to the last joint.
+
+        They begin at the first joint, but in the world where the base mixes what the task tells with what it does not.
+        """
+        self.to_end = keep_tool
+        kept = {"keep_tool": keep_tool, "keep_base": keep_base}
+        self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, **kept)
+        evidence = partial(Evidence, self.sampled, list(self.links.cuts()), allowed, deep=deep, **kept)
+        self.evidence, self._special = evidence(), partial(evidence, special=True)
+
+    def _base_mixes(self, allowed: frozenset[tuple[int, int]]) -> bool:
+        """Whether the base turns an entry that is told and one of its column that is not into each other."""
+        untold = set(self.evidence.untold(allowed))
+        rotation = self.links.base.rotation
+        return any(
+            (i, j) in untold and any((k + 1, j + 1) in allowed and rotation[i][m] and rotation[k][m] for k in range(3))
+            for i in range(3)
+            for j in range(4)
+            for m in range(3)
+        )
+
+    @cached_property
+    def special(self) -> Evidence:
+        """The equations at poses where formulas fail."""
+        return self._special()
+
+    def graph(self) -> SolutionGraph | None:
+        """The graph of one-joint nodes; None where there is no such way."""
+        way = self.search.way()
+        if way is None:
+            return None
+        self._begin()
+        return self._ended(way, self.search.start)
+
+    def graph_by_pairs(self) -> SolutionGraph | None:
+        """The graph whose first node comes from two equations with two unknowns; None where there is none."""
+        steps, state = self.search.advance()
+        found: list[tuple[tuple[int, int], int, Unknown, Formula, State]] = []
+        for (group, parts), numbers in self.search.pairs(state):
+            after = state.joined(group, *parts) if group >= 0 else State(state.groups, state.slides | {parts[0]})
+            for unknown in self.domain.between(group, parts)[:1]:
+                for formula in self._eliminations(unknown, numbers, state):
+                    rank = (formula.branches, sum(len(p) for p in formula.equations[0].terms.values()))
+                    found.append((rank, len(found), unknown, formula, after))
+        rests: dict[State, list[Step] | None] = {}
+        for _, _, unknown, formula, after in sorted(found, key=lambda row: row[:2]):
+            if after not in rests:
+                rests[after] = self.search.way(after)
+            rest = rests[after]
+            if rest is not None:
+                self._begin()
+                state = self._follow(steps, self.search.start)
+                self._append((unknown,), (formula,))
+                return self._ended(rest, after)
+        return None
+
+    def _eliminations(self, unknown: Unknown, numbers: Sequence[int], state: State) -> Iterator[Formula]:
+        """Formulas for one unknown from pairs of equations with the same second one."""
+        ring = self.domain.ring
+        alike: dict[tuple[str, ...], list[tuple[int, Polynomial]]] = {}
+        seen: set[str] = set()
+        for number in numbers[:_READ]:
+            p = self.domain.rewritten(self.polynomial(number), state, unknown)
+            key = p.normalised()[1]
+            if key in seen:
+                continue
+            seen.add(key)
+            second = {
+                self.domain.owner(name)
+                for name in _names(p) - set(unknown.generators)
+                if not self.domain.is_known(name, state)
+            }
+            if len(second) == 1 and None not in second:
+                alike.setdefault(next(iter(second)).generators, []).append((number, p))  # type: ignore[union-attr]
+        places = [ring.index[name] for name in unknown.generators]
+        for generators, rows in alike.items():
+            for (i, p), (j, q) in combinations(rows[:_PAIRED], 2):
+                if len(generators) == 1:
+                    found = without_length(ring, generators[0], p, q)
+                else:
+                    found = without_angle(ring, generators, p, q)
+                if not found or len(found) > _LONGEST:
+                    continue
+                terms = self._terms(found, places)
+                degree = max((sum(exponents) for exponents in terms), default=0)
+                if 1 <= degree <= 2 and all(
+                    self.domain.is_known(name, state) for p in terms.values() for name in _names(p)
+                ):
+                    kinds = (Kind.TYPE_2, Kind.CONIC) if unknown.is_angle else (Kind.TYPE_1, Kind.QUADRATIC)
+                    yield Formula(kinds[degree - 1], (self._paired(terms, i, j),))
+
+    def _paired(self, terms: Mapping[Exponents, Polynomial], i: int, j: int) -> Equation:
+        """An equation from two."""
+        sources = [
+            Source(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
+            for cut, entry in (self.evidence.equations[k] for k in (i, j))
+        ]
+        dimensions = [dimension(self.evidence.equations[k][1]) for k in (i, j)]
+        factor = _tidy_factor(terms)
+        tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
+        return Equation(tidy, 2 * sum(dimensions), replace(sources[0], also=sources[1]), abs(factor))
+
+    def _terms(self, p: Polynomial, places: Sequence[int]) -> dict[Exponents, Polynomial]:
+        """An equation by powers of its unknown, without what vanishes wherever the arm reaches."""
+        parts = self.domain.ring.coefficients(p, places).items()
+        return {e: coefficient for e, coefficient in parts if np.any(self.evidence.value(coefficient, self.constants))}
+
+    def _begin(self) -> None:
+        """An empty graph but for the joints that are given."""
+        self.nodes.clear()
+        self.homes.clear()
+        for joint in self.given:
+            self._append((self.domain.unknown(joint),), (Formula(Kind.GIVEN),))
+
+    def _follow(self, way: Sequence[Step], state: State) -> State:
+        """Nodes for the steps of a way."""
+        for step in way:
+            formulas, unknown = self._formulas(step, state)
+            self._append((unknown,), formulas)
+            joined = state.joined(step.group, *step.parts) if step.group >= 0 else None
+            state = joined or State(state.groups, state.slides | {step.parts[0]})
+        return state
+
+    def _ended(self, way: Sequence[Step], state: State) -> SolutionGraph:
+        """The graph after its last steps."""
+        self._follow(way, state)
+        for joint in range(self.robot.n):
+            self._ensure(self.domain.unknown(joint))
+        return self._finished()
+
+    def general_graph(self) -> SolutionGraph | None:
+        """The graph of one general node for all joints that are not given; None where there is none."""
+        entries = tuple((i - 1, j - 1) for i, j in sorted({place for row in self.task for place in ROWS[row]}))
+        if entries not in (POSE, POSITION):
+            return None
+        specimen = with_numbers(self.robot, self.numbers)
+        given = [self.domain.unknown(joint) for joint in self.given]
+        generators = [unknown.generators for unknown in given]
+        formula = general_formula(self.robot, specimen, self.given, generators, entries)
+        if formula is None:
+            return None
+        self.nodes.clear()
+        self.homes.clear()
+        for unknown in given:
+            self._append((unknown,), (Formula(Kind.GIVEN),))
+        free = tuple(map(self.domain.unknown, formula.order))
+        node = Node(len(given), free, (Formula(Kind.GENERAL, payload=formula),), tuple(range(len(given))))
+        self.nodes.append(replace(node, branches=formula.branches))
+        count = formula.solution.count
+        return replace(self._finished(), count=count, complete=count > 0)
+
+    def with_conditions(self, graph: SolutionGraph, missing: int) -> SolutionGraph:
+        """The graph with what its pose must satisfy.
+
+        Args:
+            graph: The graph.
+            missing: Dimensions of the task less those that the arm reaches.
+        """
+        if missing <= 0:
+            return graph
+        order = np.argsort(self.search.lengths, kind="stable")
+        numbers = [int(k) for k in order if self.evidence.allowed[k]][:_CONDITIONS]
+        cuts = ((k, *self.evidence.equations[k]) for k in numbers)
+        pool = [(self.polynomial(k), Source(cut.first + 1, cut.last + 1, entry)) for k, cut, entry in cuts]
+        homes = {name: (own.is_angle, index) for own, index in self.homes.items() for name in own.generators}
+
+        def _length(row: tuple[Polynomial, Source]) -> tuple[int, int]:
+            """Terms and slides; and how late in the graph its joints are found."""
+            found = [homes[name] for name in _names(row[0]) if name in homes]
+            return len(row[0].raw) + sum(not turns for turns, _ in found), max((k for _, k in found), default=-1)
+
+        whole = [(p, Source(1, self.robot.n, entry)) for entry, p in self.pose.constant.items()]
+        pool = [*whole, *sorted(pool, key=_length)]
+        complete = replace(graph, definitions=tuple(self.pose.definitions.items()))
+        found = conditions(complete, missing, pool, self.evidence, self.constants, self.numbers)
+        used = {name for equation in found for name in _names(equation.coefficient())}
+        used |= {name for name, _ in graph.definitions}
+        return replace(graph, conditions=found, definitions=self._definitions(used))
+
+    def _definitions(self, used: set[str]) -> tuple[tuple[str, Polynomial], ...]:
+        """Definitions of some generators of the pose and of those that they need."""
+        definitions: list[tuple[str, Polynomial]] = []
+        for name, value in reversed(self.pose.definitions.items()):
+            if name in used:
+                used = used | _names(value)
+                definitions.insert(0, (name, value))
+        return tuple(definitions)
+
+    def _finished(self) -> SolutionGraph:
+        used = {name for node in self.nodes for formula in node.formulas for name in _names_of_formula(formula)}
+        return SolutionGraph(
+            self.robot,
+            self.domain,
+            self.task,
+            self.given,
+            self._definitions(used),
+            self.domain.square_reach,
+            tuple(self.nodes),
+            self.shifts,
+            to_end=self.to_end,
+            from_base=self.links.start is not None,
+        )
+
+    # -- nodes
+
+    def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[Formula, ...]) -> int:
+        """A new node, after the sums of angles that it needs."""
+        owners: dict[str, Unknown] = {}
+        needed = {name for formula in formulas for name in _names_of_formula(formula)}
+        for unknown in self.domain.unknowns():
+            owners.update(dict.fromkeys(unknown.generators, unknown))
+        parts = {part for formula in formulas for part, _ in formula.parts}
+        wanted = parts | {owners[name] for name in needed if name in owners}
+        needs = tuple(sorted({self._ensure(unknown) for unknown in wanted - set(unknowns)}))
+        index = len(self.nodes)
+        self.nodes.append(Node(index, unknowns, formulas, needs, max(formula.branches for formula in formulas)))
+        self.homes.update(dict.fromkeys(unknowns, index))
+        return index
+
+    def _ensure(self, unknown: Unknown) -> int:
+        """The node of an angle that follows from known ones, a new one if need be."""
+        if unknown not in self.homes:
+            parts = self._parts(unknown)
+            self._append((unknown,), (Formula(Kind.SUM, parts=parts),))
+        return self.homes[unknown]
+
+    def _parts(self, unknown: Unknown) -> tuple[tuple[Unknown, int], ...]:
+        """An angle as the shortest signed sum of angles that have nodes."""
+        g, start, goal = self.domain.ends(unknown)
+        alike = [other for other in self.homes if other.is_angle and self.domain.ends(other)[0] == g]
+        edges = [(other, *self.domain.ends(other)[1:]) for other in alike]
+        ways: dict[int, tuple[tuple[Unknown, int], ...]] = {start: ()}
+        queue = [start]
+        while queue:
+            link = queue.pop(0)
+            for other, u, v in edges:
+                for a, b in ((u, v), (v, u)):
+                    if a == link and b not in ways:
+                        ways[b] = (*ways[link], (other, self.domain.sense(other, a < b)))
+                        queue.append(b)
+        sign = self.domain.sense(unknown, forwards=True)
+        return tuple((part, sign * own) for part, own in sorted(ways[goal], key=lambda pair: -pair[1] * sign))
+
+    # -- formulas
+
+    def _formulas(self, step: Step, state: State) -> tuple[tuple[Formula, ...], Unknown]:
+        """The formulas of a step, the best one first, and the unknown in which they are written."""
+        best = step.best
+        alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
+        written = [
+            (
+                self._cost(formula) + _LONG_SUM * len(unknown.joints),
+                _rank(formula, unknown),
+                k,
+                formula,
+                unknown,
+                choice,
+            )
+            for k, (choice, unknown) in enumerate(product(alike, self.domain.between(step.group, step.parts)))
+            if (formula := self._formula(choice, state, unknown)) is not None
+        ]
+        if not written:
+            raise CoincidenceError
+        *_, first, unknown, choice = min(written, key=lambda row: row[:3])
+        found = [first]
+        if first.degenerate:
+            for other in islice(self.search.others(step, choice, self.special), _ALTERNATIVES):
+                formula = self._formula(other, state, unknown)
+                if formula is not None:
+                    found.append(formula)
+        return tuple(found), unknown
+
+    def _formula(self, choice: Choice, state: State, unknown: Unknown) -> Formula | None:
+        """A choice in exact polynomials; None where it needs what is not known after all."""
+        equations = [self.equation(k, state, unknown) for k in choice.equations]
+        if any(equation is None for equation in equations):
+            return None
+        return Formula(choice.kind, tuple(equation for equation in equations if equation is not None))
+
+    def _equation(self, number: int, state: State, unknown: Unknown) -> Equation | None:
+        cut, entry = self.evidence.equations[number]
+        p = self.domain.rewritten(self.polynomial(number), state, unknown)
+        terms = self._terms(p, [self.domain.ring.index[name] for name in unknown.generators])
+        used = {name for coefficient in terms.values() for name in _names(coefficient)}
+        known = all(self.domain.is_known(name, state) for name in used)
+        if not known or not any(any(exponents) for exponents in terms):
+            return None
+        source = Source(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
+        factor = _tidy_factor(terms)
+        tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
+        return Equation(tidy, dimension(entry), source, abs(factor))
+
+    def _polynomial(self, number: int) -> Polynomial:
+        cut, entry = self.evidence.equations[number]
+        inside, around = self.pool.sides(cut)
+        return inside.entry(entry) - around.entry(entry)
+
+    def _cost(self, formula: Formula) -> int:
+        """Operations of the coefficients, and of sums of angles that have no node yet."""
+        operations = sum(_operations(horner(p)) for e in formula.equations for p in e.terms.values())
+        used = _names_of_formula(formula)
+        missing = {u for u in self.domain.unknowns() if u not in self.homes and used & set(u.generators)}
+        mixed = len({(e.source.first, e.source.last, e.source.entry[0], e.dimension) for e in formula.equations}) - 1
+        return operations + 6 * len(missing) + 6 * mixed
+
+
+def _rank(formula: Formula, unknown: Unknown) -> tuple[int, int]:
+    """Which of equally long formulas is the better one: of few joints; of the position, which seldom fails."""
+    return len(unknown.joints), sum(equation.dimension == 0 for equation in formula.equations)
+
+
+def _operations(plan: Plan) -> int:
+    if isinstance(plan, Fraction):
+        return 0
+    _, quotient, rest = plan
+    return (quotient not in (1, -1)) + _operations(quotient) + (rest != 0) + _operations(rest)
+
+
+def _tidy_factor(terms: Mapping[Exponents, Polynomial]) -> Fraction:
+    """What makes the numbers of an equation whole and most coefficients of its unknown positive."""
+    numbers = [coefficient for p in terms.values() for _, coefficient in p.terms()]
+    common = Fraction(gcd(*(x.numerator for x in numbers)), lcm(*(x.denominator for x in numbers)))
+    signs = [1 if coefficient > 0 else -1 for e, p in terms.items() if any(e) for _, coefficient in p.terms()]
+    return 1 / common if sum(signs) >= 0 else -1 / common
+
+
+def _names(p: Polynomial) -> set[str]:
+    return {name for name, degree in zip(p.ring.names, p.degrees(), strict=True) if degree}
+
+
+def _names_of_formula(formula: Formula) -> set[str]:
+    return {name for equation in formula.equations for p in equation.terms.values() for name in _names(p)}

@@ -1,0 +1,142 @@
+"""A solution of the inverse kinematics as a graph of nodes.
+
+Every node solves for one unknown (or a few) from equations whose coefficients are polynomials of what is known: the
+pose, the geometry, and the cosines, sines and lengths of the nodes before it (run by `derive.inverse.closed.walk`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import prod
+
+from derive.algebra.ring import Polynomial
+from derive.inverse.closed.nodes import Equation, Formula, Kind, Unknown
+from derive.inverse.closed.unknowns import InverseDomain
+from derive.robot.expression import Expression
+from derive.robot.options.inverse import FREEDOMS, ROWS, Task
+from derive.robot.robot import Robot
+
+SPECIAL = 4
+"""Solutions that stand alone at special poses of arms with few joints, where a generic pose has one or two."""
+
+
+@dataclass(frozen=True)
+class Node:
+    """One step of a solution.
+
+    Attributes:
+        index: Its place in the graph.
+        unknowns: What it solves for; more than one for general nodes alone.
+        formulas: The chosen one first, then others of equal meaning for poses where its leading coefficients vanish.
+        needs: Indices of the nodes whose unknowns occur in its formulas.
+        branches: How many values it has at most for one combination of values of what it needs.
+    """
+
+    index: int
+    unknowns: tuple[Unknown, ...]
+    formulas: tuple[Formula, ...]
+    needs: tuple[int, ...] = ()
+    branches: int = 1
+
+    @property
+    def unknown(self) -> Unknown:
+        """Its only, or first, unknown."""
+        return self.unknowns[0]
+
+    @property
+    def kind(self) -> Kind:
+        """The elementary type of the chosen formula."""
+        return self.formulas[0].kind
+
+
+@dataclass(frozen=True, eq=False)
+class SolutionGraph:
+    """How the joints of one arm follow from the pose.
+
+    Attributes:
+        robot: The arm.
+        domain: The ring of all polynomials: pose, parameters, and cosines, sines and lengths of the unknowns.
+        task: Which numbers of the pose are wanted, rows of `ROWS`.
+        given: Indices of the joints that are arguments.
+        definitions: Generators of the pose that are computed before any node, in order: name -> polynomial of the
+            entries of T and of those before it. An entry of T itself is named ``T[row,column]``.
+        square_reach: The sum of the squares of all lengths of table and pose: the scale of what is zero.
+        nodes: In an order in which each needs only nodes before it.
+        shifts: What is subtracted from the unknown of a joint to have its variable: a constant angle or length.
+        conditions: Polynomials of pose (and of nodes) that vanish at every reachable pose, for fewer than six joints.
+        count: Number of complex solutions of a generic reachable pose; 0 where it is not known.
+        complete: Whether that number is certain.
+        everywhere: Whether it is certain, too, that no pose has more of them that stand alone (`solve.Freedom.fills`).
+        why_not: Why there is no closed form; empty where there is one.
+        to_end: Whether the last matrix of the equations ends at the end effector, whose orientation is not told.
+        from_base: Whether the first one begins in the world, for a task that tells some rows of a turned base.
+    """
+
+    robot: Robot
+    domain: InverseDomain
+    task: Task
+    given: tuple[int, ...]
+    definitions: tuple[tuple[str, Polynomial], ...]
+    square_reach: Polynomial
+    nodes: tuple[Node, ...]
+    shifts: tuple[Expression, ...]
+    conditions: tuple[Equation, ...] = ()
+    count: int = 0
+    complete: bool = False
+    everywhere: bool = False
+    why_not: str = ""
+    to_end: bool = False
+    from_base: bool = False
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether there is a graph at all."""
+        return not self.why_not
+
+    @cached_property
+    def axes(self) -> tuple[tuple[int, ...], ...]:
+        """For each node the nodes with several branches that its values depend on, itself included, in order."""
+        found: list[tuple[int, ...]] = []
+        for node in self.nodes:
+            own = {axis for need in node.needs for axis in found[need]}
+            found.append(tuple(sorted(own | ({node.index} if node.branches > 1 else set()))))
+        return tuple(found)
+
+    @property
+    def choices(self) -> tuple[int, ...]:
+        """The nodes with several branches."""
+        return tuple(node.index for node in self.nodes if node.branches > 1)
+
+    @property
+    def leaves(self) -> int:
+        """The product of the numbers of branches at poses where the chosen formulas serve."""
+        return prod(node.formulas[0].branches for node in self.nodes)
+
+    @property
+    def slots(self) -> int:
+        """The product of the numbers of branches, those included that only formulas for special poses have."""
+        return prod(node.branches for node in self.nodes)
+
+    @property
+    def spare(self) -> int:
+        """For how many solutions of special poses there is room beside the branches."""
+        return 0 if self.everywhere or not self.is_short else max(0, SPECIAL - self.slots)
+
+    @property
+    def is_short(self) -> bool:
+        """Whether there are fewer joints than the task has dimensions."""
+        return self.robot.n - len(self.given) < sum(FREEDOMS.get(row, 1) for row in self.task)
+
+    @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """The entries of T that the task gives, row and column from 0."""
+        return tuple((i - 1, j - 1) for row in self.task for i, j in ROWS[row])
+
+    def joint_node(self, joint: int) -> Node:
+        """The node whose unknown is the variable of one joint.
+
+        Args:
+            joint: Its index, from 0.
+        """
+        return next(node for node in self.nodes for u in node.unknowns if u.joints == (joint,))

@@ -1,0 +1,181 @@
+"""The elementary equations of inverse kinematics: their unknowns, what each takes, how many values it has.
+
+The types are those of Khalil and Dombre, Modeling, Identification and Control of Robots, 2002, chapter 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from derive.algebra.ring import Polynomial
+
+
+class Kind(StrEnum):
+    """How a node is solved; the types are those of Khalil and Dombre, 2002, chapter 4."""
+
+    GIVEN = "given"
+    """The joint is an argument."""
+    SUM = "sum"
+    """A sum or difference of angles that are known."""
+    TYPE_1 = "type 1"
+    """X r = Y."""
+    TYPE_2 = "type 2"
+    """Y c + X s = Z."""
+    TYPE_3 = "type 3"
+    """Two equations Y c + X s = Z."""
+    QUADRATIC = "quadratic"
+    """X r^2 + Y r = Z."""
+    CONIC = "conic"
+    """One equation of the second degree in c and s: a quartic."""
+    GENERAL = "general"
+    """Several unknowns at once: elimination and an eigenvalue problem."""
+
+
+BRANCHES = {
+    Kind.GIVEN: 1,
+    Kind.SUM: 1,
+    Kind.TYPE_1: 1,
+    Kind.TYPE_2: 2,
+    Kind.TYPE_3: 1,
+    Kind.QUADRATIC: 2,
+    Kind.CONIC: 4,
+}
+"""How many values an unknown has for given coefficients."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """What a node solves for: a slide, a joint angle, or the sum of the angles of neighbouring parallel joints.
+
+    Attributes:
+        joints: Indices of the joints, from 0.
+        signs: The factor of each joint's variable in the sum; the first is +1.
+        generators: Names of the generators in the ring: cosine and sine, or the length.
+    """
+
+    joints: tuple[int, ...]
+    signs: tuple[int, ...]
+    generators: tuple[str, ...]
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether it is an angle, and not a length."""
+        return len(self.generators) == 2
+
+
+Exponents = tuple[int, ...]
+"""Of cosine and sine, or of the length, of the unknown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where an equation comes from: M = A_first ... A_last between joint frames, and the rest of the chain around T.
+
+    With the pose W without base and tool, M = (Z_1 ... )^-1 W (... Z_n)^-1. The entries are named as `pool` names them.
+
+    Attributes:
+        first: First joint of M, from 1.
+        last: Last joint of M.
+        entry: Which entry or invariant of both sides.
+        outer_left: Whether M begins behind the offset of its first joint.
+        outer_right: Whether M ends before the offset of its last joint.
+        also: Another equation, with which an unknown was eliminated from this one (`derive.inverse.closed.pairs`).
+    """
+
+    first: int
+    last: int
+    entry: str
+    outer_left: bool = False
+    outer_right: bool = False
+    also: Source | None = None
+
+
+@dataclass(frozen=True)
+class Equation:
+    """``sum of coefficient * c^i s^j = 0`` (or ``coefficient * r^i``) with coefficients of what is known.
+
+    Attributes:
+        terms: Exponents of the unknown -> coefficient, none of them the zero polynomial.
+        dimension: The power of length that it has: 0 for entries of rotations, 1 for positions, 2 for squares.
+        source: Where it comes from.
+        size: What it is multiplied by, against the entries that it comes from: the size of its coefficients, with
+            lengths counted by the reach of the arm.
+    """
+
+    terms: Mapping[Exponents, Polynomial]
+    dimension: int
+    source: Source
+    size: Fraction = Fraction(1)
+
+    def coefficient(self, *exponents: int) -> Polynomial:
+        """The coefficient of a power of the unknown, zero where it does not occur.
+
+        Args:
+            exponents: Of cosine and sine, or of the length.
+        """
+        known = self.terms.get(exponents)
+        return next(iter(self.terms.values())).ring.zero if known is None else known
+
+    @property
+    def linear(self) -> tuple[Polynomial, Polynomial, Polynomial]:
+        """(A, B, C) of an equation A c + B s = C of an angle."""
+        return self.coefficient(1, 0), self.coefficient(0, 1), -self.coefficient(0, 0)
+
+
+@dataclass(frozen=True)
+class Formula:
+    """One way to solve a node.
+
+    Attributes:
+        kind: The elementary type.
+        equations: One, or two for type 3; none for sums and given joints.
+        parts: The angles whose sum is taken, each with its sign (`Kind.SUM` alone).
+        payload: What a general node needs besides; see `derive.inverse.general.search`.
+    """
+
+    kind: Kind
+    equations: tuple[Equation, ...] = ()
+    parts: tuple[tuple[Unknown, int], ...] = ()
+    payload: Any = None
+
+    @property
+    def branches(self) -> int:
+        """How many values it gives."""
+        return int(self.payload.branches) if self.kind is Kind.GENERAL else BRANCHES[self.kind]
+
+    @cached_property
+    def existence(self) -> Polynomial | None:
+        """The polynomial that a real solution needs to be at least 0; None where there is always one."""
+        match self.kind:
+            case Kind.TYPE_2:
+                a, b, c = self.equations[0].linear
+                return a * a + b * b - c * c if c else None
+            case Kind.QUADRATIC:
+                a, b, c = (self.equations[0].coefficient(k) for k in (2, 1, 0))
+                return b * b - 4 * (a * c)
+        return None
+
+    @cached_property
+    def degenerate(self) -> tuple[Polynomial, ...]:
+        """The polynomials at whose common zeros the formula does not determine its unknown; none: it always does."""
+        match self.kind:
+            case Kind.TYPE_1:
+                found: tuple[Polynomial, ...] = (self.equations[0].coefficient(1),)
+            case Kind.QUADRATIC:
+                found = (self.equations[0].coefficient(2),)
+            case Kind.TYPE_2:
+                found = self.equations[0].linear[:2]
+            case Kind.TYPE_3:
+                (a, b, _), (d, e, _) = (equation.linear for equation in self.equations)
+                found = (a, e) if not b and not d else (b, d) if not a and not e else (a * e - b * d,)
+            case Kind.CONIC:
+                found = tuple(p for exponents, p in self.equations[0].terms.items() if any(exponents))
+            case _:
+                return ()
+        kept = tuple(p for p in found if p)
+        return () if self.kind is not Kind.TYPE_3 and any(p.is_constant for p in kept) else kept

@@ -1,0 +1,356 @@
+"""The order of the unknowns: the shortest way from nothing known to everything known.
+
+What is known is a set of angles and slides. The angles of a group of parallel joints that are known split its links
+into sets that stand still against each other; a step joins two of these sets (it finds the angle between them), or
+finds a slide. A step needs an equation in which nothing else is unknown. The best way has the fewest branches in all,
+then the simplest steps; of equal ones the one that goes from the base to the tip, then the one of shorter equations.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from derive.algebra.residues import Array
+from derive.inverse.closed.evidence import Change, Evidence
+from derive.inverse.closed.nodes import BRANCHES, Kind
+from derive.inverse.closed.unknowns import State
+
+CONSIDERED = 16
+"""Equations of a step that are looked at, the shortest ones."""
+
+UNLIKE = 6
+"""What it costs a pair of equations that they stand in different matrices or are of different kinds."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A formula in the rough: the equations by their numbers.
+
+    Attributes:
+        kind: The elementary type.
+        equations: Numbers of one or two equations.
+        cost: What the search adds up besides branches: kind, then length.
+    """
+
+    kind: Kind
+    equations: tuple[int, ...]
+    cost: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One unknown, and what determines it.
+
+    Attributes:
+        group: The group, -1 for a slide.
+        parts: The two parts whose angle is found; for a slide the joint twice.
+        choices: Ways to do it, the best one first.
+        equations: All equations in which nothing else is unknown, short ones first.
+    """
+
+    group: int
+    parts: tuple[int, int]
+    choices: tuple[Choice, ...]
+    equations: tuple[int, ...]
+
+    @property
+    def best(self) -> Choice:
+        """The best way."""
+        return self.choices[0]
+
+
+RANK = {Kind.QUADRATIC: 3, Kind.CONIC: 30}
+"""How unwelcome a type is at equal numbers of branches."""
+
+POWERS = {1: 0, 2: 1, 4: 2}
+"""Logarithms of branch numbers, which add up."""
+
+
+class Search:
+    """Finds the order in which an arm is solved.
+
+    Args:
+        evidence: Its equations.
+        given: Joints that are known from the start.
+    """
+
+    def __init__(self, evidence: Evidence, given: Sequence[int] = ()) -> None:
+        self.evidence = evidence
+        robot, groups = evidence.robot, evidence.domain.groups
+        self._slides = frozenset(i for i, joint in enumerate(robot.joints) if not joint.is_revolute)
+        start = State(tuple(tuple(1 << k for k in range(len(g) + 1)) for g in groups), self._slides & set(given))
+        for joint in given:
+            for g, group in enumerate(groups):
+                if joint in group:
+                    place = group.index(joint)
+                    a, b = (next(part for part in start.groups[g] if part >> k & 1) for k in (place, place + 1))
+                    start = start.joined(g, a, b)
+        self.start = start
+        self._depends = {change: effect.depends for change, effect in evidence.effects.items()}
+
+    def way(self, start: State | None = None) -> list[Step] | None:
+        """The steps of the best way; None where one-joint steps do not lead to the end.
+
+        Args:
+            start: What is known already; None for the joints that are given.
+        """
+        heap: list[tuple[tuple[int, ...], tuple[tuple[int, ...], ...], int, int, State, list[Step]]] = []
+        serial = 0
+        heapq.heappush(heap, ((0, 0, 0), (), 0, serial, start or self.start, []))
+        done: set[State] = set()
+        while heap:
+            cost, order, length, _, state, steps = heapq.heappop(heap)
+            if state in done:
+                continue
+            done.add(state)
+            if state.is_complete and state.slides == self._slides:
+                return steps
+            for step, after in self.steps(state):
+                if after not in done:
+                    best, serial = step.best, serial + 1
+                    own = (int(best.kind is Kind.CONIC), POWERS[BRANCHES[best.kind]], best.cost[0])
+                    total = tuple(a + b for a, b in zip(cost, own, strict=True))
+                    way = (*order, self._place(step))
+                    heapq.heappush(heap, (total, way, length + best.cost[1], serial, after, [*steps, step]))
+        return None
+
+    def advance(self) -> tuple[list[Step], State]:
+        """Steps as far as one-joint steps lead, and what is known then."""
+        state, steps, moved = self.start, list[Step](), True
+        while moved:
+            moved = False
+            for step, after in sorted(self.steps(state), key=lambda pair: (pair[0].best.cost, self._place(pair[0])))[
+                :1
+            ]:
+                state, moved = after, True
+                steps.append(step)
+        return steps, state
+
+    def pairs(self, state: State) -> Iterator[tuple[tuple[int, tuple[int, int]], list[int]]]:
+        """Each unknown with the equations in which it and one other unknown occur, short ones first.
+
+        Args:
+            state: What is known.
+        """
+        moved, unknown = self._unknowns(state)
+        usable = (unknown == 2) & self.evidence.allowed
+        for (g, a, one), (h, b, other) in combinations(moved, 2):
+            if g == h >= 0:
+                found = np.flatnonzero(usable & one & other)
+                yield (g, (a, b)), [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
+        for g, joint, vector in moved:
+            if g < 0:
+                found = np.flatnonzero(usable & vector)
+                yield (g, (joint, joint)), [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
+
+    def _unknowns(self, state: State) -> tuple[list[tuple[int, int, Array]], Array]:
+        """Parts of groups and slides with the equations that change with them, and how much each leaves unknown."""
+        unknown = np.zeros(len(self.evidence.equations), dtype=np.int64)
+        moved: list[tuple[int, int, Array]] = []
+        for g, parts in enumerate(state.groups):
+            if len(parts) > 1:
+                own = [self.depends(g, part) for part in parts]
+                count = sum(vector.astype(np.int64) for vector in own)
+                unknown += np.maximum(count - 1, 0)
+                moved += [(g, part, vector) for part, vector in zip(parts, own, strict=True)]
+        for joint in sorted(self._slides - state.slides):
+            vector = self._depends[Change(-1, joint)]
+            unknown += vector
+            moved.append((-1, joint, vector))
+        return moved, unknown
+
+    def _place(self, step: Step) -> tuple[int, ...]:
+        """Where a step stands from base to tip: its first joint, then how many it spans."""
+        if step.group < 0:
+            return (step.parts[0], 0)
+        group = self.evidence.domain.groups[step.group]
+        a, b = ((part & -part).bit_length() - 1 for part in step.parts)
+        return (group[min(a, b)], max(a, b) - min(a, b))
+
+    def steps(self, state: State) -> Iterator[tuple[Step, State]]:
+        """What can be found next.
+
+        Args:
+            state: What is known.
+        """
+        moved, unknown = self._unknowns(state)
+        usable = (unknown == 1) & self.evidence.allowed
+        for (g, a, one), (h, b, other) in combinations(moved, 2):
+            if g == h >= 0:
+                found = np.flatnonzero(usable & one & other)
+                step = self._step(g, (a, b), found) if found.size else None
+                if step:
+                    yield step, state.joined(g, a, b)
+        for g, joint, vector in moved:
+            if g < 0:
+                found = np.flatnonzero(usable & vector)
+                step = self._step(-1, (joint, joint), found) if found.size else None
+                if step:
+                    yield step, State(state.groups, state.slides | {joint})
+
+    def depends(self, group: int, part: int) -> Array:
+        """Which equations change when some links of a group turn.
+
+        Args:
+            group: The group.
+            part: The links as bits.
+        """
+        return self._depends[self.change(group, part)]
+
+    def change(self, group: int, part: int) -> Change:
+        """The change in which some links of a group turn, or the others against them.
+
+        Args:
+            group: The group, -1 for a slide.
+            part: The links as bits; the joint.
+        """
+        if group < 0:
+            return Change(-1, part)
+        everything = (2 << len(self.evidence.domain.groups[group])) - 1
+        return Change(group, everything ^ part if part & 1 else part)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """For each equation how much it is made of: what it depends on, its cut and its dimension."""
+        evidence = self.evidence
+        groups = evidence.domain.groups
+        touched = np.zeros(len(evidence.equations), dtype=np.int64)
+        for g, group in enumerate(groups):
+            links = sum(self.depends(g, 1 << k).astype(np.int64) for k in range(len(group) + 1))
+            touched += np.maximum(links - 1, 0)
+        for joint in self._slides:
+            touched += self._depends[Change(-1, joint)]
+        own = np.array([evidence.complexity(k) for k in range(len(evidence.equations))], dtype=np.int64)
+        return 8 * touched + own
+
+    def others(self, step: Step, first: Choice, special: Evidence) -> Iterator[Choice]:
+        """Choices for poses at which the first one fails, the one that helps at most of them first.
+
+        Where two equations are not enough any more one may be: there the joint has two values.
+
+        Args:
+            step: The step.
+            first: The choice of its formula.
+            special: The same equations at poses where formulas fail.
+        """
+        change, p = self.change(step.group, step.parts[1]), self.evidence.prime
+        table = special.effects[change].coefficients
+        degrees = self.evidence.effects[change].degrees
+        linear = np.array([k for k in step.equations if degrees[k] == 1], dtype=np.int64)
+        open_ = np.flatnonzero(self._fails(table, first))
+        single = first.kind is Kind.TYPE_2
+        while open_.size and linear.size:
+            own = table[linear][:, open_]
+            if step.group < 0:
+                helps, kind = own[:, :, 1] != 0, Kind.TYPE_1
+            elif single:
+                helps, kind = np.any(own[:, :, 1:3] != 0, axis=2), Kind.TYPE_2
+            else:
+                products = own[:, None, :, 1] * own[None, :, :, 2] % p
+                helps, kind = products != products.transpose(1, 0, 2), Kind.TYPE_3
+            count = helps.sum(axis=-1)
+            if not count.max():
+                if single or step.group < 0:
+                    return
+                single = True
+                continue
+            lengths = self.lengths[linear]
+            if kind is Kind.TYPE_3:
+                lengths = lengths[:, None] + lengths[None]
+            best = np.unravel_index(np.lexsort((lengths.ravel(), -count.ravel()))[0], count.shape)
+            yield Choice(kind, tuple(int(linear[k]) for k in sorted(best)), (1, int(lengths[best])))
+            open_ = open_[~helps[best]]
+
+    def _fails(self, table: Array, choice: Choice) -> Array:
+        """At which poses a choice does not determine its unknown."""
+        own = [table[k] for k in choice.equations]
+        if choice.kind is Kind.TYPE_3:
+            (a, b), p = own, self.evidence.prime
+            parallel: Array = a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p
+            return parallel
+        places = {Kind.TYPE_1: (1,), Kind.QUADRATIC: (2,), Kind.TYPE_2: (1, 2), Kind.CONIC: (1, 2, 3, 4)}[choice.kind]
+        fails: Array = np.all(own[0][:, list(places)] == 0, axis=1)
+        return fails
+
+    # -- one step
+
+    def _step(self, group: int, parts: tuple[int, int], found: Array) -> Step | None:
+        """The ways to find one unknown from some equations, None where there are none."""
+        effect = self.evidence.effects[self.change(group, parts[1])]
+        order = [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
+        degrees = effect.degrees
+        linear = [k for k in order if degrees[k] == 1]
+        choices = self._lengths(effect.coefficients, order, degrees) if group < 0 else []
+        if group >= 0:
+            choices = self._pairs(effect.coefficients, linear) + self._singles(effect.coefficients, linear)
+            conics = [k for k in order if degrees[k] == 2]
+            if not choices and conics:
+                choices = [Choice(Kind.CONIC, (k,), (RANK[Kind.CONIC], int(self.lengths[k]))) for k in conics[:4]]
+        if not choices:
+            return None
+        choices.sort(key=lambda choice: (BRANCHES[choice.kind], *choice.cost))
+        return Step(group, parts, tuple(choices), tuple(order))
+
+    def _lengths(self, coefficients: Array, order: Sequence[int], degrees: Array) -> list[Choice]:
+        """Ways to find a slide: without a division where there is one."""
+        constant = [k for k in order if degrees[k] == 1 and self._constant(coefficients[k, :, 1])][:CONSIDERED]
+        choices = [Choice(Kind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
+        for k in order[:CONSIDERED]:
+            if degrees[k] == 1 and k not in constant:
+                choices.append(Choice(Kind.TYPE_1, (k,), (1, int(self.lengths[k]))))
+            elif degrees[k] == 2:
+                choices.append(Choice(Kind.QUADRATIC, (k,), (RANK[Kind.QUADRATIC], int(self.lengths[k]))))
+        return choices
+
+    def _singles(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
+        """Equations A c + B s = C by themselves: best C = 0, an atan2 alone; then those that never degenerate."""
+        p, choices = self.evidence.prime, []
+        for k in linear[:CONSIDERED]:
+            square = (coefficients[k, :, 1] ** 2 % p + coefficients[k, :, 2] ** 2 % p) % p
+            rank = 2 if not np.any(coefficients[k, :, 0]) else 3 if self._constant(square) else 5
+            choices.append(Choice(Kind.TYPE_2, (k,), (rank, int(self.lengths[k]))))
+        return choices
+
+    def _pairs(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
+        """Pairs of such equations that determine cosine and sine.
+
+        First those that do so at every pose, then A c + B s, -B c + A s, whose determinant is a sum of squares: it is
+        zero where the angle is free, and nowhere else.
+        """
+        if len(linear) < 2:
+            return []
+        p, numbers = self.evidence.prime, np.array(linear)
+        cosines, sines = coefficients[numbers, :, 1], coefficients[numbers, :, 2]
+        products = cosines[:, None] * sines[None] % p
+        determinants = (products - products.transpose(1, 0, 2)) % p
+        cuts = np.array([self._cuts[k] for k in linear])
+        length = self.lengths[numbers][:, None] + self.lengths[numbers][None] + UNLIKE * (cuts[:, None] != cuts[None])
+        inner = (cosines[:, None] * cosines[None] % p + sines[:, None] * sines[None] % p) % p
+        squares = np.diagonal(inner).T
+        nonzero = np.triu(np.all(determinants != 0, axis=2))
+        constant = nonzero & np.all(determinants == determinants[:, :, :1], axis=2)
+        turned = np.all((inner == 0) & (squares[:, None] == squares[None]), axis=2) & nonzero & ~constant
+        choices = []
+        for rank, mask in ((0, constant), (1, turned), (4, nonzero & ~constant & ~turned)):
+            rows, columns = np.nonzero(mask)
+            for k in np.argsort(length[rows, columns], kind="stable")[:CONSIDERED]:
+                i, j = rows[k], columns[k]
+                choices.append(Choice(Kind.TYPE_3, (linear[i], linear[j]), (rank, int(length[i, j]))))
+        return choices
+
+    @cached_property
+    def _cuts(self) -> list[int]:
+        """For each equation a number of its cut and its kind of entry."""
+        known: dict[object, int] = {}
+        return [known.setdefault((cut, entry[0], "." in entry), len(known)) for cut, entry in self.evidence.equations]
+
+    @staticmethod
+    def _constant(values: Array) -> bool:
+        """Whether a coefficient is the same number, not zero, at all poses."""
+        return bool(values[0] and np.all(values == values[0]))

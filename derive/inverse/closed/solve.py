@@ -1,0 +1,244 @@
+"""From a robot to the graph of its solutions: which joints are given, and which way leads to a graph."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
+from itertools import combinations
+
+import numpy as np
+
+from derive.algebra.residues import Residue, ResidueDomain, echelon
+from derive.errors import QuantityError, listed
+from derive.inverse.closed.completeness import counted
+from derive.inverse.closed.formulas import CoincidenceError, Derivation
+from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.pool import Links, Pool, identity_atoms
+from derive.inverse.closed.unknowns import InverseDomain, baked, shifted, with_numbers
+from derive.mechanics.chain import ChainJoint, build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
+from derive.mechanics.vectors import column, cross
+from derive.robot.options.inverse import FREEDOMS, ROWS, TASKS, InverseOptions, Task
+from derive.robot.robot import Robot
+
+MAX_JOINTS = 10
+"""Longer arms are solved by numbers alone."""
+
+_TRIED = 4
+"""Choices of given joints that are tried where the file makes none."""
+
+_KEPT = 64
+"""Graphs that are kept for those who ask for them again: print, programs and figures of one arm have the same."""
+
+
+def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = None) -> SolutionGraph:
+    """The graph of all solutions of an arm.
+
+    Args:
+        robot: The robot.
+        task: The rows of the task; default as the file says.
+        given: Indices of the joints that are arguments; default as the file says, else as many as there are too many.
+
+    Returns:
+        The graph; where there is none, `SolutionGraph.why_not` says so.
+
+    Raises:
+        QuantityError: No such row or joint; joints that are given leave others that move the arm without moving its
+            end; or no joint moves it in the sense of the task.
+    """
+    task = robot.inverse.task if task is None else task
+    if isinstance(task, str) or not task or not set(task) <= set(ROWS):
+        raise QuantityError(f"the task {task!r}", allowed=f"allowed: a tuple of {listed(ROWS)}")
+    if given is not None and not set(given) <= set(range(robot.n)):
+        raise QuantityError(f"the given joints {list(given)!r}", allowed=f"allowed: indices from 0 to {robot.n - 1}")
+    if given is None and robot.inverse.given is not None:
+        given = [k for k, joint in enumerate(robot.joints) if joint.variable in robot.inverse.given]
+    if robot.n > MAX_JOINTS:
+        return refusal(robot, task, tuple(given or ()), f"an arm of more than {MAX_JOINTS} joints")
+    try:
+        return _derived(robot, tuple(task), None if given is None else tuple(sorted(set(given))))
+    except QuantityError as error:
+        location = robot.inverse.location
+        raise error if location is None else error.at(location) from None
+
+
+@lru_cache(_KEPT)
+def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> SolutionGraph:
+    """The graph of an arm by formulas, if it has one."""
+    freedom = Freedom(robot, task)
+    if not freedom.rank:
+        rows = [row for row in ROWS if row not in task and Freedom(robot, (row,)).rank]
+        found = f"a task of {listed(task)}, which no joint changes"
+        raise QuantityError(found, allowed=f"allowed: {listed(rows)}" if rows else "")
+    if given is not None:
+        freedom.check(given)
+    choices = [given] if given is not None else list(freedom.choices())[:_TRIED]
+    wanted = sum(FREEDOMS.get(row, 1) for row in task)
+    for arm in (robot, with_numbers(robot, baked(robot))):
+        with suppress(CoincidenceError):
+            graph = _solved(arm, task, choices, wanted - freedom.rank)
+            return replace(graph, everywhere=graph.complete and freedom.fills(graph.given))
+    return refusal(robot, task, choices[0], "parameters whose numbers coincide with what no symbol says")
+
+
+def usual_task(robot: Robot) -> Task:
+    """The task by which textbooks solve an arm: that of its file, or coordinates of the position alone.
+
+    These are asked of two or three joints that move the end effector in as many coordinates.
+
+    Args:
+        robot: The robot.
+    """
+    if robot.inverse != InverseOptions() or robot.n not in (2, 3):
+        return robot.inverse.task
+    moved = tuple(row for row in TASKS["position"] if Freedom(robot, (row,)).rank)
+    is_square = len(moved) == robot.n == Freedom(robot, moved).rank
+    return moved if is_square else robot.inverse.task
+
+
+def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missing: int) -> SolutionGraph:
+    """The graph of an arm by the simplest way that leads anywhere, with its conditions and count."""
+    for way, deep in ((Derivation.graph, False), (Derivation.graph, True), (Derivation.graph_by_pairs, False)):
+        for choice in choices:
+            derivation = Derivation(robot, task, choice, deep=deep)
+            graph = way(derivation)
+            if graph is not None:
+                graph = derivation.with_conditions(graph, missing)
+                return counted(graph, derivation.sampled, derivation.numbers)
+    general = Derivation(robot, task, choices[0]).general_graph()
+    if general is not None:
+        return general
+    reason = "no order of the joints in which each follows by itself from the pose and the joints before it"
+    return refusal(robot, task, choices[0], reason)
+
+
+def refusal(robot: Robot, task: Task, given: Sequence[int], reason: str) -> SolutionGraph:
+    """A graph without nodes.
+
+    Args:
+        robot: The robot.
+        task: The rows of the task.
+        given: Indices of the joints that are arguments.
+        reason: Why there is no closed form.
+    """
+    plain, shifts = shifted(with_numbers(robot, {}))
+    domain = InverseDomain(plain)
+    return SolutionGraph(plain, domain, task, tuple(given), (), domain.square_reach, (), shifts, why_not=reason)
+
+
+class Freedom:
+    """Which joints move the end effector in the sense of a task, by ranks modulo a prime at a random configuration.
+
+    Args:
+        robot: The robot.
+        task: The rows of the task.
+    """
+
+    def __init__(self, robot: Robot, task: Task) -> None:
+        numbers = baked(robot)
+        self.robot = with_numbers(shifted(with_numbers(robot, numbers))[0], numbers)
+        domain = InverseDomain(self.robot)
+        residues = ResidueDomain(domain, 1, seed=3)
+        chain = build_chain(self.robot, residues)
+        rotation = forward_kinematics(chain).rotation
+        columns = list(zip(*jacobian(chain), strict=True))
+        rows = []
+        for i, j in (place for row in task for place in ROWS[row]):
+            moved = [v[i - 1] if j == 4 else cross(v[3:], column(rotation, j - 1))[i - 1] for v in columns]
+            rows.append([int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in moved])
+        self._table, self._prime = np.array(rows, dtype=np.int64), residues.prime
+        self._wanted = sum(FREEDOMS.get(row, 1) for row in task)
+        self._twists = [[int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in v] for v in columns]
+        self.rank = self._rank(range(robot.n))
+        links = Links(self.robot, residues, lambda k, _: self._motion(chain.joints[k]))
+        self._pool = Pool(links, identity_atoms(links, deep=False))
+
+    def _motion(self, joint: ChainJoint[Residue]) -> tuple[Residue, ...]:
+        return (joint.cosine, joint.sine) if joint.revolute else (joint.offset,)
+
+    def _rank(self, joints: Iterable[int]) -> int:
+        return len(echelon(self._table[:, list(joints)], self._prime)[0])
+
+    def check(self, given: Sequence[int]) -> None:
+        """Refuse given joints that leave others free.
+
+        Args:
+            given: Their indices.
+
+        Raises:
+            QuantityError: The others move the arm without moving its end.
+        """
+        rest = [k for k in range(self.robot.n) if k not in given]
+        if self._rank(rest) == len(rest):
+            return
+        variables = [joint.variable for joint in self.robot.joints]
+        more = [variables[k] for k in rest if self._rank([j for j in rest if j != k]) == self._rank(rest)]
+        count = len(rest) - self._rank(rest)
+        raise QuantityError(
+            f"with {listed([variables[k] for k in given]) or 'no joint'} given the others are not determined",
+            allowed=f"{count} joint{'s' if count > 1 else ''} more to be given of {listed(more)}",
+        )
+
+    def fills(self, given: Sequence[int]) -> bool:
+        """Whether no pose has more solutions that stand alone than a generic one, as far as that is proven."""
+        twists = [own for k, own in enumerate(self._twists) if k not in given]
+        return len(twists) == self._wanted or (self._wanted == 6 and self._stand_alone(twists))
+
+    def _stand_alone(self, twists: Sequence[Sequence[int]]) -> bool:
+        """Whether poses of joints with these twists have nowhere more solutions that stand alone."""
+        # So it is where the joints map onto a smooth variety of their own dimension, by Zariski's main theorem
+        # (Hartshorne, Algebraic Geometry, III.11.4): onto a group of motions, whose Lie algebra the twists generate; of
+        # two joints, whose motions are equal at rest alone; and where the first or last joint has one value at each
+        # pose, because none of its motions is one of the group of the others. Where other arms reach, poses may meet.
+        if len(twists) <= 2 or len(self._generated(twists)) == len(twists):
+            return True
+        for one, rest in ((twists[0], twists[1:]), (twists[-1], twists[:-1])):
+            group = self._generated(rest)
+            if len(self._basis([*group, one])) > len(group) and self._stand_alone(rest):
+                return True
+        return False
+
+    def _generated(self, twists: Sequence[Sequence[int]]) -> list[list[int]]:
+        """A basis of the Lie algebra of some twists."""
+        basis, before = self._basis(twists), 0
+        while before < len(basis):
+            before = len(basis)
+            basis = self._basis([*basis, *(self._bracket(a, b) for a, b in combinations(basis, 2))])
+        return basis
+
+    def _basis(self, twists: Sequence[Sequence[int]]) -> list[list[int]]:
+        return list(echelon(np.array(twists, dtype=np.int64), self._prime)[1].tolist())
+
+    def _bracket(self, a: Sequence[int], b: Sequence[int]) -> list[int]:
+        """Of two twists: velocities of a point, then angular velocities."""
+        (va, wa), (vb, wb) = (((x[0], x[1], x[2]), (x[3], x[4], x[5])) for x in (a, b))
+        moved = (x - y for x, y in zip(cross(wa, vb), cross(wb, va), strict=True))
+        return [x % self._prime for x in (*moved, *cross(wa, wb))]
+
+    def choices(self) -> Iterator[tuple[int, ...]]:
+        """Which joints may be given so that the task determines the others, the usual choice first.
+
+        With a shoulder and a wrist of three axes through one point each, seven joints have their elbow's swivel as
+        third joint; else the last joints are given.
+        """
+        n, extra = self.robot.n, self.robot.n - self.rank
+        sets = sorted(combinations(range(n), extra), key=lambda joints: tuple(-k for k in reversed(joints)))
+        if extra == 1 and n == 7 and self.meet(0) and self.meet(4):
+            sets.sort(key=lambda joints: joints != (2,))
+        for joints in sets:
+            rest = [k for k in range(n) if k not in joints]
+            if self._rank(rest) == len(rest):
+                yield joints
+
+    def meet(self, first: int) -> bool:
+        """Whether the axes of three joints meet in one point.
+
+        Args:
+            first: The first of them, from 0.
+        """
+        if not all(joint.is_revolute for joint in self.robot.joints[first : first + 3]):
+            return False
+        position = self._pool.inside(first, first + 2).position
+        return not any(np.any(x.values) for x in position)

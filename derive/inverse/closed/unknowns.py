@@ -1,0 +1,330 @@
+"""What is solved for, as generators of one ring: joint angles, slides, and sums of the angles of parallel joints.
+
+Parallel joints form a group (opposed axes too), whose angles books add. Seen from its first link the link after k
+joints of a group of m is turned by phi_k, k = 0..m; joint angles and their sums are the differences phi_v - phi_u.
+Each difference has a cosine and a sine of its own in the ring: which of them describe an arm is a matter of choice,
+made equation by equation. Knowing some of them splits 0..m into sets within which all differences are known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations, product
+from typing import TypeVar
+
+from derive.algebra.angles import decompose
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Generator, Kind
+from derive.algebra.ring import Polynomial
+from derive.inverse.closed.nodes import Unknown
+from derive.mechanics.vectors import Scalar
+from derive.robot.description import Joint
+from derive.robot.expression import ZERO, Expression, Name, Number, Pi, add, multiply, names, substitute
+from derive.robot.options.style import Contraction
+from derive.robot.robot import Robot
+
+ENTRIES = tuple(f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3, 4))
+"""Of the upper three rows of a pose."""
+
+INVARIANTS = (
+    "p.p",
+    *(f"u[{k}]" for k in (1, 2, 3)),
+    *(f"m[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)),
+    *(f"k[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)),
+)
+"""Of the pose W = (R, p) within the arm: p.p, u = R^T p, m = [p]x R and k = p.p R - 2 p u^T."""
+
+
+S = TypeVar("S", bound=Scalar)
+
+Parts = tuple[int, ...]
+"""The links of a group as sets (bits) that stand still against each other, the one of link 0 first."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What is known.
+
+    Attributes:
+        groups: For each group its parts.
+        slides: The slides that are known.
+    """
+
+    groups: tuple[Parts, ...]
+    slides: frozenset[int]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all angles are known; the slides are checked by the search."""
+        return all(len(parts) == 1 for parts in self.groups)
+
+    def joined(self, group: int, a: int, b: int) -> State:
+        """With the angle between two parts of a group.
+
+        Args:
+            group: The group.
+            a: The one part.
+            b: The other.
+        """
+        rest = [part for part in self.groups[group] if part not in (a, b)]
+        parts = tuple(sorted([*rest, a | b], key=lambda part: part & -part))
+        return State((*self.groups[:group], parts, *self.groups[group + 1 :]), self.slides)
+
+
+class InverseDomain(PolynomialDomain):
+    """The ring in which inverse kinematics is derived.
+
+    Besides what a robot's ring has, it holds the cosine and sine of every sum of neighbouring angles of a group, the
+    entries ``T[row,column]`` of the pose, those of the pose within the arm, ``W[row,column]``, and its `INVARIANTS`.
+
+    Args:
+        robot: The robot, without constants in its joint variables (`shifted`).
+        extra: Further constants that the ring must be able to hold.
+    """
+
+    def __init__(self, robot: Robot, extra: Iterable[Expression] = ()) -> None:
+        super().__init__(robot, extra, sums=lambda group: False, contraction=Contraction.OPPOSED, rates=False)
+
+    def _needed_generators(self, rates: bool) -> Iterator[Generator]:
+        for group in self.groups:
+            for u, v in combinations(range(len(group) + 1), 2):
+                if v - u > 1:
+                    members = group[u:v]
+                    key = "+".join(self.robot.joints[m].variable for m in members)
+                    sine, cosine = f"sin {key}", f"cos {key}"
+                    argument = self.angle_sum(members)
+                    yield Generator(Kind.SINE, sine, argument, -1, cosine)
+                    yield Generator(Kind.COSINE, cosine, argument, -1, sine)
+        yield from super()._needed_generators(rates)
+        names = [f"{pose}{entry}" for pose in "WT" for entry in ENTRIES]
+        yield from (Generator(Kind.PARAMETER, name, Name(name)) for name in [*INVARIANTS, *names])
+
+    def unknown(self, *joints: int) -> Unknown:
+        """The angle of a joint, or of the sum of neighbouring ones of a group, or the length of a slide.
+
+        Args:
+            joints: Indices of the joints, from 0.
+        """
+        key = "+".join(self.robot.joints[m].variable for m in joints)
+        if not self.robot.joints[joints[0]].is_revolute:
+            return Unknown(joints, (1,), (key,))
+        signs = tuple(self.directions[joints[0]] * self.directions[m] for m in joints)
+        return Unknown(joints, signs, (f"cos {key}", f"sin {key}"))
+
+    def joint_turn(self, joint: int, start: int) -> tuple[Polynomial, ...]:
+        """The motion of a joint about (along) its own axis, its angle as a difference of sums of angles.
+
+        Args:
+            joint: Its index.
+            start: The joint of its group at which the sums begin, or the first one after it; -1 for the group's end.
+        """
+        row = self.robot.joints[joint]
+        if not row.is_revolute:
+            return (row.sign * self.ring.generator(row.variable),)
+        g = next(k for k, group in enumerate(self.groups) if joint in group)
+        group = self.groups[g]
+        root = sum(member < start for member in group) if start >= 0 else len(group)
+        place, sign = group.index(joint), row.sign * self.directions[joint]
+        (c, s), (d, e) = self.turn(g, root, place), self.turn(g, root, place + 1)
+        return c * d + s * e, sign * (c * e - s * d)
+
+    def turn(self, group: int, u: int, v: int) -> tuple[Polynomial, Polynomial]:
+        """Cosine and sine of phi_v - phi_u of a group.
+
+        Args:
+            group: Its number in `groups`.
+            u: Joints of the group before the one link.
+            v: Before the other.
+        """
+        if u == v:
+            return self.ring.one, self.ring.zero
+        members = self.groups[group][min(u, v) : max(u, v)]
+        cosine, sine = map(self.ring.generator, self.unknown(*members).generators)
+        positive = (self.directions[members[0]] > 0) == (u < v)
+        return cosine, sine if positive else -sine
+
+    @cached_property
+    def square_reach(self) -> Polynomial:
+        """The squares of all lengths of the table, 1 m where it has none, and of the position."""
+        cells = [cell for joint in self.robot.joints for cell in (joint.a, joint.d)]
+        cells += [row[3] for matrix in (self.robot.base, self.robot.tool) for row in matrix[:3]]
+        lengths = [length for length in map(self.constant, cells) if length] or [self.ring.one]
+        lengths += [self.ring.generator(f"T[{k},4]") for k in (1, 2, 3)]
+        return sum((x * x for x in lengths), self.ring.zero)
+
+    def unknowns(self) -> Iterator[Unknown]:
+        """All angles, sums of angles and slides."""
+        for group in self.groups:
+            for u in range(len(group)):
+                yield from (self.unknown(*group[u:v]) for v in range(u + 1, len(group) + 1))
+        yield from (self.unknown(i) for i, joint in enumerate(self.robot.joints) if not joint.is_revolute)
+
+    def owner(self, name: str) -> Unknown | None:
+        """The unknown of a generator.
+
+        Args:
+            name: The generator's name.
+        """
+        return next((unknown for unknown in self.unknowns() if name in unknown.generators), None)
+
+    def between(self, number: int, parts: tuple[int, int]) -> list[Unknown]:
+        """The angles between two parts of a group, those of few joints first; or the slide.
+
+        Args:
+            number: The group; -1 for a slide.
+            parts: Two of its parts (see `State`); the index of the slide first.
+        """
+        if number < 0:
+            return [self.unknown(parts[0])]
+        group = self.groups[number]
+        links = [[k for k in range(len(group) + 1) if part >> k & 1] for part in parts]
+        ends = (sorted(pair) for pair in product(*links))
+        return [self.unknown(*group[u:v]) for u, v in sorted(ends, key=lambda e: (e[1] - e[0], e))]
+
+    def ends(self, unknown: Unknown) -> tuple[int, int, int]:
+        """The group of an angle and the two links that it is between.
+
+        Args:
+            unknown: The angle.
+        """
+        g = next(k for k, group in enumerate(self.groups) if unknown.joints[0] in group)
+        place = self.groups[g].index(unknown.joints[0])
+        return g, place, place + len(unknown.joints)
+
+    def sense(self, unknown: Unknown, forwards: bool) -> int:
+        """Whether phi_v - phi_u is the angle or its negative.
+
+        Args:
+            unknown: The angle.
+            forwards: Whether u < v.
+        """
+        direction = self.directions[unknown.joints[0]]
+        return direction if forwards else -direction
+
+    @cached_property
+    def _angle_places(self) -> Mapping[str, tuple[int, int, int]]:
+        """The group and the links of each cosine and sine."""
+        angles = [unknown for unknown in self.unknowns() if unknown.is_angle]
+        return {name: self.ends(unknown) for unknown in angles for name in unknown.generators}
+
+    def is_known(self, name: str, state: State) -> bool:
+        """Whether a generator is known: a constant, of the pose, or of an unknown that was found.
+
+        Args:
+            name: The generator's name.
+            state: What was found.
+        """
+        generator = self.generators[self.ring.index[name]]
+        if generator.kind is Kind.VARIABLE:
+            return generator.joint in state.slides
+        if generator.kind not in (Kind.SINE, Kind.COSINE):
+            return True
+        g, u, v = self._angle_places[name]
+        return any(part >> u & 1 and part >> v & 1 for part in state.groups[g])
+
+    def rewritten(self, p: Polynomial, state: State, unknown: Unknown) -> Polynomial:
+        """A polynomial with all angles of a group between parts that are known, counted from one of the unknown's.
+
+        What does not occur after all drops out then, for the angles between the parts are independent.
+
+        Args:
+            p: The polynomial.
+            state: The parts.
+            unknown: The angle or slide in which it is written.
+        """
+        g, *ends = self.ends(unknown) if unknown.is_angle else (-1,)
+        degrees, images, changed = p.degrees(), list(self.ring.context.gens()), False
+        for name, (group, u, v) in self._angle_places.items():
+            if not degrees[self.ring.index[name]] or name in unknown.generators:
+                continue
+            homes = [next(part for part in state.groups[group] if part >> k & 1) for k in (u, v)]
+            if homes[0] == homes[1]:
+                continue
+            kept = ends if group == g else []
+            first, last = (next((k for k in kept if home >> k & 1), _lowest(home)) for home in homes)
+            root = ends[0] if group == g else _lowest(state.groups[group][0])
+            turn = self.turn(group, u, first)
+            for a, b in ((first, root), (root, last), (last, v)):
+                turn = turned(turn, self.turn(group, a, b))
+            other = self.unknown(*self.groups[group][u:v])
+            value = turn[0] if name == other.generators[0] else self.sense(other, forwards=True) * turn[1]
+            images[self.ring.index[name]], changed = value.raw, True
+        return self.ring.wrap(p.raw.compose(*images)) if changed else p
+
+
+def _lowest(part: int) -> int:
+    """The first link of a set."""
+    return (part & -part).bit_length() - 1
+
+
+def shifted(robot: Robot) -> tuple[Robot, tuple[Expression, ...]]:
+    """The robot with its joint variables counted from where their cells have no constants but right angles.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        The robot, and for each joint the constant that its new variable has more than the old one.
+    """
+    joints, shifts = zip(*map(_shifted_joint, robot.joints), strict=True)
+    return replace(robot, joints=joints), shifts
+
+
+def _shifted_joint(joint: Joint) -> tuple[Joint, Expression]:
+    if not joint.is_revolute:
+        return replace(joint, d=ZERO), multiply(Number(Fraction(joint.sign)), joint.d)
+    exact = decompose(joint.theta)
+    right = Fraction(round(exact.pi_multiple * 2), 2)
+    kept = multiply(Number(right), Pi()) if right else ZERO
+    rest = add(joint.theta, multiply(Number(-right), Pi())) if right else joint.theta
+    if not exact.terms and exact.pi_multiple == right:
+        return joint, ZERO
+    return replace(joint, theta=kept), multiply(Number(Fraction(joint.sign)), rest)
+
+
+def baked(robot: Robot) -> dict[str, Expression]:
+    """The numbers of the parameters that are no arguments of generated functions.
+
+    Args:
+        robot: The robot.
+    """
+    found: dict[str, Expression] = {}
+    for name, value in robot.parameters:
+        if name not in robot.runtime:
+            found[name] = substitute(value, found)
+    return {name: value for name, value in found.items() if not any(True for _ in names(value))}
+
+
+def with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
+    """The arm alone, with numbers in place of some names.
+
+    Args:
+        robot: The robot.
+        numbers: By name.
+    """
+
+    def _cell(e: Expression) -> Expression:
+        return substitute(e, numbers)
+
+    def _joint(joint: Joint) -> Joint:
+        return replace(joint, theta=_cell(joint.theta), d=_cell(joint.d), a=_cell(joint.a), alpha=_cell(joint.alpha))
+
+    base, tool = (tuple(tuple(map(_cell, row)) for row in matrix) for matrix in (robot.base, robot.tool))
+    joints = tuple(map(_joint, robot.joints))
+    return replace(robot, joints=joints, base=base, tool=tool, links=(), gravity=None)
+
+
+def turned(a: Sequence[S], b: Sequence[S], sign: int = 1) -> tuple[S, S]:
+    """Cosine and sine of the sum (or difference) of two angles.
+
+    Args:
+        a: Cosine and sine of the one.
+        b: Of the other.
+        sign: -1 for the difference.
+    """
+    (c, s), (d, e) = a, b
+    e = e if sign > 0 else -e
+    return c * d - s * e, s * d + c * e

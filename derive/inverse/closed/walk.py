@@ -1,0 +1,372 @@
+"""The one interpreter of graphs of solutions.
+
+Angles come last, so one walk serves every kind of number: arrays of floats, complex numbers, integers modulo a prime,
+symbols, and the values of a program that is being written (`derive.inverse.closed.elementary_solver.Field`).
+
+A node is evaluated once for every combination of the branches that it really depends on: theta_3 of a PUMA does not
+depend on theta_1, so that both together cost two evaluations and have four values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from itertools import product
+from typing import Generic
+
+from derive.algebra.ring import Polynomial
+from derive.inverse.closed.elementary_solver import ILL, Branch, Field, M, N, Solver
+from derive.inverse.closed.graph import Node, SolutionGraph
+from derive.inverse.closed.nodes import Formula, Kind, Unknown
+from derive.inverse.closed.unknowns import turned
+from derive.mechanics.chain import build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics
+from derive.mechanics.vectors import Frame
+from derive.robot.description import Joint
+from derive.robot.expression import Expression
+
+
+@dataclass(frozen=True)
+class Value(Generic[N, M]):
+    """What a node yields on one branch.
+
+    Attributes:
+        numbers: For each unknown its cosine and sine, or its length.
+        exists: Whether the branch exists.
+        free: Whether no equation determines the unknown at this pose.
+        boundary: Whether two branches coincide.
+        ill: Whether many of its digits are rounding.
+        doubt: Whether rounding decides if it exists, or the nodes after it.
+    """
+
+    numbers: tuple[tuple[N, ...], ...]
+    exists: M
+    free: M
+    boundary: M
+    ill: M
+    doubt: M
+
+
+@dataclass(frozen=True)
+class Leaf(Generic[N, M]):
+    """One solution.
+
+    Attributes:
+        branches: The branch taken at each of the graph's `choices`.
+        joints: For each joint cosine and sine, or the length, of its unknown: of its variable plus its shift.
+        exists: Whether all its nodes exist.
+        free: For each joint whether its node was not determined.
+        boundary: Whether some branches coincide.
+        ill: Whether digits are lost in one of its nodes: if the solution exists it is to be checked.
+        doubt: Whether rounding decides if it exists: if it does not, it is to be looked for nearby.
+    """
+
+    branches: tuple[int, ...]
+    joints: tuple[tuple[N, ...], ...]
+    exists: M
+    free: tuple[M, ...]
+    boundary: M
+    ill: M
+    doubt: M
+
+
+class Run(Generic[N, M]):
+    """One walk over a graph.
+
+    Args:
+        graph: The graph.
+        field: The numbers.
+        pose: Rows of T, at least three of four entries.
+        given: The variables of the given joints, in their order.
+        near: Values of the joint variables for joints that no equation determines; None for zero.
+    """
+
+    def __init__(
+        self,
+        graph: SolutionGraph,
+        field: Field[N, M],
+        pose: Sequence[Sequence[N]],
+        given: Sequence[N] = (),
+        near: Sequence[N] | None = None,
+    ) -> None:
+        self.graph, self.field, self.pose = graph, field, pose
+        self.given, self.near = given, near
+        self.known: dict[str, N] = {}
+        self.constants: dict[str, N] = {}
+        self.results: list[dict[tuple[int, ...], list[Value[N, M]]]] = []
+
+    def leaves(self) -> Iterator[Leaf[N, M]]:
+        """Every combination of branches, in order; last those that only formulas for special poses have."""
+        self._start()
+        for node in self.graph.nodes:
+            self._visit(node)
+        graph, homes = self.graph, [self.graph.joint_node(i) for i in range(self.graph.robot.n)]
+        usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
+        every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
+        for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):
+            chosen = dict(zip(graph.choices, branches, strict=True))
+            values = [self._value(node, chosen) for node in graph.nodes]
+            exists, boundary = self.field.truth(True), self.field.truth(False)
+            ill = doubt = boundary
+            for value in values:
+                exists, boundary = exists & value.exists, boundary | value.boundary
+                ill, doubt = ill | value.ill, doubt | value.doubt
+            joints = tuple(self._numbers(home, (i,), chosen) for i, home in enumerate(homes))
+            free = tuple(values[home.index].free for home in homes)
+            yield Leaf(branches, joints, exists, free, boundary, ill, doubt)
+
+    def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
+        """The joint variables of a solution: angles in (-pi, pi] before their shifts are taken off, and lengths.
+
+        Joints that are given have the numbers that were given.
+
+        Args:
+            leaf: The solution.
+        """
+        plain = (self.field.angle(*numbers) if len(numbers) == 2 else numbers[0] for numbers in leaf.joints)
+        shifts = map(self.field.constant, self.graph.shifts)
+        found = [value - shift for value, shift in zip(plain, shifts, strict=True)]
+        for place, number in zip(self.graph.given, self.given, strict=True):
+            found[place] = number
+        return tuple(found)
+
+    def evaluate(self, p: Polynomial, values: Mapping[str, N]) -> N:
+        """The number of a polynomial, by Horner's rule in its most frequent generator.
+
+        Args:
+            p: A polynomial of the graph's domain.
+            values: Numbers of all its generators that are unknowns, or belong to the pose.
+        """
+        return self._horner(horner(p), values)
+
+    # -- the walk
+
+    def _start(self) -> None:
+        """Numbers of the pose, and the arm's reach."""
+        for i, row in enumerate(self.pose[:3], start=1):
+            self.known.update({f"T[{i},{j}]": value for j, value in enumerate(row, start=1)})
+        for name, polynomial in self.graph.definitions:
+            self.known[name] = self.evaluate(polynomial, self.known)
+        self.reach = self.field.sqrt(self.evaluate(self.graph.square_reach, self.known))
+
+    def _visit(self, node: Node) -> None:
+        axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
+        table: dict[tuple[int, ...], list[Value[N, M]]] = {}
+        no = self.field.truth(False)
+        self.results.append(table)
+        for branches in product(*(range(self.graph.nodes[axis].branches) for axis in axes)):
+            chosen = dict(zip(axes, branches, strict=True))
+            values = self._solve(node, self._scope(node, chosen))
+            if node.kind is Kind.SUM:
+                free = no
+                for need in node.needs:
+                    free = free | self._value(self.graph.nodes[need], chosen).free
+                values = [replace(values[0], free=free)]
+            table[branches] = values
+
+    def _scope(self, node: Node, chosen: Mapping[int, int]) -> dict[str, N]:
+        """Numbers of the pose and of the nodes that a node needs."""
+        scope = dict(self.known)
+        for need in node.needs:
+            value = self._value(self.graph.nodes[need], chosen)
+            for unknown, numbers in zip(self.graph.nodes[need].unknowns, value.numbers, strict=True):
+                scope.update(zip(unknown.generators, numbers, strict=True))
+        return scope
+
+    def _value(self, node: Node, chosen: Mapping[int, int]) -> Value[N, M]:
+        axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
+        return self.results[node.index][tuple(chosen[axis] for axis in axes)][chosen.get(node.index, 0)]
+
+    def _numbers(self, node: Node, joints: tuple[int, ...], chosen: Mapping[int, int]) -> tuple[N, ...]:
+        place = next(k for k, unknown in enumerate(node.unknowns) if unknown.joints == joints)
+        return self._value(node, chosen).numbers[place]
+
+    def _solve(self, node: Node, scope: Mapping[str, N]) -> list[Value[N, M]]:
+        """The values of a node for one combination of branches."""
+        f, yes, no = self.field, self.field.truth(True), self.field.truth(False)
+        unknown, first = node.unknown, node.formulas[0]
+        if node.kind is Kind.GENERAL:
+            return [Value(numbers, exists, no, no, yes, no) for numbers, exists in f.general(first, scope)]
+        if node.kind is Kind.GIVEN:
+            return [Value((self._of_variable(unknown.joints[0], self.given),), yes, no, no, no, no)]
+        if node.kind is Kind.SUM:
+            return [Value((self._sum(first, scope),), yes, no, no, no, no)]
+        solver = Solver(f, lambda p: self.evaluate(p, scope), self.reach)
+        values: list[Value[N, M]] = []
+        open_ = yes
+        for formula in node.formulas:
+            lost = solver.degenerate(formula)
+            usable = open_ & ~lost
+            if not values:
+                values = self._merge(node, values, usable, solver.solve(formula))
+                ill = yes if formula.kind is Kind.CONIC else solver.degenerate(formula, ILL)
+                values = [replace(value, ill=ill | value.doubt, doubt=lost | value.doubt) for value in values]
+            elif not f.never(usable):
+                values = self._merge(node, values, usable, solver.solve(formula))
+            open_ = open_ & lost
+            if f.never(open_):
+                return values
+        rest = self._of_variable(unknown.joints[0], self.near) if len(unknown.joints) == 1 else self._rest(unknown)
+        free = Branch(rest, yes, no, no)
+        return [replace(value, free=open_) for value in self._merge(node, values, open_, [free])]
+
+    def _merge(
+        self, node: Node, values: list[Value[N, M]], mask: M, found: Sequence[Branch[N, M]]
+    ) -> list[Value[N, M]]:
+        """The values where a mask holds replaced by others; branches that these lack do not exist there."""
+        f, no = self.field, self.field.truth(False)
+        if not values:
+            values = [Value((b.numbers,), b.exists, no, b.boundary, no, b.doubt) for b in found]
+            return [*values, *[Value(values[0].numbers, no, no, no, no, no)] * (node.branches - len(values))]
+        merged = []
+        for k, old in enumerate(values):
+            new = found[min(k, len(found) - 1)]
+            exists = new.exists & mask if k < len(found) else no
+            # where a branch is none its numbers are of no account; opposite ones share the angle of the first
+            given = new.numbers if k < len(found) else tuple(-number for number in new.numbers)
+            numbers = tuple(f.select(mask, a, b) for a, b in zip(given, old.numbers[0], strict=True))
+            exists = exists | (old.exists & ~mask)
+            boundary = (new.boundary & mask) | (old.boundary & ~mask)
+            merged.append(Value((numbers,), exists, no, boundary, old.ill, old.doubt))
+        return merged
+
+    def _of_variable(self, joint: int, values: Sequence[N] | None) -> tuple[N, ...]:
+        """Cosine and sine, or length, of a joint whose variable has a number; zero where there is none."""
+        graph, shift = self.graph, self.field.constant(self.graph.shifts[joint])
+        place = graph.given.index(joint) if values is self.given else joint
+        number = shift if values is None else values[place] + shift
+        return self.field.cosine_sine(number) if graph.robot.joints[joint].is_revolute else (number,)
+
+    def _rest(self, unknown: Unknown) -> tuple[N, ...]:
+        """The sum of angles at the caller's configuration."""
+        total = (self.field.number(1), self.field.number(0))
+        for joint, sign in zip(unknown.joints, unknown.signs, strict=True):
+            total = turned(total, self._of_variable(joint, self.near), sign)
+        return total
+
+    def _sum(self, formula: Formula, scope: Mapping[str, N]) -> tuple[N, ...]:
+        total: tuple[N, ...] = ()
+        for part, sign in formula.parts:
+            cosine, sine = (scope[name] for name in part.generators)
+            signed = (cosine, sine if sign > 0 else -sine)
+            total = turned(total, signed) if total else signed
+        return total
+
+    def _generator(self, index: int, values: Mapping[str, N]) -> N:
+        name = self.graph.domain.ring.names[index]
+        if name in values:
+            return values[name]
+        if name not in self.constants:
+            self.constants[name] = self.field.constant(self.graph.domain.generators[index].expression)
+        return self.constants[name]
+
+    def _horner(self, plan: Plan, values: Mapping[str, N]) -> N:
+        """The number of a plan of `horner`."""
+        if isinstance(plan, Fraction):
+            return self.field.number(plan)
+        index, quotient, rest = plan
+        generator = self._generator(index, values)
+        if quotient == 1 or quotient == -1:
+            product_ = generator if quotient == 1 else -generator
+        else:
+            product_ = generator * self._horner(quotient, values)
+        return product_ if rest == 0 else product_ + self._horner(rest, values)
+
+
+class Posture(Generic[N, M]):
+    """An arm at one of its solutions, as scalars of the mechanics (a `derive.mechanics.chain.Domain`).
+
+    Args:
+        run: The walk.
+        joints: Cosine and sine, or length, of every joint, as `Leaf.joints` has them.
+    """
+
+    def __init__(self, run: Run[N, M], joints: Sequence[Sequence[N]]) -> None:
+        self._run, self._joints = run, joints
+
+    def number(self, value: int | Fraction) -> N:
+        """A rational.
+
+        Args:
+            value: The number.
+        """
+        return self._run.field.number(value)
+
+    def constant(self, expression: Expression) -> N:
+        """A cell without joint variables.
+
+        Args:
+            expression: The cell.
+        """
+        domain = self._run.graph.domain
+        return self._run.evaluate(domain.constant(expression), {})
+
+    def cosine_sine(self, angle: Expression) -> tuple[N, N]:
+        """Cosine and sine of a constant angle.
+
+        Args:
+            angle: The angle [rad].
+        """
+        cosine, sine = self._run.graph.domain.cosine_sine(angle)
+        return self._run.evaluate(cosine, {}), self._run.evaluate(sine, {})
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[N, N]:
+        """Cosine and sine of ``sign*q + theta``.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
+        cosine, sine = self._joints[index]
+        own = (cosine, sine if joint.sign > 0 else -sine)
+        return turned(own, self.cosine_sine(joint.theta))
+
+    def joint_offset(self, index: int, joint: Joint) -> N:
+        """The offset ``sign*q + d`` [m].
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
+        (length,) = self._joints[index]
+        return (length if joint.sign > 0 else -length) + self.constant(joint.d)
+
+
+def pose_of(run: Run[N, M], joints: Sequence[Sequence[N]]) -> Frame[N]:
+    """The pose of an arm at one of its solutions.
+
+    Args:
+        run: The walk.
+        joints: As `Leaf.joints` has them.
+    """
+    return forward_kinematics(build_chain(run.graph.robot, Posture(run, joints)))
+
+
+Plan = Fraction | tuple[int, "Plan", "Plan"]
+"""A number, or generator * plan + plan."""
+
+
+@cache
+def horner(p: Polynomial) -> Plan:
+    """A polynomial by Horner's rule, in the generator that most of its terms have, again and again.
+
+    Args:
+        p: The polynomial.
+    """
+    return _horner_plan(dict(p.terms()))
+
+
+def _horner_plan(terms: Mapping[tuple[int, ...], Fraction]) -> Plan:
+    counts: dict[int, int] = {}
+    for exponents in terms:
+        for i, e in enumerate(exponents):
+            if e:
+                counts[i] = counts.get(i, 0) + 1
+    if not counts:
+        return next(iter(terms.values()), Fraction(0))
+    best = max(counts, key=lambda i: (counts[i], -i))
+    inside = {(*x[:best], x[best] - 1, *x[best + 1 :]): k for x, k in terms.items() if x[best]}
+    outside = {x: k for x, k in terms.items() if not x[best]}
+    return best, _horner_plan(inside), _horner_plan(outside) if outside else Fraction(0)

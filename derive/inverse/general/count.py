@@ -1,0 +1,315 @@
+"""The number of complex solutions of a generic pose, from an elimination modulo a prime.
+
+The rank of M(t) drops at the roots of a polynomial g, the common divisor of its largest minors. At such a root the null
+vector v(t) is a vector of minors, thus again of polynomials. It belongs to a solution where it has the form of a vector
+of products, v(joint a) x v(joint b) with cosine and sine on the unit circle: where polynomials in its entries vanish.
+Their greatest common divisor with g has the solutions as its roots. Everything is counted at one random configuration
+of an arm whose free parameters are random, modulo a prime: the number is the same for all generic poses.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import nmod_mat, nmod_poly
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.residues import ResidueDomain
+from derive.inverse.general.closure import Closure, Loop, closures, middle_part
+from derive.inverse.general.elimination import HALF, POWERS, Elimination
+from derive.inverse.general.rigid_motion import joint_motion, pose_features
+from derive.mechanics.chain import build_chain
+from derive.mechanics.vectors import Frame
+from derive.robot.description import Joint
+from derive.robot.robot import Robot
+
+Array = npt.NDArray[Any]
+
+
+class _AtRest(ResidueDomain):
+    """Residues of an arm whose joint variables are zero."""
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
+        """Cosine and sine of a joint's constant angle.
+
+        Args:
+            index: Its place in the chain.
+            joint: The joint.
+        """
+        return self.cosine_sine(joint.theta)
+
+    def joint_offset(self, index: int, joint: Joint) -> Any:
+        """A joint's constant displacement.
+
+        Args:
+            index: Its place in the chain.
+            joint: The joint.
+        """
+        return self.constant(joint.d)
+
+
+def residue_loop(robot: Robot, seed: int = 0) -> Loop:
+    """An arm modulo a prime, with random numbers for its symbols.
+
+    Args:
+        robot: The arm.
+        seed: Of the random numbers.
+
+    Raises:
+        NoPointError: A root of the geometry has no value modulo any prime tried.
+    """
+    plain = replace(robot, links=(), gravity=None)
+    domain = _AtRest(PolynomialDomain(plain, rates=False), 1, seed)
+    chain = build_chain(plain, domain)
+    zero, one = chain.zero, chain.one
+    gaps = [_integers(joint.fixed @ joint.motion(zero, one)) for joint in chain.joints]
+    loop = Loop(tuple(joint.revolute for joint in chain.joints), (*gaps, _integers(chain.tool)), domain.prime)
+    return replace(loop, gaps=(loop.product(_integers(chain.base), gaps[0]), *loop.gaps[1:]))
+
+
+def _integers(frame: Frame[Any]) -> Array:
+    rows = [[int(entry.values.item()) for entry in row] for row in frame.rows(*_unit(frame))]
+    return np.array(rows, dtype=object)
+
+
+def _unit(frame: Frame[Any]) -> tuple[Any, Any]:
+    zero = frame.rotation[0][0] * 0
+    return zero, zero + 1
+
+
+def count_solutions(
+    robot: Robot, elimination: Elimination, given: Sequence[int] = (), seed: int = 0, *, tip: bool = False
+) -> int:
+    """How many complex solutions a generic pose has.
+
+    Args:
+        robot: The arm.
+        elimination: One of its eliminations.
+        given: Joints that are arguments.
+        seed: Of the random numbers.
+        tip: Whether only the position of the end effector is wanted.
+
+    Returns:
+        The number; 0 where this elimination does not tell: several solutions share a value of the hidden joint, or the
+        eliminated joints do not follow from the others by linear equations.
+    """
+    loop, pose = _random_pose(residue_loop(robot, seed), given, seed)
+    loop = loop.with_tip if tip else loop
+    if elimination.start:
+        loop, pose = loop.rotated(elimination.start, pose)
+    if _rank(_finish_forms(loop, elimination.finish), loop.prime) < 2:
+        return 0
+    system = _System(loop, pose, elimination, random.Random(seed))
+    return system.count()
+
+
+def _random_pose(loop: Loop, given: Sequence[int], seed: int) -> tuple[Loop, Array]:
+    """The loop of the free joints, and its pose at a random configuration."""
+    draw, prime = random.Random(seed + 1), loop.prime
+    motions = []
+    for turns in loop.revolute:
+        t = draw.randrange(2, prime - 1)
+        scale = pow(1 + t * t, -1, prime)
+        pair = [np.array(x % prime, dtype=object) for x in ((1 - t * t) * scale, 2 * t * scale)]
+        motions.append(loop.settle(joint_motion(turns, *pair) if turns else joint_motion(turns, pair[0])))
+    pose = loop.pose(motions)[None]
+    return loop.locked([motion if i in given else None for i, motion in enumerate(motions)]), pose
+
+
+def _finish_forms(loop: Loop, way: Closure) -> Array:
+    """Coefficients of cosine and sine of the (middle one of the) eliminated joints."""
+    if loop.tip:
+        return way.eliminated_part(loop).reshape(-1, 3)[:, 1:]
+    first = min(way.order[:3])
+    three = Loop(loop.revolute[first : first + 3], loop.gaps[first : first + 4], loop.prime)
+    carried = three.carried(way.alone.dropped)
+    kept = list(carried.heights if three.revolute[way.alone.order[2]] else carried.along)
+    parts: Array = three.settle(middle_part(three, way.alone)[0])
+    return parts.reshape(3, 15)[1:, kept]
+
+
+def _rank(matrix: Array, prime: int) -> int:
+    return int(_flint(matrix, prime).rank())
+
+
+def _flint(matrix: Array, prime: int) -> Any:
+    return nmod_mat(*matrix.shape, [int(x) for x in matrix.ravel()], prime)
+
+
+class _System:
+    """M(t) modulo a prime, with all equations between the unknown joints.
+
+    Args:
+        loop: The arm.
+        pose: (1, 4, 4).
+        elimination: Which joint is hidden, and which one is multiplied.
+        draw: Random numbers.
+    """
+
+    def __init__(self, loop: Loop, pose: Array, elimination: Elimination, draw: random.Random) -> None:
+        self.loop, self.prime, self.draw = loop, loop.prime, draw
+        self.hidden, self.multiplied = elimination.hidden, elimination.multiplied
+        self.others = [joint for joint in elimination.unknowns if joint != self.hidden]
+        self.straight = elimination.straight
+        self.shape = [self._powers(joint) + (joint == self.multiplied) for joint in self.others]
+        place = elimination.unknowns.index(self.hidden)
+        stacked = []
+        for way in closures(loop):
+            if way.unknowns == elimination.unknowns:
+                part = way.eliminated_part(loop)
+                left = self._left_null(part.reshape(*part.shape[-2:]))
+                forms = way.unknown_part(loop, pose_features(pose))[0]
+                rows = loop.settle(left @ forms.reshape(len(forms), -1)).reshape(-1, *forms.shape[1:])
+                for joint in self.straight:
+                    if joint != self.hidden:
+                        rows = rows.take([0, 1], axis=1 + elimination.unknowns.index(joint))
+                stacked.append(self._multiplied(np.moveaxis(rows, 1 + place, 1)))
+        self.coefficients = self._in_t(np.concatenate(stacked))
+
+    def _powers(self, joint: int) -> int:
+        return 2 if joint in self.straight else 3
+
+    def _left_null(self, matrix: Array) -> Array:
+        basis, nullity = _flint(matrix.T, self.prime).nullspace()
+        table = np.array([[int(x) for x in row] for row in basis.table()], dtype=object)
+        return table[:, : int(nullity)].T
+
+    def _multiplied(self, rows: Array) -> Array:
+        """(rows, 3, columns): equations times cosine and sine of the half angle, or times 1 and the length."""
+        count = len(rows)
+        if self.multiplied is None:
+            return rows.reshape(count, 3, -1)
+        own = self._powers(self.multiplied)
+        factors = HALF if self.loop.revolute[self.multiplied] else POWERS[:, :own, : own + 1]
+        whole = np.vectorize(int, otypes=[object])(2 * factors)
+        before = math.prod(self._powers(other) for other in self.others[: self.others.index(self.multiplied)])
+        split = rows.reshape(count, 3, before, own, rows.size // (3 * own * count * before))
+        product_ = np.tensordot(split, whole, axes=([3], [1]))  # rows, 3, before, after, factor, ext
+        moved = product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1)
+        return self.loop.settle(moved)
+
+    def _in_t(self, rows: Array) -> Array:
+        """(3, rows, columns): coefficients of powers of the half-angle tangent, or of the length."""
+        fixed, one, two = rows[:, 0], rows[:, 1], rows[:, 2]
+        if self.loop.revolute[self.hidden]:
+            fixed, one, two = fixed + one, 2 * two, fixed - one
+        return self.loop.settle(np.stack([fixed, one, two]))
+
+    def count(self) -> int:
+        """The number of solutions, 0 where it is not decided."""
+        columns, prime = self.coefficients.shape[2], self.prime
+        mixer = [[self.draw.randrange(prime) for _ in range(self.coefficients.shape[1])] for _ in range(columns + 1)]
+        mixed = self.loop.settle(np.array(mixer, dtype=object) @ self.coefficients)
+        bordered = np.concatenate([mixed[:, : columns - 1], np.zeros((3, 1, columns), dtype=object)], axis=1)
+        bordered[0, -1] = [self.draw.randrange(prime) for _ in range(columns)]
+        vector = self._last_minors(bordered)
+        rows = [self._polynomial([int(x) for x in row]) for row in mixed.transpose(1, 2, 0).reshape(-1, 3)]
+        rest = [
+            sum((rows[k * columns + j] * vector[j] for j in range(columns)), nmod_poly([], prime))
+            for k in (columns - 1, columns)
+        ]
+        common = rest[0].gcd(rest[1])
+        return self._solutions(self._without_circle(common), vector) if common != 0 else 0
+
+    def _polynomial(self, values: Sequence[int]) -> Any:
+        return nmod_poly([x % self.prime for x in values], self.prime)
+
+    def _last_minors(self, matrix: Array) -> list[Any]:
+        """Minors of all rows but the last, with signs: polynomials from their values at enough points."""
+        size, prime = matrix.shape[1], self.prime
+        points = list(range(1, 2 * size))
+        values: list[list[int]] = [[] for _ in range(size)]
+        unit = nmod_mat(size, 1, [0] * (size - 1) + [1], prime)
+        for t in points:
+            at = _flint(self.loop.settle(matrix[0] + t * matrix[1] + t * t * matrix[2]), prime)
+            determinant = at.det()
+            solved = at.solve(unit) if determinant != 0 else None
+            for j in range(size):
+                values[j].append(0 if solved is None else int(solved[j, 0] * determinant))
+        return _interpolated(points, values, prime)
+
+    def _without_circle(self, g: Any) -> Any:
+        """Without the factors 1 + t^2, which stand for no angle."""
+        circle = self._polynomial([1, 0, 1])
+        while self.loop.revolute[self.hidden] and g % circle == 0:
+            g = g // circle
+        return g
+
+    def _solutions(self, g: Any, vector: list[Any]) -> int:
+        """The number of roots of g at which the null vector is a vector of products."""
+        g = g // g.gcd(g.derivative())
+        zero = g
+        for entry in vector:
+            zero = zero.gcd(entry)
+        if zero.degree() > 0:
+            return 0
+        entries = dict(zip(product(*map(range, self.shape)), (entry % g for entry in vector), strict=True))
+        for relation in self._relations(entries):
+            g = g.gcd(relation % g)
+        size = self._size(entries)
+        infinite = g.gcd(size % g)
+        while infinite.degree() > 0:
+            g = g // infinite
+            infinite = g.gcd(size % g)
+        return int(g.degree())
+
+    def _relations(self, entries: dict[tuple[int, ...], Any]) -> Iterator[Any]:
+        """What vanishes where the vector is one of products."""
+        keys = list(entries)
+        for axis, joint in enumerate(self.others):
+            lines = [
+                [entries[(*key[:axis], k, *key[axis + 1 :])] for k in range(self.shape[axis])]
+                for key in keys
+                if not key[axis]
+            ]
+            for line, other in pairwise(lines):
+                for j in range(1, len(line)):
+                    yield line[0] * other[j] - line[j] * other[0]
+            for line in lines:
+                yield from self._line_relations(line, joint)
+
+    def _line_relations(self, line: list[Any], joint: int) -> Iterator[Any]:
+        if not self.loop.revolute[joint]:
+            for (a, b), (c, d) in pairwise(pairwise(line)):
+                yield a * d - b * c
+            if len(line) > 3:
+                yield line[0] * line[3] - line[1] * line[2]
+        elif len(line) > 3:  # cosine and sine of 3/2 and of 1/2 of the angle
+            a, b, c, d = line
+            yield a * c + b * d - c * c + d * d
+            yield b * c - a * d - 2 * c * d
+            yield a * a + b * b - c * c - d * d
+        else:
+            a, b, c = line
+            yield b * b + c * c - a * a
+
+    def _size(self, entries: dict[tuple[int, ...], Any]) -> Any:
+        """What vanishes where one of the other joints is infinite, or the vector zero."""
+        first = [0] * len(self.others)
+        if self.multiplied is None or not self.loop.revolute[self.multiplied]:
+            return entries[tuple(first)]
+        axis = self.others.index(self.multiplied)
+        pair = [entries[tuple(k if i == axis else 0 for i in range(len(first)))] for k in (2, 3)]
+        return pair[0] * pair[0] + pair[1] * pair[1]
+
+
+def _interpolated(points: Sequence[int], values: Sequence[Sequence[int]], prime: int) -> list[Any]:
+    """Polynomials with given values at points, by Newton's divided differences."""
+    results = []
+    for column in values:
+        table = list(column)
+        for level in range(1, len(points)):
+            for k in range(len(points) - 1, level - 1, -1):
+                table[k] = (table[k] - table[k - 1]) * pow(points[k] - points[k - level], -1, prime) % prime
+        total = nmod_poly([table[-1]], prime)
+        for k in range(len(points) - 2, -1, -1):
+            total = total * nmod_poly([-points[k] % prime, 1], prime) + table[k]
+        results.append(total)
+    return results

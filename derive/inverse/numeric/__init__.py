@@ -1,0 +1,1 @@
+"""Arms of numbers: poses in floats, damped Newton from many starts."""

@@ -1,0 +1,1 @@
+"""How the inverse kinematics is told: formulas in print, names of branches and postures, the workspace."""

@@ -1,0 +1,410 @@
+"""A solution graph as the lines of a textbook: each step with its equation, whence it comes, and the formulas.
+
+The pose is written by its entries, ``r11`` to ``r33`` and ``px``, ``py``, ``pz``; where base, tool or offsets of the
+first and last joint stand between it and the arm, the pose within the arm gets names of its own first: of a wrist with
+``d6`` the wrist centre, ``wx = px - d6*r13``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Kind as Generator
+from derive.algebra.ring import Polynomial
+from derive.inverse.closed.graph import Node, SolutionGraph
+from derive.inverse.closed.nodes import Equation, Formula, Kind, Source, Unknown
+from derive.inverse.words.elementary import Line, Linear, Scribe, Solved, is_negative, minus_signs, usual
+from derive.inverse.words.origins import Origin, origin
+from derive.lecture.form import LectureForm
+from derive.lecture.sympy_conversion import Expr
+from derive.robot.expression import ZERO, Expression, Name, Number, add, multiply, substitute
+from derive.robot.names import joint_label, robot_symbols
+from derive.robot.options.style import Contraction, Style
+from derive.robot.robot import Robot
+
+PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
+"""Entries of the upper three rows of a pose."""
+
+
+def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
+    """What the entries of the pose are called: ``r11``, ..., ``px``, ``py``, ``pz``.
+
+    Args:
+        robot: Its own names are avoided: an arm that has an ``r11`` has ``R11``, ... instead.
+
+    Returns:
+        Row and column, from 1, and the name.
+    """
+    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    for rotation, position in (("r", "p"), ("R", "P"), ("R_", "P_"), ("rot_", "pos_")):
+        found = {(i, j): f"{position}{'xyz'[i - 1]}" if j == 4 else f"{rotation}{i}{j}" for i, j in PLACES}
+        if taken.isdisjoint(found.values()):
+            return found
+    return {(i, j): f"pose_{i}{j}_{len(max(taken, key=len))}" for i, j in PLACES}
+
+
+@dataclass(frozen=True)
+class PrintedEquation:
+    """The equation that a step solves.
+
+    Attributes:
+        left: What holds the unknown.
+        right: What is known.
+        origins: Where it comes from: two places where an unknown was eliminated from two equations.
+    """
+
+    left: Expr
+    right: Expr
+    origins: tuple[Origin, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """How one unknown is found.
+
+    Attributes:
+        unknown: A joint variable, or a sum of them.
+        kind: The elementary type.
+        equations: What is solved.
+        lines: The formulas, the unknown last; none where there is no formula.
+        branches: How many values it has for given ones before.
+        exists: When it has any; SymPy's true where always.
+        fails: What vanishes where these equations do not determine it; empty where they always do.
+        instead: Other equations of equal meaning for those poses; none where it is free there.
+        free: What vanishes where no equation determines it; empty where that never happens.
+        joints: The joints of the unknown, from 0.
+    """
+
+    unknown: Expr
+    kind: Kind
+    equations: tuple[PrintedEquation, ...]
+    lines: tuple[Line, ...]
+    branches: int
+    exists: Expr
+    fails: tuple[Expr, ...]
+    instead: tuple[tuple[PrintedEquation, ...], ...]
+    free: tuple[Expr, ...]
+    joints: tuple[int, ...]
+
+
+class Derivation:
+    """The lines of one graph, step by step.
+
+    Args:
+        graph: The graph.
+        robot: The arm as its file has it.
+        style: How sums are grouped.
+
+    Attributes:
+        pose: The symbols of the entries of the pose, by row and column.
+        definitions: Lines that name entries of the pose within the arm.
+        sums: Names of sums of joint variables that are found before these: ``q2 + q3`` -> ``q23``.
+        steps: One for each unknown.
+        conditions: What vanishes at every reachable pose, besides that R is a rotation.
+    """
+
+    def __init__(self, graph: SolutionGraph, robot: Robot, style: Style) -> None:
+        self._graph, self._robot = graph, robot
+        names = pose_names(robot)
+        self.pose = {place: sympy.Symbol(name) for place, name in names.items()}
+        variables = [joint.variable for joint in robot.joints]
+        taken = {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND}
+        self._scribe = Scribe(self._write, taken, lambda p: not self._is_geometry(p))
+        within = self._names_within_arm()
+        zero = dict(zip(variables, graph.shifts, strict=True))  # sums of angles have the sums of their shifts
+        constants = (substitute(g.expression, zero) for g in graph.domain.generators if g.kind in _CONSTANTS)
+        extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts, *constants]
+        self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
+        self._form = LectureForm(self._domain, style=style)
+        self._images = self._generators(names)
+        self._pose_names = {*names.values(), *within.values()}
+        for name, p in graph.definitions:
+            image = self._composed(p)
+            if name in within:
+                self._scribe.lines.append(Line(sympy.Symbol(within[name]), self._write(image)))
+                image = self._domain.ring.generator(within[name])
+            self._images[name] = image
+        self.definitions = tuple(self._scribe.lines)
+        self.sums = dict(self._named_sums())
+        self.steps = tuple(step for node in graph.nodes for step in self._steps(node))
+        self.conditions = tuple(self._condition(equation) for equation in graph.conditions)
+
+    def _write(self, p: Polynomial) -> Expr:
+        return self._form.kinematic(p)
+
+    def written(self, p: Polynomial) -> Expr:
+        """A polynomial of the graph as it is printed.
+
+        Args:
+            p: The polynomial.
+        """
+        return self._write(self._composed(p))
+
+    # -- polynomials of the graph as polynomials of print
+
+    def _names_within_arm(self) -> dict[str, str]:
+        """Names for what the pose within the arm has that no entry of the pose is, but for its sign."""
+        found = dict[str, str]()
+        for name, p in self._graph.definitions:
+            place = _PLACE.fullmatch(name)
+            if place is not None and not _is_plain(p):
+                row, column = int(place[1]), int(place[2])
+                found[name] = self._scribe.name((f"w{'xyz'[row - 1]}" if column == 4 else f"w{row}{column}",))
+        return found
+
+    def _generators(self, names: Mapping[tuple[int, int], str]) -> dict[str, Polynomial]:
+        """What the generators of the graph's ring are, but those that are defined by others."""
+        joints, target = self._robot.joints, self._domain
+        shifted = {
+            j.variable: add(Name(j.variable), shift) for j, shift in zip(joints, self._graph.shifts, strict=True)
+        }
+        images = {f"T[{i},{j}]": target.ring.generator(name) for (i, j), name in names.items()}
+        defined = {name for name, _ in self._graph.definitions}
+        for g in self._graph.domain.generators:
+            if g.name not in images and g.name not in defined and not _is_of_pose(g.name):
+                images[g.name] = target.constant(substitute(g.expression, shifted))
+        return images
+
+    def _composed(self, p: Polynomial) -> Polynomial:
+        ring = self._domain.ring
+        total = ring.zero
+        names = self._graph.domain.ring.names
+        for exponents, coefficient in p.terms():
+            product = ring.number(coefficient)
+            for name, exponent in zip(names, exponents, strict=True):
+                if exponent:
+                    product = product * self._images[name] ** exponent
+            total = total + product
+        return total
+
+    # -- nodes
+
+    def _named_sums(self) -> Iterator[tuple[Expr, Expr]]:
+        """``q23`` for q2 + q3; a letter where angles are subtracted or have no labels."""
+        for unknown in (unknown for node in self._graph.nodes for unknown in node.unknowns):
+            if len(unknown.joints) > 1:
+                variables = [self._robot.joints[j].variable for j in unknown.joints]
+                stem, labels = variables[0].removesuffix(joint_label(variables[0])), self._label(unknown)
+                added = min(unknown.signs) > 0 and all(joint_label(v) and v.startswith(stem) for v in variables)
+                letters = ((f"{stem}{labels}",) if added else ()) + ("alpha", "phi", "psi")
+                yield self._symbol(unknown), sympy.Symbol(self._scribe.name(letters, labels))
+
+    def _steps(self, node: Node) -> Iterator[Step]:
+        formula = node.formulas[0]
+        for unknown in node.unknowns:
+            symbol = self._named(unknown)
+            first = len(self._scribe.lines)
+            solved: Solved | None = None
+            equations: tuple[PrintedEquation, ...] = ()
+            if formula.kind is Kind.SUM:
+                solved = Solved(sympy.Add(*(sign * self._named(part) for part, sign in formula.parts)))
+            elif formula.equations and unknown is node.unknown:
+                printed = [self._equation(unknown, equation) for equation in formula.equations]
+                printed.sort(key=lambda pair: [origin.entries for origin in pair[0].origins])
+                equations = tuple(equation for equation, _ in printed)
+                solved = self._solved(formula.kind, symbol, self._label(unknown), [values for _, values in printed])
+            if solved is not None:
+                self._scribe.lines.append(Line(symbol, solved.value))
+                self._scribe.sums.update({total: name for total, name in self.sums.items() if name == symbol})
+            lines = tuple(self._scribe.lines[first:])
+            fails, free = self._free(node.formulas[:1]), self._free(node.formulas)
+            others = node.formulas[1:] if fails and len(self._lost(formula)) == 1 else ()
+            instead = tuple(tuple(self._equation(unknown, e)[0] for e in other.equations) for other in others)
+            exists = solved.exists if solved else sympy.true
+            yield Step(
+                symbol, formula.kind, equations, lines, node.branches, exists, fails, instead, free, unknown.joints
+            )
+
+    def _solved(self, kind: Kind, symbol: Expr, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
+        match kind:
+            case Kind.TYPE_2:
+                return self._scribe.one_equation(label, _three(values[0]))
+            case Kind.TYPE_3:
+                return Solved(self._scribe.two_equations(symbol, label, _three(values[0]), _three(values[1])))
+            case Kind.TYPE_1 | Kind.QUADRATIC:
+                return self._scribe.length(label, _three(values[0]))
+        return None
+
+    def _free(self, formulas: Sequence[Formula]) -> tuple[Expr, ...]:
+        """What vanishes where no formula determines its unknown; nothing where one always does."""
+        found: dict[Expr, None] = {}
+        for formula in formulas:
+            ways = [[self._composed(p) for p in way] for way in self._lost(formula)]
+            if not all(ways) or any(p and self._is_geometry(p) for way in ways for p in way):
+                return ()
+            written = [{self._positive(p): None for p in way if p} for way in ways]
+            found.update(next((way for way in written if way.keys() <= found.keys()), written[0]))
+        angles = [(e.func, e.args) for e in found]
+        if any(func is sympy.sin and (sympy.cos, arguments) in angles for func, arguments in angles):
+            return ()
+        return tuple(sorted(found, key=lambda e: (e.count_ops(), str(e))))
+
+    def _lost(self, formula: Formula) -> list[tuple[Polynomial, ...]]:
+        """The polynomials at whose common zeros a formula does not determine its unknown, in several ways to say it.
+
+        Where of two equations one is the other turned by a right angle, these are the coefficients of one, or what
+        stands on the right of both, which then vanish too.
+        """
+        if formula.kind is Kind.TYPE_2:  # 0 = C is no equation for the unknown only where C vanishes, too
+            return [tuple(p for p in formula.equations[0].linear if p)]
+        if formula.kind is not Kind.TYPE_3:
+            return [formula.degenerate]
+        (a, b, c), (d, e, g) = (equation.linear for equation in formula.equations)
+        if not b or not a or not ((e == a and d == -b) or (e == -a and d == b)):
+            return [formula.degenerate]
+        if (a * a + b * b).is_constant:
+            return [()]
+        return [(a, b), (c, g)] if self._holds_pose(a, b) and not self._holds_pose(c, g) else [(c, g), (a, b)]
+
+    def _holds_pose(self, *polynomials: Polynomial) -> bool:
+        return any(self._has_pose(self._composed(p).degrees()) for p in polynomials)
+
+    def _is_geometry(self, p: Polynomial) -> bool:
+        """Whether a polynomial is one of the parameters alone, which an arm is supposed not to have zero."""
+        moving = (Generator.SINE, Generator.COSINE, Generator.VARIABLE)
+        degrees = p.degrees()
+        moves = any(degree and g.kind in moving for g, degree in zip(self._domain.generators, degrees, strict=True))
+        return not moves and not self._has_pose(degrees)
+
+    def _symbol(self, unknown: Unknown) -> Expr:
+        variables = (sympy.Symbol(self._robot.joints[j].variable) for j in unknown.joints)
+        return sympy.Add(*(sign * q for sign, q in zip(unknown.signs, variables, strict=True)))
+
+    def _named(self, unknown: Unknown) -> Expr:
+        """The variable, or the name of the sum."""
+        symbol = self._symbol(unknown)
+        return self.sums.get(symbol, symbol)
+
+    def _label(self, unknown: Unknown) -> str:
+        return "".join(joint_label(self._robot.joints[j].variable) for j in unknown.joints)
+
+    def _shift(self, unknown: Unknown) -> Expression:
+        """What the unknown has more than the sum of the variables."""
+        signed = zip(unknown.joints, unknown.signs, strict=True)
+        return add(*(multiply(Number(Fraction(sign)), self._graph.shifts[j]) for j, sign in signed))
+
+    def _equation(self, unknown: Unknown, equation: Equation) -> tuple[PrintedEquation, tuple[Polynomial, ...]]:
+        """An equation in the variable itself, and its coefficients: of cosine, sine and 1, or of r^2, r and 1.
+
+        The last one stands on the right of an equation of an angle.
+        """
+        shift, symbol = self._shift(unknown), self._symbol(unknown)
+        if not unknown.is_angle:
+            square, slope, rest = (self._composed(equation.coefficient(k)) for k in (2, 1, 0))
+            by = self._domain.constant(shift)
+            slope, rest = slope + 2 * by * square, rest + by * slope + by * by * square
+            left = sympy.Add(self._write(square) * symbol**2, self._write(slope) * symbol)
+            return PrintedEquation(left, self._write(-rest), self._origins(equation.source)), (square, slope, rest)
+        named = self._named(unknown)
+        is_letter = named != symbol and not str(named).endswith(self._label(unknown))
+        cosine, sine = (f(named if is_letter else symbol) for f in (sympy.cos, sympy.sin))
+        turn = (self._domain.ring.one, self._domain.ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
+        c, s = turn
+        if max((sum(exponents) for exponents in equation.terms), default=0) > 1:
+            return PrintedEquation(
+                self._second_degree(equation, cosine, sine, turn), sympy.S.Zero, self._origins(equation.source)
+            ), ()
+        a, b, known = map(self._composed, equation.linear)
+        a, b = a * c + b * s, b * c - a * s
+        size = self._scale(known, a, b) * (-1 if self._is_turned(a, b, known) else 1)
+        a, b, known = (p * (1 / size) for p in (a, b, known))
+        whole, apart = self._whole(unknown, a, b), sympy.Add(self._write(a) * cosine, self._write(b) * sine)
+        left = whole if 3 * whole.count_ops() <= 2 * apart.count_ops() and not is_letter else apart
+        return PrintedEquation(left, self._write(known), self._origins(equation.source)), (a, b, known)
+
+    def _scale(self, *sides: Polynomial) -> Fraction:
+        """What an equation is divided by, so that squares, else entries of the pose stand in it without a number."""
+        posed = [term for p in sides for term in p.terms() if self._has_pose(term[0])]
+        return usual(posed or next(p for p in sides if p).terms())
+
+    def _is_turned(self, a: Polynomial, b: Polynomial, known: Polynomial) -> bool:
+        """Whether an equation reads better with all signs changed: one term on its left, or the pose's, positive."""
+        single = a if not b else b if not a else None
+        if single is not None and len(single) == 1:
+            return is_negative(self._write(single))
+        signs = [coefficient for exponents, coefficient in known.terms() if self._has_pose(exponents)]
+        balance = sum(1 if coefficient > 0 else -1 for coefficient in signs)
+        if balance:
+            return balance < 0
+        plain, turned = (sum(minus_signs(self._write(e * p)) for p in (a, b, known)) for e in (1, -1))
+        return bool(plain > turned)
+
+    def _positive(self, p: Polynomial) -> Expr:
+        """What is zero where a polynomial is: most coefficients are 1, most terms positive, no constant factor."""
+        value = self._write(p * (1 / self._scale(p)))
+        value = value.as_independent(*value.free_symbols, as_Add=False)[1]  # without sqrt(3) or cos(pi/18)
+        return -value if is_negative(value) else value
+
+    def _has_pose(self, exponents: tuple[int, ...]) -> bool:
+        generators = zip(self._domain.generators, exponents, strict=True)
+        return any(exponent and g.name in self._pose_names for g, exponent in generators)
+
+    def _origins(self, source: Source) -> tuple[Origin, ...]:
+        sources = (source, source.also) if source.also else (source,)
+        graph = self._graph
+        return tuple(origin(self._robot, each, to_end=graph.to_end, from_base=graph.from_base) for each in sources)
+
+    def _whole(self, unknown: Unknown, a: Polynomial, b: Polynomial) -> Expr:
+        """A cos + B sin as any other sum is written, ``a1*c1 + a2*c12``."""
+        signed = zip(unknown.joints, unknown.signs, strict=True)
+        angle = add(*(multiply(Number(Fraction(sign)), Name(self._robot.joints[j].variable)) for j, sign in signed))
+        c, s = self._domain.cosine_sine(angle)
+        return self._write(a * c + b * s)
+
+    def _second_degree(self, equation: Equation, cosine: Expr, sine: Expr, turn: tuple[Polynomial, Polynomial]) -> Expr:
+        """A polynomial in cosine and sine, turned back by the shift."""
+        c, s = (self._write(p) for p in turn)
+        of = (c * cosine - s * sine, s * cosine + c * sine)
+        terms = (
+            self._write(self._composed(p)) * of[0] ** i * of[1] ** j for (i, j), p in sorted(equation.terms.items())
+        )
+        return sympy.Add(*terms)
+
+    def _condition(self, equation: Equation) -> PrintedEquation:
+        """``r33 = -1``, ``r12 = r21``: what holds nothing of the pose stands on the right, or one of two terms."""
+        p = self._composed(equation.coefficient(*(0,) * len(next(iter(equation.terms)))))
+        whole = self._positive(p)
+        posed = {symbol.name for symbol in (*self.pose.values(), *(line.symbol for line in self.definitions))}
+        terms = sorted(whole.args if whole.is_Add else (whole,), key=str)
+        held = [term for term in terms if not posed.isdisjoint(symbol.name for symbol in term.free_symbols)]
+        if len(held) == len(terms) == 2:
+            held = [min(held, key=lambda term: len(term.free_symbols))]
+        left = sympy.Add(*held)
+        right = left - whole
+        if is_negative(left):
+            left, right = -left, -right
+        return PrintedEquation(left, right, self._origins(equation.source))
+
+
+_CONSTANTS = (
+    Generator.INVERSE,
+    Generator.ROOT,
+    Generator.PRIME_ROOT,
+    Generator.CONSTANT_SINE,
+    Generator.CONSTANT_COSINE,
+    Generator.COSINE,
+    Generator.SINE,
+)
+_PLACE = re.compile(r"W\[(\d),(\d)\]")
+_SHORTHAND = ("c", "s")
+
+
+def _is_of_pose(name: str) -> bool:
+    """Whether a generator is an entry or invariant of the pose within the arm."""
+    return re.fullmatch(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]", name) is not None
+
+
+def _is_plain(p: Polynomial) -> bool:
+    """Whether a polynomial is an entry of the pose, its negative, or a number."""
+    return p.is_constant or (len(p) == 1 and sum(p.degrees()) == 1 and abs(next(iter(p.terms()))[1]) == 1)
+
+
+def _three(values: Iterable[Polynomial]) -> Linear:
+    first, second, third = values
+    return first, second, third

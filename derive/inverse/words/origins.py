@@ -1,0 +1,165 @@
+"""Where an equation comes from, in the words of textbooks: entry (3,4) of A_1^-1 T.
+
+The pool of equations cuts the arm on the axes of its joints. A textbook compares entries of A_i ... A_j with those of
+what is left of T when the other matrices are brought to its side. Both are the same where the link length and twist
+between cut and frame do no more than turn by right angles; else the equation is said by axes.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from derive.algebra.angles import decompose
+from derive.inverse.closed.nodes import Source
+from derive.robot.description import Convention, Joint
+from derive.robot.expression import ZERO, Expression
+from derive.robot.robot import Robot
+
+
+class Form(StrEnum):
+    """What is made of the entries."""
+
+    ENTRY = "entry"
+    """One entry of the product."""
+    SQUARES = "squares"
+    """Several entries, squared and added."""
+    COMPONENT = "component"
+    """A component of the vector between two axes, in the frame of one of them."""
+    DISTANCE = "distance"
+    """The squared distance between points of two axes."""
+    DIRECTIONS = "directions"
+    """The rotation between two axes."""
+    MOMENT = "moment"
+    """Of p x R, or p.p R - 2 p (R^T p)^T: Raghavan and Roth, J. Mech. Des. 115(3), 1993."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where an equation comes from.
+
+    Attributes:
+        form: What is made of the entries.
+        first: First matrix of the product A_first ... A_last, or the first of two axes, from 1.
+        last: The last one; one less than the first where nothing is left of it.
+        entries: Rows and columns, from 1; of a component its number alone.
+        inverse: Whether they are those of the inverse of the product; whether a component is in the frame of the last
+            axis.
+        has_base: Whether the product begins with the base.
+        has_tool: Whether it ends with the tool.
+    """
+
+    form: Form
+    first: int
+    last: int
+    entries: tuple[tuple[int, ...], ...]
+    inverse: bool = False
+    has_base: bool = False
+    has_tool: bool = False
+
+
+def origin(robot: Robot, source: Source, *, to_end: bool, from_base: bool = False) -> Origin:
+    """The origin of an equation.
+
+    Args:
+        robot: The robot.
+        source: The cut, and the entry or invariant.
+        to_end: Whether the last cut is at the end effector, as for tasks without orientation.
+        from_base: Whether the first one is in the world, as for tasks that tell some rows of a turned base.
+    """
+    name, places = source.entry, tuple(map(int, re.findall(r"\d", source.entry)))
+    in_world = from_base and source.first == 1
+    match name[0]:
+        case "R":
+            found = _rotation(robot, source, places, to_end, in_world)
+        case "m" | "k":
+            found = Origin(Form.MOMENT, source.first, source.last, (places,))
+        case "p":
+            found = _position(robot, source, places, to_end, in_world)
+        case _:
+            found = _back(robot, source, places, in_world)
+    return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)
+
+
+def _rotation(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
+    row, column = places
+    standard = robot.convention is Convention.STANDARD
+    if standard and not (to_end and source.last == robot.n):
+        column = _turned(robot.joints[source.last - 1].alpha, column)
+    elif not standard and not in_world:
+        row = _turned(robot.joints[source.first - 1].alpha, row)
+    if row and column:
+        return Origin(Form.ENTRY, source.first, source.last, ((row, column),))
+    return Origin(Form.DIRECTIONS, source.first, source.last, (places,))
+
+
+def _position(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
+    """Of the position at which M ends, seen from where it begins."""
+    first, standard = source.first, robot.convention is Convention.STANDARD
+    last = _end(robot, source, to_end, along=places == (3,))
+    start, squares = robot.joints[first - 1], source.entry == "p.p"
+    exact = last is not None
+    if squares and not in_world:
+        exact &= start.d == ZERO or not (start.is_revolute and (source.outer_left or first == 1))
+    rows = places or ((1, 2, 3) if squares else (1, 2))
+    if not standard and not in_world:
+        exact &= start.a == ZERO or (not squares and source.entry != "p.xy")
+        rows = tuple(_turned(start.alpha, row) for row in rows)
+    if not exact or not all(rows) or last is None:
+        form = Form.COMPONENT if places else Form.DISTANCE
+        return Origin(form, first, source.last, (places,))
+    return Origin(Form.ENTRY if places else Form.SQUARES, first, last, tuple((row, 4) for row in rows))
+
+
+def _end(robot: Robot, source: Source, to_end: bool, *, along: bool) -> int | None:
+    """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added.
+
+    Along the axis of a single joint its own length a adds nothing.
+    """
+    joints, last = robot.joints, source.last
+    joint = joints[last - 1]
+    is_open = source.outer_right or (last == robot.n and not to_end)
+    if to_end and last == robot.n:
+        return last
+    if robot.convention is Convention.STANDARD:
+        if joint.is_revolute and (is_open or joint.d == ZERO):
+            last -= 1
+        elif joint.a != ZERO and not (along and source.first == last):
+            return None
+    elif joint.is_revolute and is_open and joint.d != ZERO:
+        return None
+    while last < robot.n and _adds_nothing(joints[last]):
+        last += 1
+    return last
+
+
+def _back(robot: Robot, source: Source, places: tuple[int, ...], in_world: bool) -> Origin:
+    """Of the position at which M begins, seen from where it ends."""
+    first, last, standard = source.first, source.last, robot.convention is Convention.STANDARD
+    begin, end = robot.joints[first - 1], robot.joints[last - 1]
+    cuts_off = not in_world and begin.is_revolute and begin.d != ZERO and (source.outer_left or first == 1)
+    rows = places or (1, 2)
+    if standard:
+        exact = not cuts_off and (end.a == ZERO or bool(places))
+        rows = tuple(_turned(end.alpha, row) for row in rows)
+    else:
+        exact = not cuts_off and (begin.a == ZERO or in_world)
+    if not exact or not all(rows):
+        return Origin(Form.COMPONENT if places else Form.DISTANCE, first, last, (places,), inverse=True)
+    return Origin(Form.ENTRY if places else Form.SQUARES, first, last, tuple((row, 4) for row in rows), inverse=True)
+
+
+def _adds_nothing(joint: Joint) -> bool:
+    return joint.is_revolute and joint.a == ZERO and joint.d == ZERO
+
+
+def _turned(angle: Expression, index: int) -> int:
+    """The number of an axis after a turn about x, 0 where it is none of the axes."""
+    exact = decompose(angle)
+    quarters = exact.pi_multiple * 2
+    if index == 1:
+        return 1
+    if exact.terms or quarters.denominator != 1:
+        return 0
+    return index if quarters % 2 == 0 else 5 - index

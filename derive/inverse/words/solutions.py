@@ -1,0 +1,428 @@
+"""Inverse kinematics as a quantity of a model: how textbooks derive it, every branch, and the proof."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import chain, combinations, product
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy
+
+from derive.algebra.ring import Polynomial
+from derive.errors import QuantityError, listed
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.solve import solve
+from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
+from derive.inverse.words.branch_names import Vector
+from derive.inverse.words.derivation import Derivation, PrintedEquation, Step
+from derive.inverse.words.elementary import Line, Sign
+from derive.inverse.words.postures import postures
+from derive.lecture.matrices import aligned_latex
+from derive.lecture.point import DIGITS, value_of, written
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics
+from derive.robot.expression import Expression
+from derive.robot.names import robot_symbols
+from derive.robot.options.inverse import Task
+from derive.robot.options.style import Style
+from derive.robot.robot import Robot
+
+POSES = 3
+"""Random reachable poses at which the solutions are put into T."""
+
+_KEPT = 32
+"""Arms that are kept for those who ask for them again: sheets in three languages say the same of one."""
+
+CLOSE = mpmath.mpf(10) ** -25
+"""Below it two numbers of fifty digits are equal: a double root costs half of the digits."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """One branch.
+
+    Attributes:
+        name: ``shoulder right, elbow up``; ``#3`` where words do not tell the third one from others.
+        signs: The choices that lead to it.
+        lines: The formulas with these choices, in order.
+        joints: The joint variables, in what the lines name.
+    """
+
+    name: str
+    signs: Mapping[Sign, int]
+    lines: tuple[Line, ...]
+    joints: Mapping[Expr, Expr]
+
+    @cached_property
+    def explicit(self) -> dict[Expr, Expr]:
+        """The joint variables in pose and parameters alone; long where the arm is."""
+        known: dict[Expr, Expr] = {}
+        for line in self.lines:
+            value = line.value.xreplace(known)
+            known[line.symbol] = value
+            if line.symbol.is_Symbol and line.symbol in self.joints:
+                known[sympy.cos(line.symbol)], known[sympy.sin(line.symbol)] = sympy.cos(value), sympy.sin(value)
+        return {symbol: value.xreplace(known) for symbol, value in self.joints.items()}
+
+    def numbers(self, values: Mapping[Expr, Any]) -> Numbers | None:
+        """The joint variables in numbers, with the working precision of mpmath.
+
+        Args:
+            values: Numbers of the pose, of the parameters, and of joints that are given.
+
+        Returns:
+            Numbers of all lines; None where the branch does not exist.
+        """
+        known: Numbers = dict(values)
+        found: Numbers = {}
+        for line in self.lines:
+            try:
+                found[line.symbol] = known[line.symbol] = value_of(line.value, known)
+            except (ArithmeticError, ValueError):
+                return None
+        return found
+
+
+@dataclass(frozen=True)
+class Degenerate:
+    """Where an unknown is not determined: it is free then, and what follows only depends on the sum with it.
+
+    Attributes:
+        unknown: The joint variable, or a sum of them.
+        conditions: Expressions that vanish together there.
+    """
+
+    unknown: Expr
+    conditions: tuple[Expr, ...]
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What putting the solutions into T showed.
+
+    Attributes:
+        poses: Random reachable poses that were tried, with fifty digits.
+        branches: Real branches at them that reproduced T.
+        spurious: Real branches that did not: the task asks for them to be dropped.
+        found: Whether the configuration that each pose was made of is among the solutions.
+        worst: The largest difference of an entry.
+    """
+
+    poses: int
+    branches: int
+    spurious: int
+    found: bool
+    worst: float
+
+
+class InverseKinematics:
+    """How the joint variables of an arm follow from its pose, every branch.
+
+    Args:
+        graph: The graph of its elementary equations.
+        robot: The robot.
+        style: How sums are grouped.
+        asked: Task and given joints, where they are not those of the file.
+
+    Attributes:
+        graph: The graph of its elementary equations.
+        robot: The robot.
+    """
+
+    def __init__(self, graph: SolutionGraph, robot: Robot, style: Style, asked: tuple[Any, ...] = ()) -> None:
+        self.graph, self.robot = graph, robot
+        self._origin = (robot, style, *asked)
+        self._variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
+        self._derivation = Derivation(graph, robot, style)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """It is derived again, once in each process: FLINT's polynomials cannot be pickled."""
+        return inverse_kinematics, self._origin
+
+    def __repr__(self) -> str:
+        return f"<InverseKinematics of {self.robot.name}, {self.count} solutions>"
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Joints and solutions: entry (i, k) is joint i of solution k."""
+        return self.robot.n, len(self.solutions)
+
+    def __getitem__(self, place: tuple[int, int]) -> Expr:
+        """A joint variable of a solution, in pose and parameters alone.
+
+        Args:
+            place: Index of the joint and of the solution, from 0.
+        """
+        joint, solution = place
+        return self.solutions[solution].explicit[sympy.Symbol(self.robot.joints[joint].variable)]
+
+    def _repr_latex_(self) -> str:
+        joined = " \\text{ or } ".join
+        return aligned_latex(
+            [f"{sympy.latex(line.symbol)} = {joined(map(sympy.latex, line.alternatives))}" for line in self.lines]
+        )
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """All formulas in order."""
+        return (*self.definitions, *(line for step in self.steps for line in step.lines))
+
+    @cached_property
+    def named_lines(self) -> tuple[Line, ...]:
+        """The same with the names of sums of angles, ``cos(q23)``, from where these are found."""
+        given = {self._variables[k] for k in self.graph.given}
+        known: dict[Expr, Expr] = {
+            symbol: symbol for symbol in given
+        }  # what is found, by the sum of variables that it is
+        totals = {name: total for total, name in self.sums.items()}
+        found = []
+        for line in self.lines:
+            calls = [(call, _from_known(call.args[0], known)) for call in line.value.atoms(sympy.sin, sympy.cos)]
+            put_in = {call: call.func(angle) for call, angle in calls if angle is not None}
+            found.append(Line(line.symbol, line.value.xreplace(put_in)))
+            if line.symbol in self._variables or line.symbol in totals:
+                known[totals.get(line.symbol, line.symbol)] = line.symbol
+        return tuple(found)
+
+    @property
+    def expressions(self) -> tuple[Expr, ...]:
+        """Everything that is printed of it."""
+        equations = (e for step in self.steps for equation in step.equations for e in (equation.left, equation.right))
+        return (*equations, *(line.value for line in self.lines), *(e for step in self.steps for e in step.free))
+
+    @property
+    def pose(self) -> Matrix:
+        """The pose that is given, 4x4, in its symbols: ``r11``, ..., ``px``, ``py``, ``pz``."""
+        rows = [[self._derivation.pose[i, j] for j in (1, 2, 3, 4)] for i in (1, 2, 3)]
+        return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
+
+    def written(self, p: Polynomial) -> Expr:
+        """A polynomial of the graph as it is printed, in the names of the pose within the arm.
+
+        Args:
+            p: The polynomial.
+        """
+        return self._derivation.written(p)
+
+    @property
+    def definitions(self) -> tuple[Line, ...]:
+        """Names for what base, tool and the offsets at both ends of the arm make of the pose: the wrist centre."""
+        return self._derivation.definitions
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """How each unknown is found, in order."""
+        return self._derivation.steps
+
+    @property
+    def sums(self) -> Mapping[Expr, Expr]:
+        """Names of sums of joint variables: ``q2 + q3`` -> ``q23``."""
+        return self._derivation.sums
+
+    @property
+    def count(self) -> int:
+        """The number of solutions of a generic reachable pose, over the complex numbers."""
+        return self.graph.count
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is certain that no solution is missing."""
+        return self.graph.complete
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether it is certain that no pose has more solutions that stand alone."""
+        return self.graph.everywhere
+
+    @property
+    def conditions(self) -> tuple[PrintedEquation, ...]:
+        """What holds at reachable poses of an arm with fewer than six joints."""
+        return self._derivation.conditions
+
+    @property
+    def degenerate(self) -> tuple[Degenerate, ...]:
+        """Where an unknown is free."""
+        return tuple(Degenerate(step.unknown, step.free) for step in self.steps if step.free)
+
+    @property
+    def is_explicit(self) -> bool:
+        """Whether every step is a formula; a quartic or an eigenvalue problem is none."""
+        return self.graph.is_closed and all(step.lines or step.kind is Kind.GIVEN for step in self.steps)
+
+    @cached_property
+    def solutions(self) -> tuple[Solution, ...]:
+        """Every branch in closed form, named, as generated code has them; empty where there is none (`is_explicit`)."""
+        if not self.is_explicit:
+            return ()
+        unnamed = tuple(self._branches())
+        if len(unnamed) == 1:
+            return unnamed
+        found = postures(self.robot, self.graph)
+        q = dict(zip(self._variables, found.q, strict=True))
+        values = self.values_at({sympy.Symbol(k): float(x) for k, x in found.parameters.items()}, q, ArrayDomain)
+        places = found.places([self._joint_arrays(branch, values, q) for branch in unnamed])
+        ordered = sorted(zip(places, unnamed, strict=True), key=lambda pair: pair[0])
+        return tuple(replace(branch, name=found.names[k] or f"#{k + 1}") for k, branch in ordered)
+
+    def _joint_arrays(self, branch: Solution, values: Numbers, q: Numbers) -> Vector:
+        """The joint variables of a branch at many poses, not a number where it is not real."""
+        found = dict(values)
+        with np.errstate(all="ignore"):
+            for line in branch.lines:
+                found[line.symbol] = array_value(line.value, found)
+        return np.stack([np.broadcast_to(np.asarray(found.get(symbol, own)), own.shape) for symbol, own in q.items()])
+
+    def _branches(self) -> Iterator[Solution]:
+        signs = tuple(dict.fromkeys(sign for line in self.lines for sign in line.signs))
+        for choice in product((1, -1), repeat=len(signs)):
+            chosen = dict(zip(signs, choice, strict=True))
+            put_in = {sign: sympy.Integer(e) for sign, e in chosen.items()}
+            own = tuple(Line(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
+            values = {line.symbol: line.value for line in own}
+            joints = {q: values[q] for q in self._variables if q in values}
+            yield Solution("", chosen, own, joints)
+
+    # -- in numbers
+
+    def at(self, point: Mapping[str, Expression]) -> Matrix:
+        """All configurations that reach the pose of one.
+
+        Args:
+            point: Numbers of the joint variables and of parameters by name.
+
+        Returns:
+            A row for each joint, a column for each real solution that reaches the pose, of thirty digits.
+
+        Raises:
+            QuantityError: A joint or parameter without a number.
+        """
+        with mpmath.workdps(DIGITS):
+            known = {sympy.Symbol(name): value_of(expression_to_sympy(value), {}) for name, value in point.items()}
+            symbols = [*map(sympy.Symbol, robot_symbols(replace(self.robot, links=(), gravity=None))), *self._variables]
+            missing = [str(symbol) for symbol in symbols if symbol not in known]
+            if missing:
+                raise QuantityError(
+                    f"the inverse kinematics without a number for {listed(missing)}",
+                    allowed="numbers of all joints and parameters",
+                )
+            values = self.values_at(known, known)
+            columns = [] if self.is_explicit else list(self._columns_in_floats(known, values))
+            for solution in self.solutions:
+                numbers = solution.numbers(values)
+                if numbers is not None and self.error(values, numbers) < CLOSE:
+                    columns.append([written(numbers.get(q, known[q])) for q in self._variables])
+        return sympy.ImmutableMatrix(len(columns), self.robot.n, list(chain.from_iterable(columns))).T
+
+    def _columns_in_floats(self, known: Numbers, values: Numbers) -> Iterator[list[Expr]]:
+        """All configurations by the graph run over floats, or by Newton's method where there is none."""
+        pose = np.array([[float(values[symbol]) for symbol in row] for row in self.pose[:3, :].tolist()])
+        numbers = {str(symbol): float(x) for symbol, x in known.items() if symbol not in self._variables}
+        given = [float(known[self._variables[k]]) for k in self.graph.given]
+        solver = InverseSolver.of(self.robot, self.graph, numbers)
+        found = solver.solve(np.vstack([pose, [0.0, 0.0, 0.0, 1.0]]), given)
+        for q in found.q[np.isfinite(found.q).all(axis=-1)]:
+            yield [written(mpmath.mpf(float(x))) for x in q]
+
+    @cached_property
+    def verified(self) -> Verification:
+        """Every solution put into T, with fifty digits, at random reachable poses."""
+        found, branches, spurious, worst = True, 0, 0, mpmath.mpf(0)
+        with mpmath.workdps(DIGITS):
+            for values, q in self._samples(POSES):
+                hit = False
+                for solution in self.solutions:
+                    numbers = solution.numbers(values)
+                    if numbers is None:
+                        continue
+                    error = self.error(values, numbers)
+                    branches, spurious = branches + (error < CLOSE), spurious + (error >= CLOSE)
+                    worst = max(worst, error) if error < CLOSE else worst
+                    hit = hit or self._same(q, numbers)
+                found = found and hit
+        return Verification(POSES, branches, spurious, found, float(worst))
+
+    def _samples(self, poses: int) -> Iterator[tuple[Numbers, Numbers]]:
+        """Numbers of parameters and of a reachable pose, and the configuration that it is made of."""
+        rng = random.Random(12)
+        for _ in range(poses):
+            values = parameter_numbers(self.robot, rng)
+            q: Numbers = {}
+            for joint, symbol in zip(self.robot.joints, self._variables, strict=True):
+                q[symbol] = mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else rng.randint(20, 90)) / 101
+            yield self.values_at(values, q), q
+
+    def values_at(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
+        """Numbers of parameters, of the pose at a configuration, and of the joints that are given.
+
+        Args:
+            values: Numbers of the parameters.
+            q: Numbers of the joint variables.
+            domain: What the numbers are.
+        """
+        end = forward_kinematics(self._chain(values, q, domain))
+        found = {symbol: number for symbol, number in values.items() if symbol not in self._variables}
+        for (i, j), symbol in self._derivation.pose.items():
+            found[symbol] = end.position[i - 1] if j == 4 else end.rotation[i - 1][j - 1]
+        return found | {self._variables[k]: q[self._variables[k]] for k in self.graph.given}
+
+    def _chain(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Chain[Any]:
+        """The arm at a configuration."""
+        robot = replace(self.robot, links=(), gravity=None)
+        return build_chain(robot, domain(robot, [q[symbol] for symbol in self._variables], values))
+
+    def error(self, values: Numbers, numbers: Numbers) -> Any:
+        """The largest difference between the pose of a solution and the one that was asked for.
+
+        Args:
+            values: Numbers of pose, parameters and given joints, see `values_at`.
+            numbers: Those of the solution, see `Solution.numbers`.
+        """
+        end = forward_kinematics(self._chain(values, {**values, **numbers}))
+        reached = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
+        wanted = self._derivation.pose
+        return max(abs(reached[i][j] - values[wanted[i + 1, j + 1]]) for i, j in self.graph.places)
+
+    def _same(self, q: Numbers, numbers: Numbers) -> bool:
+        """Whether two configurations are the same but for full turns."""
+        for joint in self.robot.joints:
+            symbol = sympy.Symbol(joint.variable)
+            gap = q[symbol] - numbers.get(symbol, q[symbol])
+            if (abs(2 * mpmath.sin(gap / 2)) if joint.is_revolute else abs(gap)) > CLOSE:
+                return False
+        return True
+
+
+def _from_known(angle: Expr, known: Mapping[Expr, Expr]) -> Expr | None:
+    """A sum of joint variables in the names of what is found, up to three of them; None where nothing need be done."""
+    if all(symbol in known for symbol in angle.free_symbols):
+        return None
+    for size in (1, 2, 3):
+        for parts in combinations(known.items(), size):
+            for signs in product((1, -1), repeat=size):
+                if sympy.Add(*(e * total for e, (total, _) in zip(signs, parts, strict=True))) == angle:
+                    return sympy.Add(*(e * name for e, (_, name) in zip(signs, parts, strict=True)))
+    return None
+
+
+@lru_cache(_KEPT)
+def inverse_kinematics(
+    robot: Robot, style: Style, task: Task | None = None, given: tuple[int, ...] | None = None
+) -> InverseKinematics:
+    """How the joint variables of an arm follow from its pose, derived once for all who ask.
+
+    Args:
+        robot: The robot.
+        style: How sums are grouped.
+        task: The rows of the task; default as the file says.
+        given: Indices of the joints that are arguments; default as the file says.
+    """
+    asked = () if task is None and given is None else (task, given)
+    return InverseKinematics(solve(robot, task, given), robot, style, asked)

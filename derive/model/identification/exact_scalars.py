@@ -1,0 +1,186 @@
+"""Scalars of the mechanics that lose nothing: rational numbers as long as everything is rational, else balls.
+
+Cosines and sines of quarter turns are rational; those of other angles are balls of `derive.mechanics.space.BITS` bits.
+Whoever computes with them does so inside `derive.mechanics.space.exactly`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import prod
+from typing import Any
+
+from flint import arb, fmpq
+
+from derive.errors import ExpressionError
+from derive.mechanics.space import NOTHING
+from derive.robot.description import Joint
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
+from derive.robot.names import number_of, robot_symbols
+from derive.robot.robot import Robot
+
+Exact = Any
+"""A rational number (flint.fmpq) or a ball (flint.arb)."""
+
+
+class ExactDomain:
+    """Cells of a robot whose parameters all have numbers, every angle and offset of its joints zero.
+
+    Args:
+        robot: The robot.
+
+    Raises:
+        ExpressionError: A symbol has no number, or its number does not exist.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._values: dict[str, Exact] = {}
+        for name, cell in number_of(robot).items():
+            self._values[name] = self._value(cell)
+        missing = [name for name in robot_symbols(robot) if name not in self._values]
+        if missing:
+            found = f"{robot.name}: no number for {', '.join(missing)}"
+            raise ExpressionError(found, remedy="give them under parameters of the robot file")
+
+    def number(self, value: int | Fraction) -> Exact:
+        """A rational.
+
+        Args:
+            value: The number.
+        """
+        return fmpq(value.numerator, value.denominator)
+
+    def constant(self, expression: Expression) -> Exact:
+        """The value of a cell.
+
+        Args:
+            expression: The cell.
+
+        Raises:
+            ExpressionError: It has no finite value.
+        """
+        found = self._value(expression)
+        if isinstance(found, arb) and not found.is_finite():
+            raise ExpressionError("an expression has no finite value")
+        return found
+
+    def cosine_sine(self, angle: Expression) -> tuple[Exact, Exact]:
+        """Cosine and sine of a constant angle, rational where it is a multiple of pi/2.
+
+        Args:
+            angle: The angle [rad].
+        """
+        value = arb(self.constant(angle))
+        quarters = value * 2 / arb.pi()
+        whole = round(float(quarters))
+        if abs(quarters - whole) < NOTHING:
+            cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[whole % 4]
+            return fmpq(cosine), fmpq(sine)
+        return value.cos(), value.sin()
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Exact, Exact]:
+        """Those of zero: nothing that is asked of these scalars depends on where the joints stand.
+
+        Args:
+            index: Number of the joint.
+            joint: Its row.
+        """
+        return fmpq(1), fmpq(0)
+
+    def joint_offset(self, index: int, joint: Joint) -> Exact:
+        """Zero, see `joint_cosine_sine`.
+
+        Args:
+            index: Number of the joint.
+            joint: Its row.
+        """
+        return fmpq(0)
+
+    def _value(self, expression: Expression) -> Exact:
+        match expression:
+            case Number(value):
+                return fmpq(value.numerator, value.denominator)
+            case Pi():
+                return arb.pi()
+            case Name(name):
+                if name not in self._values:
+                    raise ExpressionError(f"the parameter {name!r} has no number", remedy="give it one")
+                return self._values[name]
+            case Sum(parts):
+                return sum(map(self._value, parts), fmpq(0))
+            case Product(parts):
+                return prod(map(self._value, parts), start=fmpq(1))
+            case Power(base, exponent):
+                number = self._value(base)
+                if exponent < 0 and is_zero(number):
+                    raise ExpressionError("an expression has no finite value: division by zero")
+                return number**exponent
+            case Call(function, arguments):
+                return getattr(arb(self._value(arguments[0])), function)()  # of sin, cos, tan and sqrt
+        raise TypeError(expression)
+
+
+def is_zero(value: Exact) -> bool:
+    """Whether a scalar is zero; of a ball, whether it is within `NOTHING` of it.
+
+    Args:
+        value: A scalar.
+    """
+    return bool(value == 0) if isinstance(value, fmpq) else bool(abs(value) < NOTHING)
+
+
+def is_rational(value: Exact) -> bool:
+    """Whether a scalar is known without any error.
+
+    Args:
+        value: A scalar.
+    """
+    return isinstance(value, fmpq)
+
+
+def as_fraction(value: Exact) -> Fraction:
+    """A scalar as a rational number; of a ball its middle.
+
+    Args:
+        value: A scalar.
+    """
+    if isinstance(value, fmpq):
+        return Fraction(int(value.p), int(value.q))
+    mantissa, exponent = value.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def null_space(rows: Sequence[Sequence[Exact]], width: int) -> dict[int, list[Exact]]:
+    """Vectors that span what all rows send to zero, by elimination with the largest pivots.
+
+    Args:
+        rows: Of a matrix.
+        width: Number of its columns.
+
+    Returns:
+        A basis, each vector by the column where it has a 1 and all others have a 0.
+    """
+    matrix = [list(row) for row in rows]
+    pivots: list[int] = []
+    for column in range(width):
+        at = len(pivots)
+        candidates = [k for k in range(at, len(matrix)) if not is_zero(matrix[k][column])]
+        if not candidates:
+            continue
+        best = max(candidates, key=lambda k: abs(float(matrix[k][column])))
+        matrix[at], matrix[best] = matrix[best], matrix[at]
+        pivot = matrix[at][column]
+        matrix[at] = [entry / pivot for entry in matrix[at]]
+        for k, row in enumerate(matrix):
+            if k != at and not is_zero(row[column]):
+                factor = row[column]
+                matrix[k] = [entry - factor * own for entry, own in zip(row, matrix[at], strict=True)]
+        pivots.append(column)
+    basis = {}
+    for free in (column for column in range(width) if column not in pivots):
+        vector: list[Exact] = [fmpq(int(column == free)) for column in range(width)]
+        for row, pivot_column in zip(matrix, pivots, strict=False):
+            vector[pivot_column] = -row[free]
+        basis[free] = vector
+    return basis

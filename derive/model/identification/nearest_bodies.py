@@ -1,0 +1,301 @@
+"""The search for bodies that exist: convex problems in floats, each body in the units of its own link.
+
+The pseudo-inertia of a body is taken about the link's own centre of mass as given, with its mass as unit of mass and
+its radius of gyration as unit of length, so that a wrist counts as much as an upper arm, wherever the frames lie. First
+the sum of the links' changes is made least, which leaves most links as they are; then, among the links that change, the
+sum of squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.mechanics.chain import Chain
+from derive.model.identification.exact_scalars import Exact
+from derive.model.identification.regressor_null_space import WIDTH, Direction
+from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
+
+Array = npt.NDArray[Any]
+
+MARGIN = 1e-5
+"""Least eigenvalue of a pseudo-inertia in the link's own units, where the arm leaves room for it; programs that read
+models compute principal moments in floats and refuse those that do not hold after rounding."""
+
+UNIT = packed(np.eye(4))
+"""The unit matrix as a vector."""
+
+BORDER = 1e-8
+"""Least eigenvalues that are smaller than the solver can tell from zero."""
+
+EXISTING = 1e-9
+"""Where all given eigenvalues are above it nothing changes."""
+
+KEPT = 1e-4
+"""A link whose change is a smaller part of the largest one does not change."""
+
+HEAVIEST = 1e-6
+"""A link counts at least this part of the heaviest."""
+
+LARGEST = 1e-3
+"""A link is at least this part of the arm's largest length."""
+
+LIGHT, SHORT = 1e-2, 0.1
+"""The same of links that are given without a mass, or with less: the units of what they get, if they get something."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bodies:
+    """An arm's bodies in their own units, as an affine function of how far they go along each direction.
+
+    Attributes:
+        given: (n, 10) pseudo-inertias as vectors, see `derive.model.identification.semidefinite`.
+        along: (n, 10, k) their change along each direction.
+        units: (n, 4, 4) what takes a pseudo-inertia in the joint frame to these units, from both sides.
+        masses: (n,) the least that links given without a mass, or with a negative one, must get, lest they be much
+            wider than the arm; zero for all others.
+    """
+
+    given: Array
+    along: Array
+    units: Array
+    masses: Array
+
+
+def size_of(chain: Chain[Exact]) -> float:
+    """The largest length of an arm [m]; 1 where it has none.
+
+    Args:
+        chain: Its links and frames.
+    """
+    lengths = [abs(float(c)) for joint in chain.joints for c in (*joint.fixed.position, joint.offset)]
+    lengths += [abs(float(c)) for end in chain.ends for c in end.position]
+    for body in chain.bodies:
+        lengths += [abs(float(h) / float(body.mass)) for h in body.first_moment] if float(body.mass) > 0 else []
+    return max(lengths) or 1.0
+
+
+def pseudo_inertias(parameters: Array) -> Array:
+    """The pseudo-inertias of bodies.
+
+    Args:
+        parameters: (n, 10, ...) in the order of `LINK_PARTS`.
+
+    Returns:
+        (n, 4, 4, ...).
+    """
+    m, hx, hy, hz, xx, yy, zz, xy, xz, yz = np.moveaxis(parameters, 1, 0)
+    rows = [
+        [(yy + zz - xx) / 2, -xy, -xz, hx],
+        [-xy, (xx + zz - yy) / 2, -yz, hy],
+        [-xz, -yz, (xx + yy - zz) / 2, hz],
+        [hx, hy, hz, m],
+    ]
+    found: Array = np.moveaxis(np.array(rows), 2, 0)
+    return found
+
+
+def in_own_units(parameters: Sequence[Exact], basis: Sequence[Direction], size: float) -> Bodies:
+    """Bodies, and their changes, each in the units of its link.
+
+    Args:
+        parameters: Of all links, in joint frames.
+        basis: Changes of them.
+        size: See `size_of`.
+    """
+    numbers = np.array([float(value) for value in parameters]).reshape(-1, WIDTH)
+    columns = np.array([[float(value) for value in direction] for direction in basis])
+    along = columns.T.reshape(len(numbers), WIDTH, -1) if len(basis) else np.zeros((len(numbers), WIDTH, 0))
+    given, heaviest = pseudo_inertias(numbers), float(np.abs(numbers[:, 0]).max())
+    units = np.array([_units(body, heaviest or 1.0, size) for body in given])
+    moved = np.moveaxis(pseudo_inertias(along), 3, 1)
+    changes = np.einsum("nab,nkbc,ndc->nkad", units, moved, units)
+    own = packed(np.einsum("nab,nbc,ndc->nad", units, given, units))
+    return Bodies(own, packed(changes).swapaxes(1, 2), units, np.zeros(len(given)))
+
+
+def _units(body: Array, heaviest: float, size: float) -> Array:
+    """To coordinates about the centre of mass, in radii of gyration and masses of the link, within reason."""
+    given = max(body[3, 3], 0.0)
+    least_mass, least_radius = (HEAVIEST, LARGEST) if given else (LIGHT, SHORT)
+    mass = max(given, least_mass * heaviest)
+    center = body[:3, 3] / given if given == mass else np.zeros(3)
+    spread = float(np.abs(np.linalg.eigvalsh(body[:3, :3] - given * np.outer(center, center))).sum())
+    mass = max(mass, spread / size**2)
+    radius = max(sqrt(spread / mass), least_radius * size)
+    return np.block([[np.eye(3) / radius, -center[:, None] / radius], [np.zeros((1, 3)), np.ones((1, 1))]]) / sqrt(mass)
+
+
+def least_eigenvalues(bodies: Bodies, steps: Array | None = None) -> Array:
+    """Least eigenvalue of each pseudo-inertia.
+
+    Args:
+        bodies: The arm's.
+        steps: How far they go along each direction; None for the given ones.
+
+    Returns:
+        (n,) in the units of the links.
+    """
+    moved = bodies.given if steps is None else bodies.given + bodies.along @ steps
+    found: Array = np.linalg.eigvalsh(unpacked(moved))[..., 0]
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Room:
+    """How far from the limit all bodies can be at once.
+
+    Attributes:
+        value: Their least eigenvalue, at most `MARGIN`; negative where no bodies exist.
+        weights: (n,) by which that of each body counts: less for one that is given nearer to the limit.
+        prices: (n, 4, 4) positive semidefinite; the sum of their products with the pseudo-inertias is the same for all
+            bodies with these torques, and is ``value`` where no bodies exist.
+    """
+
+    value: float
+    weights: Array
+    prices: Array
+
+
+def most_room(bodies: Bodies) -> Room:
+    """Bodies as far from the limit as they can be.
+
+    Args:
+        bodies: The arm's.
+    """
+    given = least_eigenvalues(bodies)
+    weights = np.where(given > 0, np.clip(given / (2 * MARGIN), EXISTING / MARGIN, 1.0), 1.0)
+    slopes, width = _slopes(bodies), bodies.along.shape[2]
+    limits = [
+        Limit(Cone.SEMIDEFINITE, body, np.column_stack([slope, -weight * UNIT]))
+        for body, slope, weight in zip(bodies.given, slopes, weights, strict=True)
+    ]
+    room = np.eye(width + 1)[width]
+    limits.append(Limit(Cone.NOT_NEGATIVE, np.array([MARGIN]), -room[None]))
+    found = least(-room, limits)
+    return Room(float(found.x[width]), weights, unpacked(np.array(found.prices[: len(slopes)])))
+
+
+def targets(bodies: Bodies, room: Room) -> Array:
+    """The least eigenvalue of each body to keep to: half of what it can have while others have theirs.
+
+    Args:
+        bodies: The arm's.
+        room: What they have.
+
+    Returns:
+        (n,); less than zero, by what a solver does not see, for bodies that torques keep at the limit.
+    """
+    if room.value > MARGIN / 2:
+        return room.weights * room.value / 2
+    slopes, (n, _, width) = _slopes(bodies), bodies.along.shape
+    rooms = np.eye(n + width)[width:]
+    limits = [
+        Limit(Cone.SEMIDEFINITE, body, np.column_stack([slope, -weight * np.outer(UNIT, own[width:])]))
+        for body, slope, weight, own in zip(bodies.given, slopes, room.weights, rooms, strict=True)
+    ]
+    limits += [
+        Limit(Cone.NOT_NEGATIVE, np.full(n, MARGIN), -rooms),
+        Limit(Cone.NOT_NEGATIVE, np.full(n, 2 * BORDER), rooms),
+    ]
+    found = least(-rooms.sum(axis=0), limits).x[width:]
+    return np.where(found > 2 * BORDER, room.weights * found / 2, -2 * BORDER)
+
+
+def weighed(bodies: Bodies, target: Array) -> Bodies:
+    """The same with masses for the links that are given none, or less, as far as torques allow them.
+
+    One that has moments of inertia would else get next to nothing, and a radius of gyration of kilometres. Those that
+    are at the limit of what exists anyway stay what they are, to the last digit.
+
+    Args:
+        bodies: The arm's.
+        target: Least eigenvalues to keep to.
+    """
+    massless, (n, _, width) = (bodies.given[:, -1] <= 0) & (target > 0), bodies.along.shape
+    if not massless.any():
+        return bodies
+    own = np.eye(n + width)[width:]
+    limits = [
+        _beyond(body, np.column_stack([slope, np.zeros((10, n))]), margin)
+        for body, slope, margin in zip(bodies.given, _slopes(bodies), target, strict=True)
+    ]
+    limits += [
+        Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:], (np.append(_slopes(bodies)[i, -1], np.zeros(n)) - own[i])[None])
+        for i in np.flatnonzero(massless)
+    ]
+    limits += [Limit(Cone.NOT_NEGATIVE, np.zeros(n), own), Limit(Cone.NOT_NEGATIVE, np.ones(n), -own)]
+    found = least(-own[massless].sum(axis=0), limits).x[width:]
+    return replace(bodies, masses=np.where(massless, np.clip(found, 0, 1) / 2, 0))
+
+
+def _masses(bodies: Bodies, more: int) -> list[Limit]:
+    """What ``masses`` asks for, of functions of the steps and of some more variables."""
+    slopes = _slopes(bodies)[:, -1, :]
+    return [
+        Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:] - bodies.masses[i], np.append(slopes[i], np.zeros(more))[None])
+        for i in np.flatnonzero(bodies.masses)
+    ]
+
+
+def needed(bodies: Bodies, target: Array) -> list[int]:
+    """The links that change where the sum of changes is least.
+
+    Args:
+        bodies: The arm's.
+        target: Least eigenvalues to keep to.
+
+    Returns:
+        Their numbers, from 0.
+    """
+    slopes, (n, _, width) = _slopes(bodies), bodies.along.shape
+    sizes = np.eye(n + width)[width:]
+    limits = [
+        _beyond(body, np.column_stack([slope, np.zeros((10, n))]), t)
+        for body, slope, t in zip(bodies.given, slopes, target, strict=True)
+    ]
+    limits += [
+        Limit(Cone.LONGEST_FIRST, np.zeros(11), np.vstack([size, np.column_stack([slope, np.zeros((10, n))])]))
+        for size, slope in zip(sizes, slopes, strict=True)
+    ]
+    found = least(sizes.sum(axis=0), [*limits, *_masses(bodies, n)]).x[width:]
+    missing = least_eigenvalues(bodies) < np.minimum(target, EXISTING)
+    return [i for i, size in enumerate(found) if size > KEPT * found.max() or missing[i]]
+
+
+def nearest(bodies: Bodies, target: Array) -> Array:
+    """How far along each direction the nearest bodies are.
+
+    Args:
+        bodies: The arm's.
+        target: Least eigenvalues to keep to.
+
+    Returns:
+        The steps.
+    """
+    slopes = _slopes(bodies)
+    limits = [_beyond(*each) for each in zip(bodies.given, slopes, target, strict=True)] + _masses(bodies, 0)
+    every = slopes.reshape(-1, slopes.shape[2])
+    found: Array = least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies)
+    return found
+
+
+def _beyond(body: Array, slope: Array, margin: float) -> Limit:
+    """A body whose least eigenvalue is at least a margin."""
+    return Limit(Cone.SEMIDEFINITE, body - margin * UNIT, slope)
+
+
+def _column_units(bodies: Bodies) -> Array:
+    """What a step along each direction is measured in, so that all are alike to the solver."""
+    found: Array = 1 / np.sqrt((bodies.along**2).sum(axis=(0, 1)))
+    return found
+
+
+def _slopes(bodies: Bodies) -> Array:
+    found: Array = bodies.along * _column_units(bodies)
+    return found

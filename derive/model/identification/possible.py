@@ -1,0 +1,293 @@
+"""`--inertia possible`: the nearest bodies that exist and move as the given ones do.
+
+A rigid body exists where its pseudo-inertia [[S, h], [h^T, m]], with S its second moments and h its first moment, is
+positive semidefinite: then its mass is not negative, and no principal moment is larger than the sum of the other two
+(Wensing, Kim and Slotine, IEEE Robotics and Automation Letters 3(1), 2018). Published links often break this. Torques
+know base parameters alone, so bodies may change along the directions of `regressor_null_space` without
+any torque changing; among these the nearest are found by semidefinite programming (`nearest_bodies`,
+which also says what near means). The changes are rounded to few digits and applied in exact arithmetic, and what comes
+out is looked at again: bodies that do not exist are never handed out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import arb, fmpq
+
+from derive.errors import DeriveError, near_miss, quoted
+from derive.mechanics.chain import Chain
+from derive.mechanics.space import decimal, exactly
+from derive.mechanics.vectors import add, from_matrix, matmul, multiply, scale, steiner, transpose
+from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero, null_space
+from derive.model.identification.nearest_bodies import (
+    BORDER,
+    EXISTING,
+    Bodies,
+    in_own_units,
+    least_eigenvalues,
+    most_room,
+    nearest,
+    needed,
+    size_of,
+    targets,
+    weighed,
+)
+from derive.model.identification.regressor_null_space import (
+    WIDTH,
+    Direction,
+    bare_chain,
+    body_of,
+    combined,
+    directions,
+    keeping,
+    parameters_of,
+)
+from derive.model.identification.witness import refusal
+from derive.robot.description import Inertia, Link
+from derive.robot.expression import Expression, number, to_text
+from derive.robot.names import without_lost_symbols
+from derive.robot.robot import Robot
+from derive.robot.writer import robot_text
+
+Array = npt.NDArray[Any]
+
+INERTIAS = ("given", "possible")
+"""Which bodies are taken: those of the robot, or the nearest ones that exist and move alike."""
+
+MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
+"""Entries of an inertia tensor."""
+
+UNITS = (1e-8, 1e-11, 1e-14)
+"""To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What became of a link.
+
+    Attributes:
+        link: Number, from 1.
+        size: Of the change, without units; see `derive.model.identification.nearest_bodies`.
+        cells: Cells that changed: name, old and new.
+    """
+
+    link: int
+    size: float
+    cells: tuple[tuple[str, Expression, Expression], ...]
+
+    def __str__(self) -> str:
+        cells = ", ".join(f"{name} {_short(old)} -> {_short(new)}" for name, old, new in self.cells)
+        return f"link {self.link} changed by {self.size:.2g}: {cells}"
+
+
+@dataclass(frozen=True, slots=True)
+class Possible:
+    """A robot whose links exist.
+
+    Attributes:
+        robot: The robot.
+        changes: The links that changed.
+        border: Links, from 1, that are limits of bodies, such as a point or a thin rod, since torques leave no choice.
+    """
+
+    robot: Robot
+    changes: tuple[Change, ...]
+    border: tuple[int, ...] = ()
+
+    @property
+    def report(self) -> tuple[str, ...]:
+        """What was changed, in lines."""
+        head = f"{len(self.changes)} of {self.robot.n} links changed; base parameters and torques stay the same"
+        lines = [head, *map(str, self.changes)] if self.changes else ["all links exist as they are"]
+        if self.border:
+            which = (
+                f"link {self.border[0]} is"
+                if len(self.border) == 1
+                else f"links {', '.join(map(str, self.border))} are"
+            )
+            lines.append(
+                f"{which} at the limit of what exists (nothing, a point, a thin rod or plate); torques allow no other"
+            )
+        return tuple(lines)
+
+    @property
+    def text(self) -> str:
+        """The robot file of the robot, with the comments at its head and what was changed."""
+        return robot_text(self.robot, (*self.robot.comments, *self.report))
+
+
+def possible(robot: Robot) -> Possible:
+    """The nearest bodies that exist and give the same torques.
+
+    Args:
+        robot: A robot with links, whose symbols all have numbers. Rotors, armatures and friction stay as they are.
+
+    Returns:
+        The robot with these links; cells that need no change are kept as they stand.
+
+    Raises:
+        NoSuchBodies: There are none.
+        DeriveError: No links, or the packages of the extra are missing.
+        ExpressionError: A symbol has no number.
+    """
+    if not robot.links:
+        raise DeriveError(f"{robot.name}: no masses and inertias", remedy="give links in the robot file")
+    with exactly():
+        domain = ExactDomain(robot)
+        chain = bare_chain(robot, domain)
+        parameters = [value for body in chain.bodies for value in parameters_of(body)]
+        size = size_of(chain)
+        if float(least_eigenvalues(in_own_units(parameters, (), size)).min()) >= EXISTING:
+            return Possible(robot, ())
+        every = directions(robot, chain, domain)
+        basis = _without_mass(parameters, every)
+        bodies = in_own_units(parameters, basis, size)
+        room = most_room(bodies)
+        if room.value < -BORDER:
+            raise refusal(robot, chain, every, room.prices, bodies.units)
+        target = targets(bodies, room)
+        border = tuple(int(i) + 1 for i in np.flatnonzero(target < 0))
+        if border and float(least_eigenvalues(bodies).min()) >= -BORDER:
+            return Possible(robot, (), border)
+        bodies = weighed(bodies, target)
+        changed = needed(bodies, target)
+        fewer = keeping(basis, [i for i in range(robot.n) if i not in changed])
+        for among in (fewer, basis):  # at the limit a solver may need the other links, too
+            alone = replace(in_own_units(parameters, among, size), masses=bodies.masses)
+            if (steps := _decimal_steps(alone, target)) is not None:
+                with suppress(DeriveError):  # rounding left a link a first moment without a mass
+                    return _result(robot, chain, domain, combined(among, steps), border)
+        raise DeriveError(f"{robot.name}: bodies with these torques may exist, but the search did not reach any")
+
+
+def wants_possible(inertia: str) -> bool:
+    """Whether bodies that exist are asked for.
+
+    Args:
+        inertia: One of `INERTIAS`.
+
+    Raises:
+        DeriveError: No such choice.
+    """
+    if inertia not in INERTIAS:
+        allowed = f"allowed: {', '.join(INERTIAS)}"
+        raise DeriveError(
+            f"no choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
+        )
+    return inertia == "possible"
+
+
+def with_chosen_bodies(robot: Robot, inertia: str) -> tuple[Robot, tuple[str, ...]]:
+    """A robot with its own bodies, or with the nearest that exist.
+
+    Args:
+        robot: The robot.
+        inertia: One of `INERTIAS`.
+
+    Returns:
+        The robot, whose comments say what was changed, and these sentences.
+
+    Raises:
+        DeriveError: No such choice, or no such bodies.
+    """
+    if not wants_possible(inertia):
+        return robot, ()
+    found = possible(robot)
+    return replace(found.robot, comments=(*robot.comments, *found.report)), found.report
+
+
+def _without_mass(parameters: Sequence[Exact], basis: list[Direction]) -> list[Direction]:
+    """The changes that also leave a link without a first moment where torques leave it no mass.
+
+    A solver would not see it: a small first moment beside large second ones is within its tolerance.
+
+    Args:
+        parameters: Of all links.
+        basis: All changes.
+    """
+    masses = range(0, len(parameters), WIDTH)
+    kept = [k for k in masses if is_zero(parameters[k]) and all(is_zero(direction[k]) for direction in basis)]
+    rows = [[direction[k + axis] for direction in basis] for k in kept for axis in (1, 2, 3)]
+    rows = [row for row in rows if not all(map(is_zero, row))]
+    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()] if rows else basis
+
+
+def _decimal_steps(bodies: Bodies, target: Array) -> list[Exact] | None:
+    """Steps with few digits to the nearest bodies, or None where the search does not reach what is asked for."""
+    if not bodies.along.shape[2]:
+        return None
+    try:
+        found = nearest(bodies, target)
+    except DeriveError:
+        return None
+    lengths = np.sqrt((bodies.along**2).sum(axis=(0, 1)))
+    for unit in UNITS:
+        places = [floor(-log10(unit / length)) for length in lengths]
+        steps = [fmpq(round(step * 10**p), 1) / fmpq(10) ** p for step, p in zip(found, places, strict=True)]
+        reached = least_eigenvalues(bodies, np.array([float(step) for step in steps]))
+        if (reached >= target - abs(target) / 2).all():
+            return steps
+    return None
+
+
+def _result(
+    robot: Robot, chain: Chain[Exact], domain: ExactDomain, moved: Direction, border: tuple[int, ...]
+) -> Possible:
+    """The links after a change of their parameters."""
+    links, changes = list(robot.links), []
+    shapes = in_own_units([value for body in chain.bodies for value in parameters_of(body)], [moved], size_of(chain))
+    for i, link in enumerate(robot.links):
+        change = moved[WIDTH * i : WIDTH * (i + 1)]
+        if all(map(is_zero, change)):
+            continue
+        links[i] = _moved_link(link, chain, i, change, domain)
+        cells = tuple(_differences(link, links[i]))
+        if cells:
+            changes.append(Change(i + 1, float(np.sqrt((shapes.along[i] ** 2).sum())), cells))
+    return Possible(without_lost_symbols(robot, replace(robot, links=tuple(links))), tuple(changes), border)
+
+
+def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact], domain: ExactDomain) -> Link:
+    """A link whose parameters in the joint frame changed; what does not change stays as it is written."""
+    given = parameters_of(chain.bodies[i])
+    body, end = body_of([old + by for old, by in zip(given, change, strict=True)]), chain.ends[i]
+    turned = transpose(end.rotation)
+    if (massless := is_zero(body.mass)) and not all(map(is_zero, body.first_moment)):
+        found = f"link {i + 1}: torques leave it no mass, but a first moment"
+        raise DeriveError(found, remedy="correct masses and inertias")
+    mass = _kept(link.mass, body.mass, domain)
+    m = domain.constant(mass)
+    moment = add(body.first_moment, scale(-body.mass, end.position))
+    moments = multiply(turned, moment)
+    com = link.com
+    if not massless:
+        x, y, z = (_kept(old, h / body.mass, domain) for old, h in zip(link.com, moments, strict=True))
+        com = (x, y, z)
+    r = add(end.position, multiply(end.rotation, tuple(map(domain.constant, com))))
+    tensor = from_matrix(matmul(matmul(turned, (body.inertia + steiner(-m, r)).matrix), end.rotation))
+    inertia = Inertia(*(_kept(getattr(link.inertia, name), getattr(tensor, name), domain) for name in MOMENTS))
+    return replace(link, mass=mass, com=com, inertia=inertia)
+
+
+def _kept(cell: Expression, value: Exact, domain: ExactDomain) -> Expression:
+    """A cell where it has the value already, else the value."""
+    return cell if is_zero(domain.constant(cell) - value) else number(decimal(arb(value)))
+
+
+def _differences(old: Link, new: Link) -> Iterator[tuple[str, Expression, Expression]]:
+    pairs = [("mass", old.mass, new.mass)]
+    pairs += [(f"com {axis}", *pair) for axis, pair in zip("xyz", zip(old.com, new.com, strict=True), strict=True)]
+    pairs += [(key, getattr(old.inertia, key), getattr(new.inertia, key)) for key in MOMENTS]
+    yield from ((name, before, after) for name, before, after in pairs if before != after)
+
+
+def _short(cell: Expression) -> str:
+    """A cell for a message."""
+    return to_text(cell, lambda value: f"{float(value):.6g}")

@@ -1,0 +1,151 @@
+"""What of the links' inertial parameters may change while every torque stays the same.
+
+The torques know base parameters alone (`derive.model.identification.base_parameters`), so bodies may change along the
+directions in which no base parameter does. They are two kinds:
+
+- what of a link looks the same however its joint moves may as well be on the link before: of a revolute joint's link
+  its mass, its first moment along the axis, and the second moment along the axis, diag(1, 1, 0); of a prismatic joint's
+  link its inertia tensor without the mass. From link 1 it goes to the ground;
+- for each parameter of a link that others replace: one of it more, and of the others less by its coefficients.
+
+A vector of parameters has ten numbers a link in the order of `LINK_PARTS`, in joint frames: on the axis of joint i,
+which is DH frame i in the modified convention, and DH frame i before its a and alpha in the standard one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import chain as joined
+
+from derive.algebra.domain import polynomial_expression
+from derive.mechanics.chain import Body, Chain, build_chain
+from derive.mechanics.joint_motion import body_to_parent
+from derive.mechanics.vectors import Symmetric
+from derive.model.identification.base_parameters import BaseSet, base_set
+from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero, null_space
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter
+from derive.robot.robot import Robot
+
+WIDTH = len(LINK_PARTS)
+"""Parameters of a link."""
+
+Direction = list[Exact]
+"""A change of all links' parameters."""
+
+
+def bare_chain(robot: Robot, domain: ExactDomain) -> Chain[Exact]:
+    """The links of an arm without the rotors that they carry.
+
+    Args:
+        robot: A robot with links.
+        domain: Of it.
+    """
+    links = tuple(replace(link, motor=None) for link in robot.links)
+    return build_chain(replace(robot, links=links), domain)
+
+
+def parameters_of(body: Body[Exact]) -> list[Exact]:
+    """A body's ten parameters in the order of `LINK_PARTS`.
+
+    Args:
+        body: The body.
+    """
+    i = body.inertia
+    return [body.mass, *body.first_moment, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz]
+
+
+def body_of(parameters: Sequence[Exact]) -> Body[Exact]:
+    """The body of ten parameters.
+
+    Args:
+        parameters: In the order of `LINK_PARTS`.
+    """
+    mass, x, y, z, *tensor = parameters
+    return Body(mass, (x, y, z), Symmetric(*tensor))
+
+
+def directions(robot: Robot, chain: Chain[Exact], domain: ExactDomain) -> list[Direction]:
+    """A basis of the changes of bodies that no torque notices.
+
+    Args:
+        robot: A robot with links.
+        chain: Its `bare_chain`.
+        domain: Of it.
+
+    Returns:
+        The directions; fewer than there are where base parameters could not be proven.
+    """
+    base = base_set(robot)
+    return [*_moved_inward(chain), *_replaced(base, chain.n, domain)]
+
+
+def _moved_inward(chain: Chain[Exact]) -> list[Direction]:
+    """What a link may leave to the one before."""
+    found = []
+    zero = [chain.zero] * WIDTH
+    for i, joint in enumerate(chain.joints):
+        units = [("m",), ("mz",), ("Ixx", "Iyy")] if joint.revolute else [(part,) for part in LINK_PARTS[4:]]
+        for unit in units:
+            own = [chain.one if part in unit else chain.zero for part in LINK_PARTS]
+            links = [list(zero) for _ in range(chain.n)]
+            links[i] = [-value for value in own]
+            if i:
+                links[i - 1] = parameters_of(body_to_parent(joint, body_of(own)))
+            found.append(list(joined.from_iterable(links)))
+    return found
+
+
+def _replaced(base: BaseSet, n: int, domain: ExactDomain) -> list[Direction]:
+    """What the relations of base parameters say of links."""
+    found = []
+    for relation in base.relations:
+        if not relation.parameter.of_link:
+            continue
+        assert base.domain is not None, "relations come with their ring"
+        direction = [domain.number(0)] * (WIDTH * n)
+        direction[_place(relation.parameter)] = domain.number(1)
+        for parameter, factor in relation.terms:
+            numerator = domain.constant(polynomial_expression(factor.numerator, base.domain))
+            denominator = domain.constant(polynomial_expression(factor.denominator, base.domain))
+            direction[_place(parameter)] = -numerator / denominator
+        found.append(direction)
+    return found
+
+
+def _place(parameter: Parameter) -> int:
+    return WIDTH * (parameter.joint - 1) + LINK_PARTS.index(parameter.part)
+
+
+def keeping(basis: Sequence[Direction], links: Sequence[int]) -> list[Direction]:
+    """Those changes that leave some links as they are.
+
+    Args:
+        basis: A basis of all changes.
+        links: From 0.
+
+    Returns:
+        A basis of these.
+    """
+    places = [WIDTH * i + k for i in links for k in range(WIDTH)]
+    rows = [[direction[place] for direction in basis] for place in places]
+    rows = [row for row in rows if not all(map(is_zero, row))]
+    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()]
+
+
+def combined(basis: Sequence[Direction], weights: Sequence[Exact]) -> Direction:
+    """A sum of changes.
+
+    Args:
+        basis: Changes.
+        weights: One for each of them.
+    """
+    chosen = [(weight, direction) for weight, direction in zip(weights, basis, strict=True) if not is_zero(weight)]
+    if not chosen:
+        return [entry * 0 for entry in basis[0]]
+    total = [chosen[0][0] * entry for entry in chosen[0][1]]
+    for weight, direction in chosen[1:]:
+        total = [
+            old + weight * entry if not is_zero(entry) else old for old, entry in zip(total, direction, strict=True)
+        ]
+    return total

@@ -1,0 +1,302 @@
+"""Why there are no bodies that move as some numbers say: a witness that anybody can check.
+
+For each link a quadratic function f_i of place, nowhere negative: then the sum of the integrals of f_i over the masses
+of the links is not negative, whatever the bodies. Where f_i and f_{i-1} agree on the axis of joint i, and no torque
+notices the rest of them either, this sum is one of base parameters: it is the same for all bodies with these torques.
+If it comes out negative from the given numbers, these contradict mechanics, and no choice of bodies helps.
+
+The functions come from the dual of the search for bodies (`possible`), rounded to rational numbers,
+with some kinetic energy added (which is such a sum, and positive) so that they stay above zero. Where a point of a link
+never moves, no torque notices what is there: f_i is zero, and rounding must keep it so, since next to it f_i would be
+negative. The same goes for a direction along which it slides alone, or that never turns. These are the vectors (x, y,
+z, 1) and (x, y, z, 0) that the screws of all joints up to i send to zero; elsewhere kinetic energy is positive, so that
+a little of it makes up for rounding. All three claims are then checked again in the scalars of
+`derive.model.identification.exact_scalars`: exactly where the geometry is rational, in balls of 256 bits otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, log10
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import fmpq
+
+from derive.errors import DeriveError
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.joint_motion import origin, to_child
+from derive.mechanics.regressor import with_unit_rotors
+from derive.mechanics.vectors import add, scale
+from derive.model.identification.base_parameters import base_set
+from derive.model.identification.exact_scalars import Exact, as_fraction, is_rational, is_zero, null_space
+from derive.model.identification.regressor_null_space import WIDTH, Direction, combined, parameters_of
+from derive.model.identification.semidefinite import Cone, Limit, least, packed
+from derive.model.identification.unit_dynamics import UnitDynamics
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter
+from derive.robot.robot import Robot
+
+Array = npt.NDArray[Any]
+
+ADDED = (0.0, *(10.0**-k for k in range(10, 0, -1)))
+"""Parts of kinetic energy that are tried."""
+
+DIGITS = (6, 12)
+"""Of the largest coefficient of a function, in the units of the links; few are easier to read."""
+
+SHOWN = 100
+"""Coefficients smaller by this factor are left out of messages."""
+
+STILL = 1e-9
+"""Part of a link's kinetic energy that is rounding."""
+
+STATES = 12
+"""Of which kinetic energies are added up."""
+
+MONOMIALS = {"x^2": (0, 0), "y^2": (1, 1), "z^2": (2, 2), "x y": (0, 1), "x z": (0, 2), "y z": (1, 2)} | {
+    "x": (0, 3),
+    "y": (1, 3),
+    "z": (2, 3),
+    "": (3, 3),
+}
+"""Terms of a function of place, and where their coefficients stand in its symmetric matrix."""
+
+
+class NoSuchBodies(DeriveError):
+    """No bodies move as these numbers say.
+
+    Attributes:
+        witness: Why; None where only the search says so.
+    """
+
+    witness: Witness | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """A sum that no bodies can have.
+
+    Attributes:
+        functions: By link, from 1, the symmetric 4x4 matrix of its function of (x, y, z, 1) in the joint frame; links
+            whose function is zero are left out.
+        value: The sum of their integrals for the given numbers; negative.
+        exact: Whether all is rational; else it is true within balls of 256 bits.
+    """
+
+    functions: tuple[tuple[int, tuple[tuple[Fraction, ...], ...]], ...]
+    value: Fraction
+    exact: bool
+
+    def __str__(self) -> str:
+        sizes = {link: _largest(matrix) for link, matrix in self.functions}
+        main = [pair for pair in self.functions if sizes[pair[0]] > max(sizes.values()) / SHOWN]
+        terms = "; ".join(f"link {link}: f = {_polynomial(matrix)}" for link, matrix in main)
+        more = "; smaller elsewhere" if len(main) < len(self.functions) else ""
+        unit = "kg m^2" if any(any(map(any, matrix[:3])) for _, matrix in main) else "kg"
+        return (
+            f"torques fix the integral of f dm over all links at {float(self.value):.3g} {unit}, though f is nowhere "
+            f"negative ({terms}{more}; in joint frames, rounded)"
+        )
+
+
+def _largest(matrix: Sequence[Sequence[Fraction]]) -> Fraction:
+    return max(abs(entry) for row in matrix for entry in row)
+
+
+def _polynomial(matrix: Sequence[Sequence[Fraction]]) -> str:
+    """A function of place to three digits, without what is small."""
+    text = ""
+    for name, (i, j) in MONOMIALS.items():
+        value = float(matrix[i][j] * (1 if i == j else 2))
+        if abs(value) > _largest(matrix) / SHOWN:
+            factor = "" if name and abs(value) == 1 else f"{abs(value):.3g}"
+            term = f"{factor} {name}".strip()
+            text += f" {'-' if value < 0 else '+'} {term}" if text else f"{'-' * (value < 0)}{term}"
+    return text
+
+
+def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array, units: Array) -> NoSuchBodies:
+    """The error that says why there are no bodies.
+
+    Args:
+        robot: The robot.
+        chain: Its links and frames.
+        basis: All changes that no torque notices.
+        prices: See `find_witness`.
+        units: See `find_witness`.
+    """
+    witness = find_witness(robot, chain, basis, prices, units) if base_set(robot).proven else None
+    found = f"no bodies have these torques: {witness}" if witness else "no bodies with these torques were found"
+    if witness is None:
+        found += ", but no proof either that there are none"
+    error = NoSuchBodies(f"{robot.name}: {found}", remedy="correct masses and inertias")
+    error.witness = witness
+    return error
+
+
+def find_witness(
+    robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array, units: Array
+) -> Witness | None:
+    """A witness from approximate functions.
+
+    Args:
+        robot: The robot.
+        chain: Its links and frames.
+        basis: All changes that no torque notices.
+        prices: (n, 4, 4) matrices of functions that nearly are one, in the units of the links.
+        units: (n, 4, 4) what takes pseudo-inertias in joint frames to these units, from both sides.
+
+    Returns:
+        The witness, or None where rounding them does not give one.
+    """
+    parameters = [value for body in chain.bodies for value in parameters_of(body)]
+    seen = list(null_space([*basis, *_still(chain)], len(parameters)).values())
+    columns = np.array([_in_units([float(entry) for entry in vector], units) for vector in seen]).T
+    lengths = np.linalg.norm(columns, axis=0)
+    values = [float(sum((e * p for e, p in zip(vector, parameters, strict=True)), fmpq(0))) for vector in seen]
+    starts = _starts(
+        columns / lengths, np.array(values) / lengths, prices, _in_units(list(_kinetic_energy(robot)), units)
+    )
+    for start, digits in ((each, few) for each in starts for few in DIGITS):
+        nearest = start / lengths
+        most = np.abs(nearest).max()
+        places = [digits + max(0, ceil(log10(length * most))) for length in lengths]
+        weights = [fmpq(round(float(x / most) * 10**p)) / fmpq(10) ** p for x, p in zip(nearest, places, strict=True)]
+        total = combined(seen, weights)
+        value = sum((c * p for c, p in zip(total, parameters, strict=True)), fmpq(0))
+        matrices = [function_matrix(total[WIDTH * i : WIDTH * (i + 1)]) for i in range(robot.n)]
+        if not value < 0 or not all(map(is_semidefinite, matrices)):
+            continue
+        unit = max(abs(as_fraction(entry)) for matrix in matrices for row in matrix for entry in row)
+        functions = tuple(
+            (i, tuple(tuple(as_fraction(entry) / unit for entry in row) for row in matrix))
+            for i, matrix in enumerate(matrices, 1)
+            if not all(is_zero(entry) for row in matrix for entry in row)
+        )
+        exact = all(is_rational(entry) for entries in (total, parameters, *basis) for entry in entries)
+        return Witness(functions, as_fraction(value) / unit, exact)
+    return None
+
+
+def _starts(columns: Array, values: Array, prices: Array, energy: Array) -> Iterator[Array]:
+    """Combinations of functions that may be a witness but for rounding: the dual of the search with some energy in it.
+
+    Where a solver was not accurate enough about the dual, the one that is wanted is looked for itself.
+    """
+    scaled = np.array([prices.ravel() / np.linalg.norm(prices), energy / np.linalg.norm(energy)]).T
+    dual, among = np.linalg.lstsq(columns, scaled, rcond=None)[0].T
+    yield from ((1 - part) * dual + part * among for part in ADDED)
+    with suppress(DeriveError):
+        found = _least_function(columns, values, energy)
+        yield from ((1 - part) * found + part * among for part in ADDED)
+
+
+def _least_function(columns: Array, values: Array, energy: Array) -> Array:
+    """The combination of functions that are seen, nowhere negative and of trace 1, with the least integral.
+
+    They are looked at where kinetic energy is positive, since elsewhere they are zero.
+    """
+    limits, total = [], np.zeros(len(values))
+    for matrices, moving in zip(columns.reshape(-1, 4, 4, len(values)), energy.reshape(-1, 4, 4), strict=True):
+        sizes, axes = np.linalg.eigh(moving)
+        axes = axes[:, sizes > STILL * sizes[-1]]
+        slope = packed(np.einsum("ab,acv,cd->vbd", axes, matrices, axes)).T
+        limits.append(Limit(Cone.SEMIDEFINITE, np.zeros(len(slope)), slope))
+        total += np.einsum("aav->v", matrices)
+    return least(values, [*limits, Limit(Cone.NOT_NEGATIVE, np.ones(1), -total[None])]).x
+
+
+def _in_units(factors: Sequence[float], units: Array) -> Array:
+    """The matrices of functions, one a link after the other, in the units of the links."""
+    inverses = np.linalg.inv(units)
+    matrices = [function_matrix(factors[WIDTH * i : WIDTH * (i + 1)]) for i in range(len(units))]
+    found: Array = np.einsum("nba,nbc,ncd->nad", inverses, np.array(matrices), inverses).ravel()
+    return found
+
+
+def _still(chain: Chain[Exact]) -> list[Direction]:
+    """What is zero of functions that torques notice, and that are nowhere negative, where links never move."""
+    units = [[fmpq(int(a == b)) for a in range(WIDTH)] for b in range(WIDTH)]
+    matrices, width = [function_matrix(unit) for unit in units], WIDTH * chain.n
+    rows = []
+    still = [[fmpq(int(a == b)) for a in range(4)] for b in range(4)]
+    for i, joint in enumerate(chain.joints):
+        for vector in still:
+            x, y, z, one = vector
+            vector[:3] = to_child(joint, add((x, y, z), scale(-one, origin(joint))))
+        moved = [[vector[a] for vector in still] for a in ((0, 1) if joint.revolute else (3,))]
+        still = [
+            [sum((w * v[a] for w, v in zip(weights, still, strict=True)), fmpq(0)) for a in range(4)]
+            for weights in null_space(moved, len(still)).values()
+        ]
+        for vector in still:
+            for a in range(4):
+                row = [fmpq(0)] * width
+                for k, matrix in enumerate(matrices):
+                    row[WIDTH * i + k] = sum((m * v for m, v in zip(matrix[a], vector, strict=True)), fmpq(0))
+                rows.append(row)
+    return rows
+
+
+def coefficients(matrix: Array) -> Array:
+    """What multiplies a body's ten parameters in the integral of a function over its mass.
+
+    Args:
+        matrix: Symmetric 4x4, of (x, y, z, 1).
+
+    Returns:
+        (10,) in the order of `LINK_PARTS`.
+    """
+    (xx, xy, xz, x), (_, yy, yz, y), (_, _, zz, z), (*_, one) = matrix
+    turning = [(yy + zz - xx) / 2, (xx + zz - yy) / 2, (xx + yy - zz) / 2, -2 * xy, -2 * xz, -2 * yz]
+    return np.array([one, 2 * x, 2 * y, 2 * z, *turning])
+
+
+def function_matrix(factors: Sequence[Exact]) -> list[list[Exact]]:
+    """The function whose integral over a body is the sum of its parameters times some factors.
+
+    Args:
+        factors: In the order of `LINK_PARTS`.
+
+    Returns:
+        Symmetric 4x4, of (x, y, z, 1).
+    """
+    one, x, y, z, xx, yy, zz, xy, xz, yz = factors
+    x, y, z, xy, xz, yz = x / 2, y / 2, z / 2, -xy / 2, -xz / 2, -yz / 2
+    return [[yy + zz, xy, xz, x], [xy, xx + zz, yz, y], [xz, yz, xx + yy, z], [x, y, z, one]]
+
+
+def is_semidefinite(matrix: Sequence[Sequence[Exact]]) -> bool:
+    """Whether a symmetric matrix has no negative eigenvalue, by elimination.
+
+    Args:
+        matrix: Its rows.
+    """
+    if not matrix:
+        return True
+    (pivot, *row), *rest = matrix
+    if is_zero(pivot):
+        return all(map(is_zero, row)) and is_semidefinite([line[1:] for line in rest])
+    if not pivot > 0:
+        return False
+    return is_semidefinite(
+        [[entry - line[0] * own / pivot for entry, own in zip(line[1:], row, strict=True)] for line in rest]
+    )
+
+
+def _kinetic_energy(robot: Robot) -> Array:
+    """The factors of all parameters in a sum of kinetic energies."""
+    random = np.random.default_rng(1)
+    alone, total = with_unit_rotors(robot), np.zeros(WIDTH * robot.n)
+    for _ in range(STATES):
+        q, qd = random.uniform(-2, 2, (2, robot.n))
+        units = UnitDynamics(build_chain(alone, FloatDomain(alone, [float(angle) for angle in q])), ends=False)
+        for k in range(len(total)):
+            entries = units.inertia(Parameter(k // WIDTH + 1, LINK_PARTS[k % WIDTH]))
+            total[k] += sum((1 if a == b else 2) * value * qd[a] * qd[b] for (a, b), value in entries.items())
+    return total

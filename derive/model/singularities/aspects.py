@@ -1,0 +1,296 @@
+"""Aspects: the connected sets of configurations without a singularity; arms that change posture within one of them.
+
+In most arms each solution of a pose lies in an aspect of its own: the signs of the factors of det J are its shoulder,
+elbow and wrist. A cuspidal arm has two solutions in one aspect, and a path from one to the other on which it is never
+singular. Such a path is looked for and, where it is found, verified; that none was found proves nothing.
+
+Sources: Borrel and Liegeois, A study of multiple manipulator inverse kinematic solutions, 1986 (aspects); Wenger,
+A new general formalism for the kinematic analysis of all nonredundant manipulators, 1992; Wenger, Cuspidal robots,
+2019; Salunkhe et al., Necessary and sufficient condition for a generic 3R serial manipulator to be cuspidal, 2022.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+import sympy
+
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.numeric.chain import Array, NumericChain
+from derive.inverse.numeric.in_numbers import Numbers, array_value
+from derive.inverse.words.solutions import InverseKinematics
+from derive.lecture.sympy_conversion import Expr
+from derive.model.singularities.conditions import Condition
+from derive.model.singularities.nonsingular_path import (
+    CLEAR,
+    Crossing,
+    Roadmap,
+    ScaledDeterminant,
+    random_configurations,
+)
+from derive.model.singularities.singularities import Outcome, Singularities
+
+POSES = 200
+"""Random poses whose solutions are looked at: few have more than two in an arm that is hardly cuspidal."""
+
+_LOOKED_AT = 12
+"""Random poses at which the signs of each branch are looked at."""
+
+MILESTONES = 500
+"""Random configurations by way of which a path is looked for."""
+
+GRIDS = {1: 4096, 2: 300, 3: 72}
+"""Cells along each joint, for factors of so many joints."""
+
+SPECK = 2e-4
+"""Sets smaller than this part of a grid lie between its lines where two curves cross."""
+
+PAIRS = 8
+"""Pairs of solutions between which a path is looked for."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Joints that stand together in factors of det J.
+
+    Attributes:
+        joints: Their indices, from 0.
+        factors: Indices of the factors.
+        parts: Into how many connected sets the zeros of the factors cut them; None for too many joints.
+    """
+
+    joints: tuple[int, ...]
+    factors: tuple[int, ...]
+    parts: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class Aspects:
+    """The aspects of an arm whose joints have no limits.
+
+    Attributes:
+        inverse: Its inverse kinematics: of the position, for arms of few joints.
+        factors: Where det J is zero, factor by factor.
+        groups: The joints that stand together in them.
+        why_not: Why there are none to be told apart; empty where there are.
+        solutions: How many real solutions each of the poses has that were looked at.
+        shared: How many of these poses have two solutions with the same signs of all factors.
+        crossing: A path between two solutions of one pose; None where none was found.
+        signs: The signs of the factors in each solution of `inverse` in closed form, where they are always the same.
+        values: Numbers of the parameters with which the arm was looked at.
+        task: Whose determinant is det J; empty for all of J.
+    """
+
+    inverse: InverseKinematics
+    factors: tuple[Condition, ...] = ()
+    groups: tuple[Group, ...] = ()
+    why_not: str = ""
+    solutions: tuple[int, ...] = ()
+    shared: int = 0
+    crossing: Crossing | None = None
+    signs: tuple[tuple[int, ...] | None, ...] = ()
+    values: Mapping[str, float] = field(default_factory=dict)
+    task: tuple[str, ...] = ()
+
+    @property
+    def count(self) -> int | None:
+        """How many aspects there are; None where they were not counted."""
+        parts = [group.parts for group in self.groups]
+        return None if self.why_not or None in parts else math.prod(part for part in parts if part is not None)
+
+    @property
+    def is_cuspidal(self) -> bool:
+        """Whether the arm changes posture without meeting a singularity; false where no such path was found."""
+        return self.crossing is not None
+
+
+def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Mapping[str, float]) -> Aspects:
+    """The aspects of an arm, and whether it changes posture within one of them.
+
+    Args:
+        inverse: Its inverse kinematics: of the position, for arms of few joints.
+        singular: Where its Jacobian loses rank.
+        values: Numbers of all parameters.
+    """
+    if inverse.graph.given:
+        return Aspects(inverse, why_not="the arm has more joints than the task needs")
+    chain = NumericChain.of(inverse.robot, values)
+    if singular.outcome is Outcome.NEVER:
+        return Aspects(inverse, why_not="the arm is never singular, all configurations are one aspect")
+    determinant = ScaledDeterminant(chain)
+    look = None if determinant.basis is None else _Look(inverse, chain, determinant, singular, values)
+    if look is None or (not look.is_same and singular.outcome is not Outcome.UNSOLVED):
+        return Aspects(inverse, why_not="no determinant decides the rank of J")
+    poses = list(look.poses())
+    pairs = [list(look.pairs(q)) for q in poses]
+    tried = [pair for near in pairs for pair in near][:PAIRS]
+    crossing = next((found for pair in tried if (found := look.crossing(*pair)) is not None), None)
+    shared = sum(1 for near in pairs if near)
+    signs = tuple(look.signs_of_branches())
+    counts, groups = tuple(map(len, poses)), tuple(look.groups())
+    return Aspects(inverse, look.conditions, groups, "", counts, shared, crossing, signs, values, singular.task)
+
+
+class _Look:
+    """Looks at one arm in numbers.
+
+    Args:
+        inverse: Its inverse kinematics.
+        chain: Its numbers.
+        determinant: det J.
+        singular: Its factors.
+        values: Numbers of all parameters.
+
+    Attributes:
+        is_same: Whether det J in numbers is the product of the factors.
+        conditions: The factors by whose signs aspects are told apart; none where det J itself is taken.
+    """
+
+    def __init__(
+        self,
+        inverse: InverseKinematics,
+        chain: NumericChain,
+        determinant: ScaledDeterminant,
+        singular: Singularities,
+        values: Mapping[str, float],
+    ) -> None:
+        self._inverse, self._chain, self._determinant = inverse, chain, determinant
+        self._values = values
+        self._q = [sympy.Symbol(joint.variable) for joint in inverse.robot.joints]
+        product = np.ones(64)
+        sample = random_configurations(chain, 64, 6)
+        for factor in singular.factors:
+            product = product * self._number(factor.expression, sample) ** factor.exponent
+        ratio = determinant(sample) / product
+        self.is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
+        self.conditions = singular.conditions if self.is_same else ()
+        moving = [tuple(j - 1 for j in condition.joints) for condition in self.conditions]
+        self._joints = moving or [self._moving(sample)]
+        self._roads: dict[tuple[int, ...], Roadmap] = {}
+
+    def _number(self, expression: Expr, q: Array) -> Array:
+        known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in self._values.items()}
+        known |= {symbol: q[..., k] for k, symbol in enumerate(self._q)}
+        return np.broadcast_to(np.asarray(array_value(expression, known)), q.shape[:-1])
+
+    def _moving(self, sample: Array) -> tuple[int, ...]:
+        """The joints that change det J."""
+        found, rng = [], np.random.default_rng(7)
+        for k in range(self._chain.n):
+            moved = sample.copy()
+            moved[:, k] += rng.uniform(0.5, 1.0, len(sample))
+            if np.abs(self._determinant(moved) - self._determinant(sample)).max() > 1e-9:
+                found.append(k)
+        return tuple(found)
+
+    def signs(self, q: Array) -> Array:
+        """The signs of all factors, (..., factors); of det J where it has none.
+
+        Args:
+            q: (..., n) configurations.
+        """
+        factors = [self._number(condition.expression, q) for condition in self.conditions] or [self._determinant(q)]
+        return np.stack([np.where(factor > 0.0, 1, -1) for factor in factors], axis=-1)
+
+    def groups(self) -> Iterator[Group]:
+        """Joints that stand together in factors, and into how many parts these cut them."""
+        sets: list[tuple[set[int], set[int]]] = []
+        for factor, joints in enumerate(self._joints):
+            together = [pair for pair in sets if pair[0] & set(joints)]
+            sets = [pair for pair in sets if pair not in together]
+            sets.append((set(joints).union(*(p[0] for p in together)), {factor}.union(*(p[1] for p in together))))
+        for members, factors in sorted(sets, key=lambda pair: min(pair[0])):
+            yield Group(tuple(sorted(members)), tuple(sorted(factors)), self._parts(sorted(members), sorted(factors)))
+
+    def _parts(self, joints: Sequence[int], factors: Sequence[int]) -> int | None:
+        """Connected sets of a grid on which no sign changes."""
+        cells = GRIDS.get(len(joints))
+        if cells is None:
+            return None
+        turns = [bool(self._chain.revolute[j]) for j in joints]
+        share = 2.0 * (np.arange(cells) + math.sqrt(2.0) - 1.0) / cells
+        q = np.zeros((*(cells,) * len(joints), self._chain.n))
+        for axis, (joint, turn) in enumerate(zip(joints, turns, strict=True)):
+            values = share * math.pi if turn else (share - 1.0) * self._chain.reach
+            q[..., joint] = values.reshape([-1 if k == axis else 1 for k in range(len(joints))])
+        code = ((self.signs(q)[..., list(factors)] > 0) * 2 ** np.arange(len(factors))).sum(axis=-1)
+        _, sizes = np.unique(connected(code, turns), return_counts=True)
+        return int(np.sum(sizes > SPECK * code.size))
+
+    def poses(self) -> Iterator[Array]:
+        """The real solutions of random poses, (solutions, n) each."""
+        q = random_configurations(self._chain, POSES, 8)
+        goal, _ = self._chain.pose_and_jacobian(q)
+        solver = InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values)
+        for found in solver.solve(goal).q:
+            yield found[np.isfinite(found).all(axis=-1)]
+
+    def pairs(self, q: Array) -> Iterator[tuple[Array, Array]]:
+        """Solutions of one pose with the same signs.
+
+        Args:
+            q: All of them, (solutions, n).
+        """
+        signs, clear = self.signs(q), np.abs(self._determinant(q)) > CLEAR
+        for i, j in combinations(range(len(q)), 2):
+            if clear[i] and clear[j] and (signs[i] == signs[j]).all():
+                yield q[i], q[j]
+
+    def crossing(self, start: Array, end: Array) -> Crossing | None:
+        """A path without a singularity from one configuration to another.
+
+        Args:
+            start: The one.
+            end: The other.
+        """
+        signs = self.signs(start)
+        key = tuple(int(x) for x in signs)
+        if key not in self._roads:
+            free = random_configurations(self._chain, 40 * MILESTONES, 9)
+            active = sorted(set().union(*self._joints))
+            places = free[(self.signs(free) == signs).all(axis=-1)][:MILESTONES]
+            self._roads[key] = Roadmap(self._chain, self._determinant, places, active)
+        return self._roads[key].path(start, end)
+
+    def signs_of_branches(self) -> Iterator[tuple[int, ...] | None]:
+        """For each solution in closed form the signs of the factors, where they are the same at all poses."""
+        q = random_configurations(self._chain, _LOOKED_AT, 10)
+        goal, _ = self._chain.pose_and_jacobian(q)
+        for solution in self._inverse.solutions if self.conditions else ():
+            seen = set[tuple[int, ...]]()
+            for pose in goal:
+                known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in self._values.items()}
+                known |= {self._inverse.pose[i, j]: pose[i, j] for i in range(3) for j in range(4)}
+                with np.errstate(all="ignore"):
+                    for line in solution.lines:
+                        known[line.symbol] = array_value(line.value, known)
+                found = np.array([float(known[symbol]) for symbol in self._q])
+                if np.isfinite(found).all():
+                    seen.add(tuple(int(x) for x in self.signs(found)))
+            yield seen.pop() if len(seen) == 1 else None
+
+
+def connected(code: Array, closed: Sequence[bool]) -> Array:
+    """A label for every cell of a grid, the same for cells of one value that hang together.
+
+    Args:
+        code: The value of every cell.
+        closed: For each axis whether its ends meet.
+    """
+    label = np.arange(code.size).reshape(code.shape)
+    while True:
+        before = label
+        for axis, is_closed in enumerate(closed):
+            for step in (1, -1):
+                same = np.roll(code, step, axis) == code
+                if not is_closed:
+                    edge = 0 if step > 0 else -1
+                    same[tuple(edge if k == axis else slice(None) for k in range(code.ndim))] = False
+                label = np.where(same, np.minimum(label, np.roll(label, step, axis)), label)
+        label = label.ravel()[label]
+        if (label == before).all():
+            return label

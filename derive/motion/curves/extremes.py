@@ -1,0 +1,228 @@
+"""Largest speeds and accelerations of a motion, exact where the places of the extremes are square roots at most."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots
+
+from derive.arrays import Array
+from derive.plans.hermite import Piece, power_coefficients
+from derive.plans.profile import AnyPiece, Cosine, Curve
+
+_U = Symbol("u", real=True)
+
+_KEPT = 256
+"""Peaks that are kept: joints of one motion often move alike, and a table asks for the same ones again."""
+
+_SAMPLES = 2001
+"""Times at which formulas are looked at."""
+
+_WITHIN = 17
+"""Times within a bracket at which functions are looked at, again and again in an eighth of it."""
+
+_ROUNDS = 5
+"""How often."""
+
+MORE = 1e-12
+"""What is larger between two times by less, relative to it, is not told from what it is at them."""
+
+_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Places of a polynomial of floats at which it is looked at before its extremes are computed."""
+
+_SAME = 1e-9
+"""Values that differ by less, relative to themselves, are one; the earliest counts."""
+
+_NEAR = 0.8
+"""Of the largest value: what a polynomial has to reach at these places for its extremes to be computed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """The largest magnitude of a derivative of one joint.
+
+    Attributes:
+        value: With its sign [rad/s, m/s, rad/s^2 or m/s^2].
+        time: When [s]; the earliest of equal ones.
+        is_exact: Whether both are exact; a `Float` otherwise.
+    """
+
+    value: Expr
+    time: Expr
+    is_exact: bool
+
+
+def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
+    """Where a derivative of a joint is largest in magnitude.
+
+    Args:
+        pieces: Of one joint.
+        order: 1 for the velocity, 2 for the acceleration.
+
+    Returns:
+        The peak; zero at the start where nothing moves.
+    """
+    if any(isinstance(piece, Piece) and not piece.is_exact for piece in pieces):
+        return numeric_peak(pieces, order)
+    return _exact_peak(pieces, order)
+
+
+@lru_cache(_KEPT)
+def _exact_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
+    found: Peak | None = None
+    for piece in pieces:
+        for candidate in _candidates(piece, order):
+            if found is None or abs(float(candidate.value)) > abs(float(found.value)) * (1 + 1e-12):
+                found = candidate
+    assert found is not None, "a motion has pieces"
+    return Peak(_neat(found.value), _neat(found.time), found.is_exact) if found.is_exact else found
+
+
+def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
+    """Where a derivative of a joint that moves by polynomials is largest in magnitude, in floats.
+
+    Args:
+        pieces: Of one joint.
+        order: 1 for the velocity, 2 for the acceleration.
+
+    Returns:
+        The peak; zero at the start where nothing moves.
+    """
+    polynomials = [piece for piece in pieces if isinstance(piece, Piece)]
+    numbers = [np.array([float(value) for end in piece.values for value in end]) for piece in polynomials]
+    lengths = np.array([float(piece.duration) for piece in polynomials])
+    rows = [
+        np.polyder(power_coefficients(row, piece.k, length), order) / length**order
+        for row, piece, length in zip(numbers, polynomials, lengths, strict=True)
+    ]
+    found = np.zeros((len(rows), len(_PLACES)))
+    for width in {row.size for row in rows}:
+        alike = [i for i, row in enumerate(rows) if row.size == width]
+        found[alike] = np.polyval(np.array([rows[i] for i in alike]).T[:, :, None], np.array(_PLACES))
+    at = np.abs(found).argmax(axis=1)
+    value, place = found[np.arange(len(rows)), at], np.array(_PLACES)[at]
+    for i in np.flatnonzero(np.abs(value) > _NEAR * np.abs(value).max()):
+        for u in _real_zeros(list(np.polyder(rows[i]))):
+            if abs(np.polyval(rows[i], u)) > abs(value[i]) * (1 + _SAME):
+                value[i], place[i] = np.polyval(rows[i], u), u
+    most = int(np.argmax(np.abs(value) >= np.abs(value).max() * (1 - _SAME)))
+    return Peak(Float(value[most]), Float(float(polynomials[most].start) + place[most] * lengths[most]), False)
+
+
+def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
+    """Where functions of time are largest, each between two times.
+
+    Args:
+        function: A row of times for each of them, (k, places), to their values there, (k, places).
+        low: From when, (k,).
+        high: Until when, (k,).
+
+    Returns:
+        When, and how large, (k,) each; the latter is right to rounding where the function is smooth.
+    """
+    rows = np.arange(low.size)
+    for _ in range(_ROUNDS):
+        times = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _WITHIN)
+        values = function(times)
+        at = values.argmax(axis=1)
+        low, high = times[rows, np.maximum(at - 1, 0)], times[rows, np.minimum(at + 1, _WITHIN - 1)]
+    return times[rows, at], values[rows, at]
+
+
+def highest(function: Callable[[Array], Array], times: Array, values: Array) -> Array:
+    """When each of several functions of time is largest, also between the times at which they are known.
+
+    Args:
+        function: All of them, (...) to (..., n).
+        times: At which they are known, ascending, (k,).
+        values: What they are then, (k, n).
+
+    Returns:
+        When, (n,); one of the times where it is not larger between them.
+    """
+    at, joints = values.argmax(axis=0), np.arange(values.shape[1])
+    low, high = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
+    when, found = refined(lambda places: function(places)[joints, :, joints], low, high)
+    known = values[at, joints]
+    return np.where(found > known * (1 + MORE * np.sign(known)), when, times[at])
+
+
+def _neat(value: Expr) -> Expr:
+    return radsimp(cancel(value))
+
+
+def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
+    """Ends and stationary points of a derivative on a piece."""
+    if isinstance(piece, Cosine):
+        way = (piece.values[1][0] - piece.values[0][0]) / 2
+        half = Rational(1, 2)
+        value = way * (pi / piece.duration) ** order
+        yield Peak(value, piece.start + (half if order == 1 else 0) * piece.duration, True)
+        return
+    if isinstance(piece, Curve):
+        times = np.linspace(float(piece.start), float(piece.end), _SAMPLES)
+        values = piece.sampled(times, order)
+        at = int(np.abs(values).argmax())
+        low, high = times[[max(at - 1, 0)]], times[[min(at + 1, _SAMPLES - 1)]]
+        (when,), _ = refined(lambda places: np.abs(piece.sampled(places, order)), low, high)
+        yield Peak(Float(float(piece.sampled(np.array([when]), order)[0])), Float(when), False)
+        return
+    if piece.values[0] == piece.values[1] and not any(piece.values[0][1:]):  # it stands
+        yield Peak(Integer(0), piece.start, True)
+        return
+    derivative = piece.in_unit_time()
+    for _ in range(order):
+        derivative = derivative.diff(_U)
+    leading, monic = _monic(derivative)
+    scale = leading / piece.duration**order
+    for place, value, exact in [_at(monic, Integer(0)), _at(monic, Integer(1)), *_stationary(monic)]:
+        time = piece.start + place * piece.duration
+        if exact:
+            yield Peak(value * scale, time, True)
+        else:
+            yield Peak(Float(float(value) * float(scale)), Float(float(time)), False)
+
+
+def _monic(polynomial: Poly) -> tuple[Expr, Poly]:
+    """Its leading coefficient and the rest, over the rationals where it can be."""
+    coefficients = polynomial.all_coeffs()
+    leading = next((c for c in coefficients if c != 0), None)
+    if leading is None:
+        return Integer(0), Poly(0, _U, domain=QQ)
+    ratios = [ratio if ratio.is_Rational else cancel(ratio) for ratio in (c / leading for c in coefficients)]
+    return leading, Poly(ratios, _U, domain=QQ if all(ratio.is_Rational for ratio in ratios) else "EX")
+
+
+_Place = tuple[Expr, Expr, bool]
+"""A place, the value of a polynomial there, and whether both are exact."""
+
+
+def _at(polynomial: Poly, place: Expr, factor: Poly | None = None) -> _Place:
+    """The value at a place; at a root of a factor that of the remainder, which is short."""
+    if factor is None:
+        return place, polynomial(place), True
+    return place, expand(polynomial.rem(factor).as_expr().subs(_U, place)), True
+
+
+def _stationary(polynomial: Poly) -> Iterator[_Place]:
+    """Where a polynomial is largest or smallest between 0 and 1."""
+    derivative = polynomial.diff(_U)
+    if derivative.degree() < 1:
+        return
+    rational = polynomial.domain == QQ
+    for factor, _ in derivative.factor_list()[1] if rational else [(derivative, 1)]:
+        if factor.degree() <= 2:
+            places = [place for place in roots(factor, _U) if place.is_real and 0 < float(place) < 1]
+            yield from (_at(polynomial, place, factor if rational else None) for place in places)
+        else:
+            numbers = [float(c) for c in polynomial.all_coeffs()]
+            for place in _real_zeros([float(c) for c in factor.all_coeffs()]):
+                yield Float(place), Float(float(np.polyval(numbers, place))), False
+
+
+def _real_zeros(coefficients: list[float]) -> list[float]:
+    zeros = np.roots(coefficients)
+    return sorted(float(zero.real) for zero in zeros if abs(zero.imag) < 1e-9 and 0 < zero.real < 1)

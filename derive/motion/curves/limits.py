@@ -1,0 +1,142 @@
+"""How long a motion takes where limits of the joints decide: the slowest joint sets the time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
+
+import numpy as np
+from sympy import Expr, Rational, sqrt
+
+from derive.arrays import Array
+from derive.plans.hermite import Piece
+from derive.plans.profile import CRUISE, ZERO
+
+MOST_CRUISE = Rational(2)
+"""Speed of a trapezoid without a part of constant speed, as a multiple of distance by time."""
+
+MICROSECONDS = 10**6
+"""Times that are found by numbers are rounded up to one of these in a second, so that what follows stays exact."""
+
+Bound = tuple[Expr | None, ...]
+"""The largest value of something of each joint; None where nothing limits it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The largest magnitudes that a motion may have.
+
+    Attributes:
+        speed: [rad/s or m/s].
+        acceleration: [rad/s^2 or m/s^2].
+        torque: [N m or N].
+    """
+
+    speed: Bound
+    acceleration: Bound
+    torque: Bound
+
+    def numbers(self) -> tuple[Array, Array, Array]:
+        """All of them in floats, infinite where nothing limits, (n,) each."""
+
+        def _in_floats(bound: Bound) -> Array:
+            return np.array([np.inf if most is None else float(most) for most in bound])
+
+        return _in_floats(self.speed), _in_floats(self.acceleration), _in_floats(self.torque)
+
+    def stretch(self, speeds: Sequence[Expr], accelerations: Sequence[Expr]) -> Expr | None:
+        """By how much a motion must be longer so that it keeps to speed and acceleration.
+
+        In a time that is f times as long speeds are 1/f, accelerations 1/f^2 of what they were.
+
+        Args:
+            speeds: Largest magnitude of each joint.
+            accelerations: Largest magnitude of each joint.
+
+        Returns:
+            The factor, also below one; zero where nothing moves; None where nothing limits what moves.
+        """
+        longest: Expr | None = None
+        for j, (speed, acceleration) in enumerate(zip(speeds, accelerations, strict=True)):
+            fastest, hardest = self.speed[j], self.acceleration[j]
+            needed = [(speed / fastest).expand()] if speed != 0 and fastest is not None else []
+            if acceleration != 0 and hardest is not None:
+                needed.append(sqrt(acceleration / hardest))
+            for factor in needed:
+                if longest is None or float(factor) > float(longest) * (1 + 1e-12):
+                    longest = factor
+        return longest if longest is not None or any(speeds) else ZERO
+
+    def cruise(self, joint: int, way: Expr) -> Expr:
+        """The speed of a joint's trapezoid at full limits, as a multiple of distance by time.
+
+        At speed V and acceleration A a way D takes T = D/V + V/A, so that V T/D = 1 + V^2/(A D); where that is above
+        two the joint never gets to V, and T = 2 sqrt(D/A).
+
+        Args:
+            joint: Index of the joint.
+            way: D, positive.
+
+        Returns:
+            Above one, two at most; the usual one where nothing limits the acceleration.
+        """
+        speed, acceleration = self.speed[joint], self.acceleration[joint]
+        if acceleration is None:
+            return CRUISE
+        found = MOST_CRUISE if speed is None else 1 + speed**2 / (acceleration * way)
+        return min(found, MOST_CRUISE, key=float)
+
+
+def trapezoid_peaks(cruise: Expr) -> tuple[Expr, Expr]:
+    """Speed and acceleration of a trapezoid from 0 to 1 in one second.
+
+    Args:
+        cruise: Its speed, above one, two at most.
+    """
+    return cruise, cruise**2 / (cruise - 1)
+
+
+def proportions(needed: Sequence[float]) -> tuple[Expr, ...]:
+    """Times of segments that are passed without a stop, before they are stretched together.
+
+    Args:
+        needed: Time that each would take alone.
+
+    Returns:
+        Short fractions near these, the longest 1.
+    """
+    longest = max(needed) or 1.0
+    shares = (Fraction(max(value / longest, 0.01)).limit_denominator(100) for value in needed)
+    return tuple(Rational(share.numerator, share.denominator) for share in shares)
+
+
+def rounded_up(seconds: float) -> Rational:
+    """The next microsecond.
+
+    Args:
+        seconds: [s].
+    """
+    return Rational(ceil(seconds * MICROSECONDS * (1 + 1e-12)), MICROSECONDS)
+
+
+def placed(piece: Piece, start: Expr, factor: Expr) -> Piece:
+    """A piece that is slower and later.
+
+    Args:
+        piece: One that begins after time 0.
+        start: When time 0 shall be [s].
+        factor: By how much it shall take longer.
+    """
+    if isinstance(piece.duration, float):
+        if factor == 1 and start == 0:
+            return piece
+        slower, later = [float(factor**i) for i in range(piece.k)], float(start)
+        first, second = (
+            tuple(v / s if isinstance(v, float) else v for v, s in zip(end, slower, strict=True))
+            for end in piece.values
+        )
+        return Piece(later + piece.start * slower[1], piece.duration * slower[1], (first, second))
+    first, second = (tuple(value / factor**i for i, value in enumerate(end)) for end in piece.values)
+    return Piece(start + piece.start * factor, piece.duration * factor, (first, second))

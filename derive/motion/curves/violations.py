@@ -1,0 +1,150 @@
+"""Where a motion exceeds what robot and plan allow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.motion.curves.extremes import highest
+from derive.plans.plan import Plan
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression, names
+
+ROUNDING = 1e-9
+"""What exceeds a limit by less, relative to it, does not exceed it."""
+
+Bound = tuple[Array, Array]
+"""Lowest and highest values, (n,) each."""
+
+Function = Callable[[Array], Array]
+"""Values at times, (...) to (..., n)."""
+
+NEAR = 0.35
+"""A motion comes near a limit that is closer than this part of half the way between both limits, or of the only one."""
+
+Bounds = Mapping[str, Bound]
+"""By `position`, `speed`, `acceleration`, `torque` the lowest and highest values, (n,) each, or infinite."""
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A limit of the robot or the plan that a motion exceeds.
+
+    Attributes:
+        joint: Index of the joint.
+        what: ``position``, ``speed``, ``acceleration`` or ``torque``.
+        time: When it is exceeded most [s].
+        value: What it is then [rad or m, per s, per s^2, N m or N].
+        limit: What is allowed.
+    """
+
+    joint: int
+    what: str
+    time: float
+    value: float
+    limit: float
+
+    @property
+    def excess(self) -> float:
+        """By how much [of the same unit]."""
+        return abs(self.value - self.limit)
+
+
+def bounds_of(plan: Plan, values: Mapping[str, float]) -> Bounds:
+    """What robot and plan allow.
+
+    Args:
+        plan: The plan.
+        values: Numbers of symbols; a limit with another symbol does not limit.
+
+    Returns:
+        Of position, speed, acceleration and torque.
+    """
+    joints = plan.robot.joints
+
+    def _least(*rows: Sequence[Expression | None]) -> Array:
+        of_joints = zip(*rows, strict=True)
+        return np.array(
+            [min((_known(most) for most in found if most is not None), default=np.inf) for found in of_joints]
+        )
+
+    def _known(most: Expression, unknown: float = np.inf) -> float:
+        return evaluate(most, values) if all(name in values for name in names(most)) else unknown
+
+    most = {
+        "speed": _least(plan.speed, [joint.speed for joint in joints]),
+        "acceleration": _least(plan.acceleration),
+        "torque": _least(plan.torque, [joint.torque for joint in joints]),
+    }
+    ends = [joint.limits for joint in joints]
+    low = np.array([_known(end[0], -np.inf) if end else -np.inf for end in ends])
+    high = np.array([_known(end[1]) if end else np.inf for end in ends])
+    return {"position": (low, high), **{what: (-value, value) for what, value in most.items()}}
+
+
+def exceeded(
+    times: Array,
+    values: Mapping[str, Array],
+    bounds: Bounds,
+    functions: Mapping[str, Function] | None = None,
+) -> tuple[Violation, ...]:
+    """Each limit that is exceeded, where it is so most, joint by joint.
+
+    Args:
+        times: Of the rows [s], (rows,).
+        values: What is compared, by the names of the bounds, (rows, n) each.
+        bounds: What is allowed.
+        functions: The same at any times, (...) to (..., n), where what lies between the rows counts, too.
+    """
+    found = []
+    for what, rows in values.items():
+        low, high = bounds[what]
+        when, most = _most(times, rows, bounds[what], functions[what] if functions else None)
+        for j, value in enumerate(most):
+            limit = float(high[j] if value > high[j] else low[j])
+            if abs(value - limit) > ROUNDING * abs(limit) and not low[j] <= value <= high[j]:
+                found.append(Violation(j, what, float(when[j]), float(value), limit))
+    return tuple(sorted(found, key=lambda violation: violation.joint))
+
+
+def _most(times: Array, rows: Array, bound: Bound, function: Function | None) -> tuple[Array, Array]:
+    """When each joint is furthest beyond its bound, and its value then."""
+    joints, excess = np.arange(rows.shape[1]), _excess(rows, bound)
+    if function is None:
+        at = excess.argmax(axis=0)
+        return times[at], rows[at, joints]
+    when = highest(lambda t: _excess(function(t), bound), times, excess)
+    return when, function(when)[joints, joints]
+
+
+def _excess(values: Array, bound: Bound) -> Array:
+    low, high = bound
+    return np.maximum(values - high, low - values)
+
+
+def nearby(values: Mapping[str, Array], bounds: Bounds, kinds: Array) -> Bounds:
+    """Limits that are worth a line in a plot: what moves comes near them, and they are not far outside the picture.
+
+    Args:
+        values: What is compared, by the names of the bounds, (rows, n) each.
+        bounds: What is allowed.
+        kinds: Of each joint whether it turns, (n,): angles and slides have plots of their own.
+
+    Returns:
+        The bounds of these names, infinite where a limit is not near.
+    """
+    found = {}
+    for what, rows in values.items():
+        low, high = bounds[what]
+        least, most = rows.min(axis=0), rows.max(axis=0)
+        picture = np.array([np.ptp(rows[:, kinds == kind]) for kind in kinds])
+        both = np.isfinite(low) & np.isfinite(high)
+        half = np.where(
+            both, (high - np.where(both, low, 0.0)) / 2, np.where(np.isfinite(high), np.abs(high), np.abs(low))
+        )
+        room = np.minimum(NEAR * half, picture)
+        found[what] = np.where(least <= low + room, low, -np.inf), np.where(most >= high - room, high, np.inf)
+    return found

@@ -1,0 +1,223 @@
+"""Films of a motion: the arm frame by frame with the trace of its hand, as GIF through Pillow or MP4 through ffmpeg."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib.util import find_spec
+from io import BytesIO
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.errors import OutputError, TargetError, install_extra, pip_install
+from derive.handouts.figure.arm import arm_view
+from derive.handouts.figure.drawing import Color
+from derive.handouts.figure.planar import view_along
+from derive.handouts.figure.projection import View, seen
+from derive.handouts.figure.scene import Scene, arm_scene
+from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
+from derive.interrupts import TemporaryFolder
+from derive.motion.motion import Motion
+from derive.motion.output.plane import frames_of, motion_normal
+from derive.motion.simulation.simulation import Run
+
+SUFFIXES = (".gif", ".mp4")
+
+RATE = 20
+"""Frames per second."""
+
+MOST_FRAMES = 1500
+"""Of a film; a motion of more than a minute is shown faster than it is."""
+
+WIDTH, HEIGHT = 480, 360
+"""Of a frame [pixels]; even, as MP4 wants."""
+
+FINE = 2
+"""Frames are drawn so many times larger and made smaller, which makes their edges smooth."""
+
+MARGIN = 46
+"""Around everything that the arm reaches in the film, room for joints and hand [pixels]."""
+
+COLORS = 96
+"""Of a GIF, the same in all its frames."""
+
+_GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
+
+
+def require_pillow() -> Any:
+    """The module PIL.
+
+    Raises:
+        TargetError: It is not installed.
+    """
+    if find_spec("PIL") is None:
+        raise TargetError("films need Pillow, which is not installed", remedy=install_extra("motion"))
+    import PIL
+
+    return PIL
+
+
+def ffmpeg() -> str:
+    """The path of ffmpeg: of the system, or that of the package imageio-ffmpeg.
+
+    Raises:
+        TargetError: There is none.
+    """
+    if found := shutil.which("ffmpeg"):
+        return found
+    if find_spec("imageio_ffmpeg") is not None:
+        import imageio_ffmpeg
+
+        return str(imageio_ffmpeg.get_ffmpeg_exe())
+    remedy = f"install ffmpeg, or {pip_install('imageio-ffmpeg')}; --gif needs neither"
+    raise TargetError("MP4 needs ffmpeg, which was not found", remedy=remedy)
+
+
+@dataclass(frozen=True)
+class Film:
+    """A motion in pictures.
+
+    Attributes:
+        motion: The motion.
+        run: A simulation of it, which is shown instead; the way that is wanted is faint.
+    """
+
+    motion: Motion
+    run: Run | None = None
+
+    @property
+    def pace(self) -> int:
+        """How many times faster than the motion the film is."""
+        return max(1, ceil(self._end * RATE / MOST_FRAMES))
+
+    @property
+    def _end(self) -> float:
+        return self.motion.duration if self.run is None else float(self.run.t[-1])
+
+    @cached_property
+    def times(self) -> Array:
+        """The time of each frame [s], the end included."""
+        return np.linspace(0.0, self._end, max(2, ceil(self._end * RATE / self.pace) + 1))
+
+    @cached_property
+    def _configurations(self) -> Array:
+        if self.run is None:
+            return self.motion(self.times)[0]
+        return np.stack([np.interp(self.times, self.run.t, column) for column in self.run.q.T], axis=1)
+
+    @cached_property
+    def _poses(self) -> Array:
+        """Base frame 0, frames 1 to n and the end effector, (frames, n + 2, 4, 4)."""
+        return frames_of(self.motion, self.times, self._configurations)
+
+    @cached_property
+    def _stage(self) -> _Stage:
+        scenes = [arm_scene(self.motion.plan.robot, frames) for frames in self._poses]
+        normal = motion_normal(self.motion)
+        view = arm_view(scenes[len(scenes) // 2]) if normal is None else view_along(normal, scenes[0].up)
+        trace = view.project(self._poses[:, -1, :3, 3])[:, :2]
+        wanted = trace
+        if self.run is not None:
+            wanted = view.project(frames_of(self.motion, self.times, self.motion(self.times)[0])[:, -1, :3, 3])[:, :2]
+        flat = np.concatenate([wanted, *(view.project(scene.places)[:, :2] for scene in scenes)])
+        low, high = flat.min(axis=0), flat.max(axis=0)
+        room = np.array((WIDTH, HEIGHT), dtype=float) - 2 * MARGIN
+        scale = float(min(room / np.maximum(high - low, 1e-9)))
+        gaps = sorted(segment.length * scale for segment in scenes[0].segments)
+        sizes = Sizes(float(np.clip(gaps[len(gaps) // 3] / 62.0, 0.55, 1.0)) if gaps else 1.0)
+        return _Stage(tuple(scenes), view, scale, (low + high) / 2, sizes, trace, wanted)
+
+    def frames(self) -> Iterator[Any]:
+        """The pictures, as ``PIL.Image`` each."""
+        require_pillow()
+        from PIL import Image, ImageDraw, ImageFont
+
+        font = ImageFont.load_default(13 * FINE)
+        for k, time in enumerate(self.times):
+            image = Image.new("RGB", (WIDTH * FINE, HEIGHT * FINE), "white")
+            pen = ImageDraw.Draw(image)
+            self._stage.draw(pen, k)
+            pace = f"   {self.pace} x" if self.pace > 1 else ""
+            pen.text((10 * FINE, 8 * FINE), f"t = {time:.2f} s   {self._segment(time)}{pace}", fill=_INK, font=font)
+            yield image.reduce(FINE)
+
+    def _segment(self, time: float) -> str:
+        segments = self.motion.trajectory.segments
+        if len(segments) < 2:
+            return ""
+        return next(s.name for s in reversed(segments) if float(s.start) <= time + 1e-9)
+
+    def gif(self) -> bytes:
+        """The film as GIF, which repeats itself.
+
+        Raises:
+            TargetError: Pillow is not installed.
+        """
+        frames = list(self.frames())
+        palette = frames[-1].quantize(COLORS)
+        first, *others = (frame.quantize(palette=palette, dither=0) for frame in frames)
+        file = BytesIO()
+        first.save(file, "GIF", save_all=True, append_images=others, duration=1000 // RATE, loop=0, comment=b"derive")
+        return file.getvalue()
+
+    def mp4(self) -> bytes:
+        """The film as MP4.
+
+        Raises:
+            TargetError: Pillow or ffmpeg is not installed.
+            OutputError: ffmpeg refused.
+        """
+        program = ffmpeg()
+        raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{WIDTH}x{HEIGHT}", "-r", str(RATE), "-i", "-"]
+        plain = ["-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-threads", "1"]
+        with TemporaryFolder() as folder:
+            path = folder.path / "film.mp4"
+            command = [program, "-v", "error", *raw, *plain, "-flags:v", "+bitexact", str(path)]
+            data = b"".join(frame.tobytes() for frame in self.frames())
+            done = subprocess.run(command, input=data, capture_output=True, check=False)
+            if done.returncode or not path.is_file():
+                reason = done.stderr.decode(errors="replace").strip().splitlines() or ["no reason given"]
+                raise OutputError(f"ffmpeg made no film: {reason[-1]}", remedy="--gif needs no ffmpeg")
+            return path.read_bytes()
+
+
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """Where everything of a film is drawn: the trace of the hand, and the way that is wanted of it."""
+
+    scenes: tuple[Scene, ...]
+    view: View
+    scale: float
+    middle: Array
+    sizes: Sizes
+    trace: Array
+    wanted: Array
+
+    def draw(self, pen: Any, k: int) -> None:
+        """One frame.
+
+        Args:
+            pen: An ``ImageDraw``.
+            k: Which one, from 0.
+        """
+        right, up = self.middle * self.scale
+        page = FINE * np.array(((1.0, 0.0, WIDTH / 2 - right), (0.0, -1.0, HEIGHT / 2 + up)))
+        lines = (self.trace, self.wanted)
+        line, wanted = ((way * self.scale @ page[:, :2].T + page[:, 2]).ravel().tolist() for way in lines)
+        pen.line(wanted, fill=_GHOST, width=2 * FINE)
+        faces, _ = solid_faces(self.scenes[k], self.scale, self.sizes)
+        for corners, color, solid in seen(faces, self.view, page):
+            pen.polygon(corners, fill=_rgb(color), outline=_rgb(OUTLINE) if solid.edge else None)
+        if k:
+            pen.line(line[: 2 * (k + 1)], fill=_TRACE, width=2 * FINE, joint="curve")
+
+
+@cache
+def _rgb(color: Color) -> tuple[int, ...]:
+    return tuple(round(255 * part) for part in color)

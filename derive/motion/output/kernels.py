@@ -1,0 +1,220 @@
+"""Pieces of a motion as tapes: position, velocity and acceleration from the time and a row of numbers.
+
+The row of a piece begins with its start and its duration; then come the values at its ends. A polynomial is the sum of
+its values by the basis of `derive.plans.hermite`, so that nothing is rounded at its ends in any language.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import reduce
+from math import factorial
+from operator import add, mul
+
+import sympy
+from sympy import Expr
+
+from derive.algebra import constants
+from derive.algebra.constants import exact_number
+from derive.errors import QuantityError
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.plans.hermite import TIME, Piece, basis
+from derive.plans.profile import AnyPiece, Cosine
+from derive.programs.tape.build import cut
+from derive.programs.tape.derivative import derivative
+from derive.programs.tape.graph import ONE, Graph
+from derive.programs.tape.tape import LEAVES, Op, Tape
+from derive.programs.tape.value import Value
+from derive.targets.kernel import Language, temporary_names, write_statements
+from derive.targets.kernel import Piece as Text
+
+CLOCK, ROW = "t", "row"
+"""Arguments of a tape: the time [s], and the numbers of a piece."""
+
+NAMES = {2: "cubic", 3: "quintic", 4: "septic"}
+"""Polynomials by the number of values at each end."""
+
+HARMONIC = "harmonic"
+
+_FUNCTIONS: dict[type[Expr], Callable[..., Value]] = {
+    sympy.Add: lambda *terms: reduce(add, terms),
+    sympy.Mul: lambda *factors: reduce(mul, factors),
+    sympy.sin: Value.sin,
+    sympy.cos: Value.cos,
+    sympy.tan: lambda angle: angle.sin() / angle.cos(),
+    sympy.sign: Value.sign,
+    sympy.Abs: abs,
+    sympy.atan2: Value.arctangent,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Kernel:
+    """How one kind of piece is computed.
+
+    Attributes:
+        name: For instance ``quintic``, or ``curve_q1``.
+        tape: Its outputs are position, velocity and acceleration.
+    """
+
+    name: str
+    tape: Tape
+
+    def written(self, language: Language) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Its statements and results, with ``t``, ``row[0]``, ... for the arguments.
+
+        Args:
+            language: How they are written.
+        """
+        texts: dict[int, Text] = {}
+        for i, node in enumerate(self.tape.nodes):
+            if node.op is Op.CONSTANT:
+                texts[i] = language.number(node.value)
+            elif node.source is not None:
+                kind = node.source.kind
+                texts[i] = Text(CLOCK if kind == CLOCK else f"{kind}[{node.source.index}]")
+        operations = [i for i, node in enumerate(self.tape.nodes) if node.op not in LEAVES]
+        statements = write_statements(self.tape, language, operations, texts, temporary_names())
+        return statements, tuple(language.output(self.tape, output, texts) for output in self.tape.outputs)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Arguments that its tape does not ask for."""
+        read = {node.source.kind for node in self.tape.nodes if node.source is not None}
+        return tuple(name for name in (CLOCK, ROW) if name not in read)
+
+
+def kernel_name(piece: AnyPiece, joint: str) -> str:
+    """The kernel of a piece.
+
+    Args:
+        piece: Of a joint.
+        joint: Its variable, to which a formula belongs.
+    """
+    if isinstance(piece, Piece):
+        return NAMES[piece.k]
+    return HARMONIC if isinstance(piece, Cosine) else f"curve_{joint}"
+
+
+def kernel_of(piece: AnyPiece, joint: str) -> Kernel:
+    """How a piece is computed, and all others of its kind.
+
+    Args:
+        piece: Of a joint.
+        joint: Its variable, to which a formula belongs.
+
+    Raises:
+        QuantityError: A formula has a function that no generated code has.
+    """
+    graph = Graph()
+    if isinstance(piece, Piece):
+        outputs = _hermite(graph, piece.k)
+    elif isinstance(piece, Cosine):
+        outputs = _harmonic(graph)
+    else:
+        outputs = _curve(graph, piece.formulas[0])
+    return Kernel(kernel_name(piece, joint), cut(graph, [output.ref for output in outputs]))
+
+
+def row_of(piece: AnyPiece) -> tuple[float, ...]:
+    """The numbers of a piece as its kernel takes them.
+
+    Args:
+        piece: Of a joint.
+
+    Returns:
+        Start, duration and, but for a formula, the values at its ends.
+    """
+    values = piece.values if isinstance(piece, Piece | Cosine) else ()
+    return tuple(map(float, (piece.start, piece.duration, *(value for end in values for value in end))))
+
+
+def _unit_time(graph: Graph) -> tuple[Value, Value, Callable[[int], Value]]:
+    """u, the duration, and the values at both ends by their place."""
+    start, duration = (Value(graph, graph.input(ROW, i)) for i in range(2))
+    u = (Value(graph, graph.input(CLOCK, 0)) - start) / duration
+    return u, duration, lambda i: Value(graph, graph.input(ROW, i + 2))
+
+
+def _hermite(graph: Graph, k: int) -> list[Value]:
+    """The polynomial with k values at each end, and its derivatives, in which positions count by their difference."""
+    u, duration, value = _unit_time(graph)
+    weights = [value(b) * duration ** (b % k) * Fraction(1, factorial(b % k)) for b in range(2 * k)]
+    zero = Value(graph, graph.number(Fraction(0)))
+    outputs = []
+    for order in range(3):
+        total = zero
+        for row, weight in zip(basis(k), weights, strict=True):
+            total = total + _horner(_derived(row, order), u) * weight
+        outputs.append(total / duration**order)
+        weights[0], weights[k] = zero, value(k) - value(0)
+    return outputs
+
+
+def _derived(row: Sequence[int], order: int) -> Sequence[int]:
+    """A derivative of a polynomial by its coefficients, from the constant on."""
+    for _ in range(order):
+        row = [power * coefficient for power, coefficient in enumerate(row)][1:]
+    return row
+
+
+def _horner(row: Sequence[int], u: Value) -> Value:
+    total = 0 * u
+    for coefficient in reversed(row):
+        total = total * u + coefficient
+    return total
+
+
+def _harmonic(graph: Graph) -> list[Value]:
+    """A harmonic piece, symmetric about its middle as `derive.motion.curves.trajectory` has it."""
+    u, duration, value = _unit_time(graph)
+    pi = Value(graph, graph.number(constants.pi()))
+    q0, q1 = value(0), value(1)
+    way = q1 - q0
+    late = Value(graph, graph.number(Fraction(1, 2))).less(u)
+    angle = pi * late.select(1 - u, u)
+    wave = late.select(-angle.cos(), angle.cos())
+    rate = pi / duration
+    q = late.select(q1 - way * (1 + wave) / 2, q0 + way * (1 - wave) / 2)
+    return [q, way * rate * angle.sin() / 2, way * rate**2 * wave / 2]
+
+
+def _curve(graph: Graph, formula: Expr) -> list[Value]:
+    """A formula of the time, and its exact derivatives."""
+    clock = Value(graph, graph.input(CLOCK, 0))
+    one = Value(graph, ONE)
+    q = _value(graph, formula, clock)
+    (qd,) = derivative([q], {clock: one})
+    return [q, qd, *derivative([qd], {clock: one})]
+
+
+def _value(graph: Graph, formula: Expr, clock: Value) -> Value:
+    """A formula of the grammar of cells as a value."""
+    if formula == TIME:
+        return clock
+    if not formula.has(TIME):
+        number = Fraction(float(formula)) if formula.has(sympy.Float) else None
+        exact = exact_number(expression_from_sympy(formula), {}) if number is None else number
+        return Value(graph, graph.number(exact))
+    if isinstance(formula, sympy.Pow) and formula.exp.is_Rational and formula.exp.q <= 2:
+        base = _value(graph, formula.base, clock)
+        return (base if formula.exp.q == 1 else base.sqrt()) ** int(formula.exp.p)
+    if formula.func not in _FUNCTIONS:
+        raise QuantityError(f"{formula} has no place in generated code", allowed="sin, cos, tan, sqrt, atan2, sign")
+    return _FUNCTIONS[formula.func](*(_value(graph, argument, clock) for argument in formula.args))
+
+
+C_NAMES = {Op.ARCTANGENT: "atan2", Op.ABSOLUTE: "fabs", Op.MAXIMUM: "fmax", Op.MINIMUM: "fmin"}
+"""Functions of <math.h>: one time is no batch for which branches would be too dear."""
+
+
+def with_names(language: Language, names: dict[Op, str]) -> Language:
+    """A language with other names of functions.
+
+    Args:
+        language: The language.
+        names: What it calls some functions.
+    """
+    return replace(language, names={**language.names, **names})

@@ -1,0 +1,49 @@
+"""The plane in which the arm of a motion moves, from whose normal films and pages show it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.handouts.figure.planar import plane_normal
+from derive.handouts.figure.scene import arm_scene
+from derive.motion.motion import Motion
+from derive.workspace.poses import RobotPoses
+
+TIMES = 9
+"""When is looked whether a base that moves leaves the plane."""
+
+
+def frames_of(motion: Motion, times: Array, q: Array) -> Array:
+    """Where the frames of the arm are.
+
+    Args:
+        motion: Of any kind; symbols without a number get one to draw.
+        times: When [s], (times,).
+        q: Joint variables then, (times, n).
+
+    Returns:
+        Base frame 0, frames 1 to n and the end effector in the world, (times, n + 2, 4, 4).
+    """
+    robot = motion.plan.robot
+    values = (*robot.parameters, *motion.plan.values.items())
+    poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
+    frames = np.array([poses.frames([float(value) for value in row]) for row in q])
+    moving = motion.base
+    return frames if moving is None else moving(times, 0)[:, None] @ frames
+
+
+def motion_normal(motion: Motion) -> Array | None:
+    """The normal of the plane in which an arm moves.
+
+    Args:
+        motion: Of any kind.
+
+    Returns:
+        A unit vector; None where it moves in space, by its joints or by its base.
+    """
+    times = np.linspace(0.0, motion.duration, TIMES)
+    robot = motion.plan.robot
+    return plane_normal([arm_scene(robot, frames) for frames in frames_of(motion, times, motion(times)[0])])

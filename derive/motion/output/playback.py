@@ -1,0 +1,204 @@
+"""A motion as numbers and trees that the web page plays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import ceil
+from typing import TypedDict
+
+import numpy as np
+from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
+
+from derive.arrays import Array
+from derive.handouts.page.player import (
+    REGRESSOR,
+    TORQUE,
+    BaseTorquesText,
+    Exceeded,
+    Formula,
+    Playback,
+    PlayedPiece,
+    PlayedRun,
+    PlayedSegment,
+)
+from derive.motion.motion import Motion
+from derive.motion.output.kernels import Kernel
+from derive.motion.simulation.simulation import Run
+from derive.plans.hermite import TIME, Piece, basis
+from derive.plans.points import Payload
+from derive.plans.profile import AnyPiece, Curve
+from derive.targets.kernel import JAVASCRIPT
+
+OPERATIONS: dict[type[Expr], str] = {
+    Add: "add",
+    Mul: "multiply",
+    Pow: "power",
+    sin: "sin",
+    cos: "cos",
+    tan: "tan",
+    sign: "sign",
+    Abs: "abs",
+    atan2: "atan2",
+    atan: "atan",
+}
+"""What the page calls the operations of formulas."""
+
+SAMPLES = 1001
+"""Times at which the ranges of the joints are looked for."""
+
+
+MOST_NUMBERS = 80_000
+"""Of a motion on the page, about 1.5 megabytes, half of them where a simulation has the other half.
+
+Of a longer simulation every second row, every third, ...; of a longer motion as many places.
+"""
+
+DIGITS = 12
+"""Significant ones of the numbers of a simulation."""
+
+
+class _Base(TypedDict, total=False):
+    """Attributes of `Playback` about a base that moves."""
+
+    base: tuple[tuple[Formula, ...], ...]
+    base_rates: tuple[tuple[tuple[Formula, ...], ...], ...]
+    base_torques: tuple[BaseTorquesText, ...]
+
+
+def playback(motion: Motion, run: Run | None = None) -> Playback:
+    """The motion as the page plays it.
+
+    Args:
+        motion: The motion.
+        run: A simulation of it, which is played instead.
+
+    Returns:
+        Its pieces in floats: those from which the motion is computed here, too.
+    """
+    trajectory, steps = motion.trajectory, motion.plan.steps
+    functions: tuple[str, ...] = ()
+    payloads: list[tuple[tuple[int, float], ...]] = []
+    if motion.has_torques:
+        functions = (TORQUE, REGRESSOR) if any(step.payload for step in steps) else (TORQUE,)
+        payloads = [motion.payload_columns(step) for step in steps]
+    payloads += [()] * (len(trajectory.segments) - len(payloads))  # curves have a segment and no step
+    carried = [step.payload for step in steps] or [None]
+    loads = list(dict.fromkeys(carried))
+    tracks = tuple(
+        tuple(_played(piece) for segment in trajectory.segments for piece in segment.joints[j])
+        for j in range(motion.plan.robot.n)
+    )
+    room = MOST_NUMBERS if run is None else MOST_NUMBERS // 2
+    places = 0
+    if sum(len(piece.values) // 2 for track in tracks for piece in track) > room:
+        places = room // (2 * motion.plan.robot.n)
+        tracks = _resampled(motion, places)
+    reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]
+    if run is not None:
+        reached = np.concatenate([reached, run.q])
+    violations = motion.violations if run is None else motion.violations_of(run)
+    near = motion.near_bounds(run)
+    lengths = {len(piece.values) // 2 for track in tracks for piece in track if piece.kind == "hermite"}
+    end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
+    segments = tuple(
+        PlayedSegment(segment.name, float(segment.start), payload, loads.index(body))
+        for segment, payload, body in zip(trajectory.segments, payloads, carried, strict=True)
+        if float(segment.start) < end
+    )
+    return Playback(
+        tracks=tracks,
+        segments=segments,
+        basis={k: basis(k) for k in sorted(lengths | ({2} if run else set()))},
+        duration=end,
+        sample=motion.sample,
+        ranges=tuple((float(low), float(high)) for low, high in zip(reached.min(0), reached.max(0), strict=True)),
+        functions=functions,
+        **_base_of(motion, loads if functions else ()),
+        bounds={what: _pairs(*ends) for what, ends in near.items() if np.isfinite(ends).any()},
+        exceeded=tuple(
+            Exceeded(item.what, item.joint, item.time, item.value)
+            for item in violations
+            if functions or item.what != "torque"
+        ),
+        run=None if run is None else _played_run(motion, run),
+        places=places,
+    )
+
+
+def _base_of(motion: Motion, loads: Sequence[Payload | None]) -> _Base:
+    """How a base moves, and what that adds to the torques."""
+    base, added = motion.base, motion.base_torques
+    if base is None or added is None:
+        return {}
+    transform, rate, bend = (
+        tuple(tuple(map(tree, row)) for row in base.transform.diff(TIME, order).tolist()) for order in range(3)
+    )
+    texts = (Kernel("base_torques", added.tape(load)).written(JAVASCRIPT) for load in loads)
+    written = tuple(BaseTorquesText(body, results) for body, results in texts)
+    return {"base": transform, "base_rates": (rate[:3], bend[:3]) if written else (), "base_torques": written}
+
+
+def _resampled(motion: Motion, places: int) -> tuple[tuple[PlayedPiece, ...], ...]:
+    """Cubic polynomials by positions and velocities at even times."""
+    times = np.linspace(0.0, motion.duration, places)
+    states = np.stack(motion(times)[:2], axis=2).tolist()
+    return tuple(
+        tuple(
+            PlayedPiece("hermite", start, end - start, (*states[i][j], *states[i + 1][j]))
+            for i, (start, end) in enumerate(pairwise(times.tolist()))
+        )
+        for j in range(motion.plan.robot.n)
+    )
+
+
+def _pairs(low: Array, high: Array) -> tuple[tuple[float | None, float | None], ...]:
+    """Limits of the joints, None for those that are infinite."""
+    ends = [[value if np.isfinite(value) else None for value in bound.tolist()] for bound in (low, high)]
+    return tuple(zip(*ends, strict=True))
+
+
+def _played_run(motion: Motion, run: Run) -> PlayedRun:
+    """Its rows, or as many as a page should hold, the last one among them."""
+    step = ceil(run.t.size * (1 + 3 * motion.plan.robot.n) / (MOST_NUMBERS // 2))
+    kept = np.unique(np.append(np.arange(0, run.t.size, step), run.t.size - 1))
+    times = run.t[kept]
+    if kept.size == 1:  # given up before the second row
+        kept, times = np.zeros(2, dtype=int), np.append(times, times + motion.sample)
+
+    def _rows(values: Array) -> tuple[tuple[float, ...], ...]:
+        return tuple(tuple(float(f"{value:.{DIGITS}g}") for value in row) for row in values[kept])
+
+    return PlayedRun(
+        tuple(times.tolist()),
+        _rows(run.q),
+        _rows(run.qd),
+        _rows(run.tau),
+        motion.plan.control.law,
+        motion.plan.friction,
+        run.reached,
+    )
+
+
+def _played(piece: AnyPiece) -> PlayedPiece:
+    start, duration = float(piece.start), float(piece.duration)
+    if isinstance(piece, Curve):
+        return PlayedPiece("curve", start, duration, formulas=tuple(map(tree, piece.formulas)))
+    values = tuple(float(value) for end in piece.values for value in end)
+    return PlayedPiece("hermite" if isinstance(piece, Piece) else "cosine", start, duration, values)
+
+
+def tree(formula: Expr) -> Formula:
+    """A formula of time as lists of operations and their operands.
+
+    Args:
+        formula: In the symbol `TIME`, in what the grammar of cells and its derivatives know.
+
+    Returns:
+        A number, ``t``, or the name of an operation and its operands.
+    """
+    if formula == TIME:
+        return "t"
+    if not formula.has(TIME):
+        return float(formula)
+    return [OPERATIONS[formula.func], *map(tree, formula.args)]

@@ -1,0 +1,102 @@
+"""The formulas of a motion as they are printed: a polynomial of time for every joint and segment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from sympy import Expr, Float, Poly, Symbol, cos, expand, latex, pi, sstr
+
+from derive.motion.curves.trajectory import Segment
+from derive.motion.motion import Motion
+from derive.plans.hermite import MOST_PRINTED
+from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.targets.escape import latex_text
+
+TIME = Symbol("t")
+"""Time since the segment began."""
+
+DIGITS = 12
+"""Of coefficients that are not exact."""
+
+ROUNDING = 1e-12
+"""What a coefficient is, relative to the largest one, where it is nothing but rounding."""
+
+
+def formula(piece: AnyPiece, segment: Segment) -> Expr:
+    """The position of a joint as a formula of the time since its segment began.
+
+    Args:
+        piece: Of the joint.
+        segment: In which it stands.
+
+    Returns:
+        Exact where the piece is, else in decimals throughout.
+    """
+    if isinstance(piece, Curve):
+        return piece.formulas[0].subs(next(iter(piece.formulas[0].free_symbols), TIME), TIME)
+    u = (TIME - piece.start + segment.start) / piece.duration
+    if isinstance(piece, Cosine):
+        (q0,), (q1,) = piece.values
+        return q0 + (q1 - q0) * (1 - cos(pi * u)) / 2
+    polynomial = piece.in_unit_time()
+    if piece.is_exact:
+        return expand(polynomial.as_expr().subs(polynomial.gen, u))
+    numbers = [float(c) for c in polynomial.all_coeffs()]
+    least = ROUNDING * max(map(abs, numbers))
+    kept = Poly([Float(c) if abs(c) > least else 0 for c in numbers], polynomial.gen)
+    return expand(kept.as_expr().subs(kept.gen, u.evalf())).evalf(DIGITS)
+
+
+def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
+    """All formulas, segment by segment.
+
+    Args:
+        motion: The motion.
+        as_latex: Whether they are LaTeX.
+
+    Yields:
+        Lines: a heading for each segment, then its joints; a joint that stands has one number. In LaTeX the formulas of
+        a segment are one ``align*``.
+    """
+    joints = motion.plan.robot.joints
+    for segment in motion.trajectory.segments:
+        heading, lines = f"{segment.name}, 0 <= t <= {_time(segment.duration)} s", []
+        for joint, pieces in zip(joints, segment.joints, strict=True):
+            if len(pieces) > MOST_PRINTED:
+                said = f"{joint.variable}: {len(pieces)} polynomials between places on the way"
+                lines.append(rf"  &\text{{{latex_text(said)}}}" if as_latex else f"  {said}")
+                continue
+            for piece in pieces:
+                value, start = formula(piece, segment), piece.start - segment.start
+                span = (start, start + piece.duration) if len(pieces) > 1 else None
+                lines.append(_line(joint.variable, value, span, as_latex=as_latex))
+        yield from aligned(heading, lines) if as_latex else (heading, *lines)
+
+
+def aligned(heading: str, lines: Sequence[str]) -> Iterator[str]:
+    """Formulas as one display of LaTeX.
+
+    Args:
+        heading: What they are, for a comment.
+        lines: The formulas, each with the place where they are aligned.
+
+    Yields:
+        Lines of an ``align*`` that stands in notes as it is.
+    """
+    yield f"% {' '.join(heading.split())}"
+    yield r"\begin{align*}"
+    yield from (f"{line} \\\\" for line in lines[:-1])
+    yield from lines[-1:]
+    yield r"\end{align*}"
+
+
+def _time(value: Expr) -> str:
+    return f"{float(value):.{DIGITS}g}" if value.has(Float) else sstr(value)
+
+
+def _line(name: str, value: Expr, span: tuple[Expr, Expr] | None, *, as_latex: bool) -> str:
+    if as_latex:
+        said = "" if span is None else rf" && {latex(span[0])} \le t \le {latex(span[1])}"
+        return f"  {latex(Symbol(name))}(t) &= {latex(value, order='rev-lex')}{said}"
+    said = "" if span is None else f"  for {_time(span[0])} <= t <= {_time(span[1])}"
+    return f"  {name} = {sstr(value, order='rev-lex')}{said}"

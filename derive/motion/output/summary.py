@@ -1,0 +1,92 @@
+"""A motion as plain data, for JSON: exact numbers as texts beside their decimals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from sympy import sstr
+
+from derive.motion.curves.extremes import Peak
+from derive.motion.curves.violations import Violation
+from derive.motion.motion import Motion
+from derive.motion.simulation.simulation import Run
+from derive.motion.torques.loads import SegmentPeaks
+from derive.robot.robot import Robot
+
+
+def summary(motion: Motion, run: Run | None = None) -> dict[str, Any]:
+    """What a motion asks of its robot.
+
+    Args:
+        motion: The motion.
+        run: A simulation of it.
+
+    Returns:
+        The robot, the segments with the peaks of each joint, limits that are exceeded, and the simulation where there
+        is one; SI units and radians.
+    """
+    robot = motion.plan.robot
+    found: dict[str, Any] = {
+        "plan": motion.plan.source,
+        "robot": robot.name,
+        "joints": [joint.variable for joint in robot.joints],
+        "duration": motion.duration,
+        "samples": len(motion.times),
+        "segments": [_segment(robot, peaks) for peaks in motion.peaks],
+        "violations": _violations(robot, motion.violations),
+    }
+    return found if run is None else {**found, "simulation": _simulation(motion, run)}
+
+
+def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
+    joints: dict[str, dict[str, Any]] = {}
+    for j, joint in enumerate(robot.joints):
+        joints[joint.variable] = {"speed": _peak(peaks.speeds[j]), "acceleration": _peak(peaks.accelerations[j])}
+        if peaks.loads:
+            load = peaks.loads[j]
+            joints[joint.variable]["torque"] = {"value": load.peak, "time": load.time, "rms": load.rms}
+            joints[joint.variable] |= {"power": load.power, "work": load.work}
+    segment = peaks.segment
+    found: dict[str, Any] = {"name": segment.name, "start": float(segment.start), "duration": float(segment.duration)}
+    works = {"work": peaks.work} if peaks.loads else {}
+    works |= {"base_work": peaks.base.work} if peaks.base else {}
+    return {**found, **works, "joints": joints}
+
+
+def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str, Any]]:
+    return [
+        {
+            "joint": robot.joints[item.joint].variable,
+            "what": item.what,
+            "time": item.time,
+            "value": item.value,
+            "limit": item.limit,
+            "excess": item.excess,
+        }
+        for item in violations
+    ]
+
+
+def _peak(peak: Peak) -> dict[str, Any]:
+    exact = {"exact": sstr(peak.value)} if peak.is_exact else {}
+    return {"value": float(peak.value), "time": float(peak.time), **exact}
+
+
+def _simulation(motion: Motion, run: Run) -> dict[str, Any]:
+    errors = abs(run.q - motion(run.t)[0]).max(axis=0)
+    return {
+        "law": motion.plan.control.law,
+        "friction": motion.plan.friction,
+        "reached": run.reached,
+        "time": float(run.t[-1]),
+        "largest_errors": dict(zip([j.variable for j in motion.plan.robot.joints], errors.tolist(), strict=True)),
+        "end": {"q": run.q[-1].tolist(), "qd": run.qd[-1].tolist()},
+        "work": float(run.work[-1]),
+        "brought": float(run.brought[-1]),
+        "pushed": float(run.pushed[-1]),
+        "base_work": float(run.base[-1]),
+        "lost": float(run.lost[-1]),
+        "energy_error": run.energy_error,
+        "violations": _violations(motion.plan.robot, motion.violations_of(run)),
+    }

@@ -1,0 +1,1 @@
+"""From points to trajectories: profiles on joints, ways of the hand, the fastest motion."""

@@ -1,0 +1,269 @@
+"""The fastest motion along a path within largest speeds, accelerations and torques of the joints.
+
+With a path q(s) and s(t), and x = (ds/dt)^2, u = d2s/dt2,
+
+    qd = q' sqrt(x)    qdd = q' u + q'' x    tau = (B q') u + (B q'' + C(q, q') q') x + (D q') sqrt(x) + f sign(q') + g
+
+all of them linear in u and x but for viscous friction D. Between two places of a grid u is constant and x linear in s.
+toppra (Pham and Pham, A New Approach to Time-Optimal Path Parameterization Based on Reachability Analysis, IEEE T-RO
+34(3), 2018) finds the largest x within linear bounds; the root is replaced by its tangent at the x found before until
+nothing changes. Bounds are held at both ends of every interval. What the motion then exceeds inside one is taken off
+its bounds, and what is left after that is made good by time.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from derive.arrays import Array, Indices
+from derive.errors import QuantityError, install_extra
+from derive.motion.curves.trajectory import Trajectory
+from derive.motion.paths.smooth import VALUES, Nodes
+
+Torques = Callable[[Indices, Array, Array, Array], Array]
+"""Torques of steps by their index, at positions, velocities and accelerations: (...), then (..., n) each."""
+
+Bounds = tuple[Array, Array, Array]
+"""Largest speed, acceleration and torque of each joint, infinite where there is none, (n,) each."""
+
+INSIDE = 1e-9
+"""How far from the ends of an interval its bounds are held: on the right side of turns and of changes of payload."""
+
+SAMPLES = 24
+"""Places of an interval at which a motion is looked at."""
+
+ROUNDS = 12
+"""How often viscous friction and the bounds are corrected."""
+
+SETTLED = 1e-6
+"""Change of x, relative to its largest value, below which viscous friction is right."""
+
+SPARE = 1e-11
+"""What is left of each bound, relative to it, for the rounding of who looks later."""
+
+CURVED = 1e-4
+"""Most that is left, relative to a bound, for what may lie between two samples."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """What is at most one at an end of each interval: a u + b x + v sqrt(x) + c + dry.
+
+    Attributes:
+        a: (intervals, rows).
+        b: (intervals, rows).
+        v: (intervals, rows).
+        c: (intervals, rows).
+        dry: Dry friction, whose sign is that of the velocity, (intervals, rows).
+    """
+
+    a: Array
+    b: Array
+    v: Array
+    c: Array
+    dry: Array
+
+
+@dataclass(frozen=True)
+class FastestMotion:
+    """A path whose time is looked for.
+
+    Attributes:
+        path: Joint variables as functions of s.
+        grid: Values of s, ascending, (nodes,).
+        steps: Index of the step of each interval, (intervals,).
+        bounds: Largest speeds, accelerations and torques.
+        torques: Of what moves.
+    """
+
+    path: Trajectory
+    grid: Array
+    steps: Indices
+    bounds: Bounds
+    torques: Torques
+
+    def solve(self) -> Nodes:
+        """The motion from rest to rest.
+
+        Returns:
+            A motion that keeps to all bounds.
+
+        Raises:
+            QuantityError: Nothing bounds the motion, or none keeps to the bounds.
+        """
+        ends = self._ends()
+        if max(ends[0].c[0].max(), ends[1].c[-1].max()) > 1:
+            raise self._refused(ends)
+        margins = np.zeros(ends[0].a.shape)
+        x = self._largest(ends, margins, None)
+        for _ in range(ROUNDS):
+            before, x = x, self._largest(ends, margins, x)
+            if np.abs(x - before).max() <= SETTLED * x.max():
+                break
+        nodes = self._nodes(x)
+        for _ in range(ROUNDS):
+            excess = self._excess(nodes)
+            if excess.max() <= 0:
+                break
+            margins += np.maximum(excess, 0) + 10 * SPARE * (excess > 0)
+            x = self._largest(ends, margins, x)
+            nodes = self._nodes(x)
+        return self._within(nodes, ends)
+
+    def _within(self, nodes: Nodes, ends: tuple[Rows, Rows]) -> Nodes:
+        """As much slower as it has to be."""
+        slower, more = nodes, SPARE
+        while (excess := float(self._excess(slower).max())) > 0:
+            more = max(2 * more, excess / 4)
+            if more > 1:
+                raise self._refused(ends)
+            slower = nodes.slower(1 + more)
+        return slower
+
+    def _magnitudes(self, q: Array, qd: Array, qdd: Array, steps: Indices) -> Array:
+        """Speeds squared, accelerations and torques by their bounds, (..., rows), both signs of the latter."""
+        speed, acceleration, torque = self.bounds
+        parts = [(qd / speed)[..., np.isfinite(speed)] ** 2]
+        signed = (qdd / acceleration)[..., np.isfinite(acceleration)]
+        parts += [signed, -signed]
+        if np.isfinite(torque).any():
+            tau = (self.torques(np.broadcast_to(steps, q.shape[:-1]), q, qd, qdd) / torque)[..., np.isfinite(torque)]
+            parts += [tau, -tau]
+        return np.concatenate(parts, axis=-1)
+
+    def _rows(self, place: float) -> Rows:
+        """The coefficients near one end of each interval, from the torques at few velocities and accelerations."""
+        a, b = self.grid[:-1], self.grid[1:]
+        q, slope, bend = self.path(a + place * (b - a))
+        zero = np.zeros_like(q)
+
+        def _at(qd: Array, qdd: Array) -> Array:
+            return self._magnitudes(q, qd, qdd, self.steps)
+
+        still, moved = _at(zero, zero), _at(slope, bend)
+        back, twice = _at(-slope, bend), _at(2 * slope, 4 * bend)
+        even, odd = (moved + back) / 2 - still, (moved - back) / 2
+        viscous = twice - still - 4 * even - odd
+        return Rows(_at(zero, slope) - still, even, viscous, still, odd - viscous)
+
+    def _ends(self) -> tuple[Rows, Rows]:
+        """The coefficients at both ends of each interval.
+
+        Where a motion begins or ends, or a joint turns back, its velocity is zero, and dry friction may have any value
+        between those of both sides.
+        """
+        ends = self._rows(INSIDE), self._rows(1 - INSIDE)
+        none = np.zeros((1, ends[0].dry.shape[1]))
+        first = np.maximum(ends[0].dry, np.concatenate([none, ends[1].dry[:-1]]))
+        second = np.maximum(ends[1].dry, np.concatenate([ends[0].dry[1:], none]))
+        ends = replace(ends[0], dry=first), replace(ends[1], dry=second)
+        if not all(np.abs(rows.a).max(axis=1, initial=0).all() for rows in ends):
+            remedy = "write acceleration: or torque: of each joint, or torque: into the robot file"
+            raise QuantityError("nothing limits the acceleration of the fastest motion", remedy=remedy)
+        return ends
+
+    def _refused(self, ends: tuple[Rows, Rows]) -> QuantityError:
+        """Why there is no motion: where the arm needs most of a torque to stand or to begin to move."""
+        loads = [rows.c + rows.dry for rows in ends]
+        most, at, row = max((float(load.max()), *divmod(int(load.argmax()), load.shape[1])) for load in loads)
+        where = ", ".join(f"{value:.4g}" for value in self.path(float(self.grid[at]))[0])
+        said = f"; it needs {most:.4g} times {self._named(row)} to stand at q = ({where})" if most > 1 else ""
+        remedy = "allow more torque, carry less, or go another way"
+        return QuantityError(f"no motion along this way keeps to the limits{said}", remedy=remedy)
+
+    def _named(self, row: int) -> str:
+        """The torque of a row of `Rows`."""
+        counts = [int(np.isfinite(bound).sum()) for bound in self.bounds]
+        limited = np.flatnonzero(np.isfinite(self.bounds[2]))
+        joint = int(limited[(row - counts[0] - 2 * counts[1]) % counts[2]])
+        return f"the largest torque {self.bounds[2][joint]:.6g} of joint {joint + 1}"
+
+    def _largest(self, ends: tuple[Rows, Rows], margins: Array, near: Array | None) -> Array:
+        """The largest x at each node; viscous friction by the tangent of the root at x found before, first without."""
+        first, second = ends
+        step = np.diff(self.grid)[:, None]
+        scale = max(np.abs(rows.a).max() for rows in ends)
+        a, b, c = [], [], []
+        for rows, shift, nodes in ((first, 0.0, slice(None, -1)), (second, 2 * step, slice(1, None))):
+            slope, root = _tangent(near[nodes]) if near is not None else (0.0, 0.0)
+            factor = rows.b + rows.v * slope
+            a.append(rows.a + shift * factor)
+            b.append(factor)
+            c.append(rows.c + rows.dry + rows.v * root + margins)
+        rest = [np.concatenate(part, axis=1) for part in (a, b, c)]
+        a_all, b_all, c_all = (np.vstack([part, part[-1:]]) for part in rest)
+        found = _by_toppra(self.grid, a_all / scale, b_all / scale, c_all)
+        if found is None:
+            raise self._refused(ends)
+        return np.asarray(found / scale)
+
+    def _nodes(self, x: Array) -> Nodes:
+        """The motion of an x."""
+        rates, steps = np.sqrt(x), np.diff(self.grid)
+        times = np.append(0.0, np.cumsum(2 * steps / (rates[:-1] + rates[1:])))
+        pull = (np.diff(x) / (2 * steps))[:, None]
+        q, slope, bend = self.path(self.grid)
+        ends = np.empty((len(steps), 2, VALUES, q.shape[1]))
+        for end, nodes in enumerate((slice(None, -1), slice(1, None))):
+            ends[:, end, 0], ends[:, end, 1] = q[nodes], slope[nodes] * rates[nodes, None]
+            ends[:, end, 2] = slope[nodes] * pull + bend[nodes] * x[nodes, None]
+        return Nodes(times, ends)
+
+    def _excess(self, nodes: Nodes) -> Array:
+        """By how much each bound is exceeded in each interval, relative to it, with what may lie between samples."""
+        places = np.concatenate([[0.0], np.linspace(INSIDE, 1 - INSIDE, SAMPLES + 1), [1.0]])
+        found = self._magnitudes(*nodes.inside(places), self.steps[:, None])
+        between = np.abs(np.diff(found[:, 1:-1], 2, axis=1)).max(axis=1) / 8
+        return np.asarray(found.max(axis=1) + np.minimum(between, CURVED) + SPARE - 1)
+
+
+def _tangent(x: Array) -> tuple[Array, Array]:
+    """The root of x as slope x + root near given places; at zero, where motions begin and end, it is zero."""
+    rates = np.sqrt(x)[:, None]
+    slope = np.divide(0.5, rates, out=np.zeros_like(rates), where=rates > 0)
+    return slope, rates / 2
+
+
+def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
+    """The largest x from rest to rest with a u + b x + c <= 1 at each node.
+
+    Args:
+        grid: (nodes,).
+        a: (nodes, rows).
+        b: (nodes, rows).
+        c: (nodes, rows).
+
+    Returns:
+        (nodes,); None where there is no such x.
+
+    Raises:
+        QuantityError: toppra is not installed.
+    """
+    try:
+        from toppra.algorithm import TOPPRA
+        from toppra.constraint import LinearConstraint
+    except ImportError:
+        found = "the fastest motion needs toppra, which is not installed"
+        raise QuantityError(found, remedy=install_extra("motion")) from None
+    logging.getLogger("toppra").addHandler(logging.NullHandler())
+    rows = LinearConstraint()
+    rows.identical = True
+    count = a.shape[1]
+    rows.compute_constraint_params = lambda path, grid: (a, b, c, np.eye(count), np.ones(count), None, None)
+    found = TOPPRA([rows], _Interval(np.array([grid[0], grid[-1]])), gridpoints=grid, solver_wrapper="seidel")
+    _, rates, _ = found.compute_parameterization(0, 0)
+    if rates is None or not np.isfinite(rates).all():
+        return None
+    stands = rates[:-1] + rates[1:] == 0
+    return None if stands.any() else np.asarray(rates, dtype=float) ** 2
+
+
+@dataclass(frozen=True, slots=True)
+class _Interval:
+    """What toppra asks of a path whose constraints are given."""
+
+    path_interval: Array

@@ -1,0 +1,403 @@
+"""The end effector of a plan's robot: configurations of points that are poses, and its way on lines and arcs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+from itertools import pairwise
+from math import isfinite, nan
+from typing import TYPE_CHECKING
+
+import numpy as np
+from sympy import Expr, Float, Integer, Symbol, sstr
+
+from derive.arrays import Array
+from derive.errors import QuantityError, RobotFileError, quoted
+from derive.motion.curves.limits import Limits
+from derive.motion.curves.trajectory import ONE, Corner, Joints, Trajectory
+from derive.motion.paths.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector
+from derive.motion.paths.smooth import UNIFORM, grid_of, one_second, smooth_path
+from derive.motion.torques.functions import Functions
+from derive.plans.hermite import Piece
+from derive.plans.plan import Plan
+from derive.plans.points import Point, Step, Vector
+from derive.plans.profile import ZERO
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression
+from derive.robot.robot import Robot
+
+if TYPE_CHECKING:  # inverse kinematics and closed forms, which take long to import, are for hands that are led
+    from derive.motion.paths.fastest import Torques
+
+MET = 1e-9
+"""Largest difference, relative, of both sides of a condition that holds."""
+
+ARRIVED = 1e-6
+"""Largest difference between a configuration and where a line ends [rad or m]."""
+
+
+class Hand:
+    """Knows where the points of a plan are.
+
+    Args:
+        plan: The plan.
+        values: Numbers of all symbols.
+        exact: Cells with the numbers of their symbols.
+        torques: What the joints need in steps by their index.
+    """
+
+    def __init__(
+        self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner], torques: Torques
+    ) -> None:
+        self._plan = plan
+        self._values = values
+        self._exact = exact
+        self._torques = torques
+
+    @cached_property
+    def limits(self) -> Limits:
+        """The largest speeds, accelerations and torques of the plan."""
+        plan = self._plan
+        torque = plan.torque if plan.robot.has_dynamics and plan.base is None else (None,) * plan.robot.n
+        bounds = [
+            tuple(None if cell is None else self.exact(cell) for cell in most)
+            for most in (plan.speed, plan.acceleration, torque)
+        ]
+        return Limits(*bounds)
+
+    def exact(self, value: Expression) -> Expr:
+        """A cell with the numbers of its symbols."""
+        return self._exact((value,))[0]
+
+    @cached_property
+    def _functions(self) -> Functions:
+        names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
+        poses = any(point.pose for point in self._plan.points.values())
+        kinematics = replace(self._plan.robot, links=(), gravity=None)
+        return Functions(kinematics, names, self._values, inverse=poses)
+
+    def configuration(self, name: str, before: Corner | None) -> Corner:
+        """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch.
+
+        Args:
+            name: Of the point.
+            before: Where the arm comes from; None at the start.
+
+        Returns:
+            Exact where the plan gives joint variables.
+
+        Raises:
+            RobotFileError: The arm does not reach the pose, or has no such branch.
+        """
+        point = self._plan.points[name]
+        if point.q is not None:
+            return self._exact(point.q)
+        start = np.zeros(self._plan.robot.n) if before is None else np.array(before, dtype=float)
+        pose, branches = self._pose(point), self.branches.get(name, ())
+        found = self._functions.nearest(pose, start, branches)
+        if not np.isfinite(found).all():
+            remedy = f"derive show {self._plan.robot.source} inverse says what a pose must satisfy"
+            with_branch = f" within its limits with branch {quoted(point.branch, 80)}" if point.branch else ""
+            if with_branch and np.isfinite(self._functions.nearest(pose, start)).all():
+                remedy = "with another branch it does: leave branch out for the nearest one"
+            else:
+                with_branch += why_not(self._plan.robot, pose, self._values)
+            found_text = f"the arm does not reach {point.name}{with_branch}"
+            raise RobotFileError(found_text, remedy=remedy, location=point.location)
+        return tuple(map(Float, found))
+
+    @cached_property
+    def branches(self) -> Mapping[str, tuple[int, ...]]:
+        """The solutions on which the points are that name a branch.
+
+        Raises:
+            RobotFileError: The arm has no such branch.
+        """
+        return {name: self._branches(point) for name, point in self._plan.points.items() if point.branch}
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        """Of the solutions, where there are several."""
+        from derive.inverse.closed.solve import solve
+        from derive.inverse.words.postures import postures
+
+        robot = self._plan.robot
+        names = postures(robot, solve(robot)).names if self._functions.branches > 1 else ()
+        return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
+
+    def _branches(self, point: Point) -> tuple[int, ...]:
+        """The solutions whose names have all words of a point's branch."""
+        robot, names, wanted = self._plan.robot, self._names, _words(point.branch)
+        found = tuple(k for k, name in enumerate(names) if wanted <= _words(name))
+        if not found:
+            allowed = f"allowed: {'; '.join(names)}; or some of these words"
+            said = f"point {point.name}: no branch {quoted(point.branch)} of {robot.name}"
+            if not names:
+                said, allowed = f"{said}, whose solutions have no names", ""
+            raise RobotFileError(
+                said, allowed=allowed, remedy="leave branch out for the nearest", location=point.location
+            )
+        return found
+
+    def _pose(self, point: Point) -> Array:
+        """Where the end effector is at a point, (4, 4)."""
+        if point.pose is None:
+            return self._functions("forward_kinematics", np.array(self._exact(point.q or ()), dtype=float))
+        pose = np.eye(4)
+        pose[:3, 3] = [evaluate(cell, self._values) for cell in point.pose.position]
+        if point.pose.angles is not None:
+            a, b, c = (evaluate(cell, self._values) for cell in point.pose.angles)
+            turns = ((2, a), (1, b), (2, c)) if point.pose.is_zyz else ((2, c), (1, b), (0, a))
+            for axis, angle in turns:
+                pose[:3, :3] = pose[:3, :3] @ rotation_of(angle * np.eye(3)[axis])
+        return pose
+
+    def follow(self, step: Step, before: Corner, start: Expr, unit: Trajectory) -> Joints:
+        """The pieces of each joint while the end effector moves on a line or an arc.
+
+        Args:
+            step: The segment.
+            before: Joint variables at its start.
+            start: When it begins [s].
+            unit: The fraction of the way, from 0 to 1, as a function of the time since then.
+
+        Returns:
+            Polynomials of degree five between places at which the arm is put exactly; where a line has no length one
+            polynomial, at rest.
+
+        Raises:
+            RobotFileError: The way leaves what the arm reaches, leads through a singular configuration, or ends in
+                another posture than the point has.
+        """
+        end, q = self._plan.points[step.to], np.array(before, dtype=float)
+        here = self._functions("forward_kinematics", q)
+        try:
+            if step.through:
+                way = Way.arc(here, self._pose(self._plan.points[step.through]), self._pose(end))
+            else:
+                way = Way.line(here, self._pose(end))
+        except ValueError as error:
+            raise RobotFileError(str(error), remedy="write line: yes", location=step.location) from None
+        if not step.through and self._follower(step).arrived(way, q):
+            joints = _standing(before, start, unit.duration)
+        else:
+            joints = self._followed(step, way, q, float(start), unit)
+        self._check_arrival(step, joints)
+        if step.through in self.branches:
+            self._check_branch(step, step.through, joints)
+        return joints
+
+    def _followed(self, step: Step, way: Way, q: Array, start: float, unit: Trajectory) -> Joints:
+        """The pieces of each joint, with places where the acceleration along the way jumps, and enough in between."""
+        follower, duration = self._follower(step), float(unit.duration)
+        jumps = [float(piece.start) for piece in unit.segments[0].joints[0][1:]]
+        for count in NODES:
+            edges = pairwise([0.0, *jumps, duration])
+            parts = [np.linspace(a, b, max(2, round(count * (b - a) / duration)) + 1)[:-1] for a, b in edges]
+            local = np.append(np.concatenate(parts), duration)
+            s, sd, after = (value[:, 0] for value in unit(local))
+            before = np.where(np.isin(local, jumps), unit(np.nextafter(local, -np.inf))[2][:, 0], after)
+            joints = follower.pieces(way, q, start + local, (s, sd, before, after))
+            if follower.farthest(way, joints, unit((local[:-1] + local[1:]) / 2)[0][:, 0]) <= NEAR:
+                break
+        return joints
+
+    def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
+        """The pieces of each joint, segment by segment, while the end effector moves on a spline.
+
+        Args:
+            run: Segments without a stop between them.
+            before: Joint variables at their start.
+            times: When each begins, and the last one ends [s].
+
+        Returns:
+            Polynomials of degree five between places at which the arm is put exactly.
+
+        Raises:
+            RobotFileError: The spline leaves what the arm reaches, leads through a singular configuration, or comes to
+                a point in another posture than that has.
+        """
+        q = np.array(before, dtype=float)
+        local = [time - times[0] for time in times]
+        from derive.motion.paths.hand_spline import spline_way
+
+        way = spline_way(local, self._poses(run, q))
+        follower = self._follower(run[0])
+        for count in NODES:
+            inner = [np.linspace(float(a), float(b), count + 1)[:-1] for a, b in pairwise(local)]
+            s = np.concatenate([*inner, [float(local[-1])]])
+            one, none = np.ones_like(s), np.zeros_like(s)
+            tracks = follower.pieces(way, q, float(times[0]) + s, (s, one, none, none))
+            if follower.farthest(way, tracks, (s[:-1] + s[1:]) / 2) <= NEAR:
+                break
+        found: list[Joints] = [tuple(track[k * count : (k + 1) * count] for track in tracks) for k in range(len(run))]
+        for step, joints in zip(run, found, strict=True):
+            self._check_arrival(step, joints)
+        return found
+
+    def distances(self, run: Sequence[Step], before: Corner) -> list[float]:
+        """How far the end effector goes from point to point [m], or where it only turns [rad]."""
+        pairs = list(pairwise(self._poses(run, np.array(before, dtype=float))))
+        ways = [float(np.linalg.norm(b[:3, 3] - a[:3, 3])) for a, b in pairs]
+        turns = [float(np.linalg.norm(rotation_vector(b[:3, :3] @ a[:3, :3].T))) for a, b in pairs]
+        return ways if any(ways) else turns
+
+    def _poses(self, run: Sequence[Step], q: Array) -> list[Array]:
+        """Where the end effector is at the start of segments and at each end."""
+        ends = (self._pose(self._plan.points[step.to]) for step in run)
+        return [self._functions("forward_kinematics", q), *ends]
+
+    def _follower(self, step: Step) -> Follower:
+        from derive.motion.paths.singular import vanishing_factor
+
+        rows = sorted({row for word in self._plan.robot.inverse.task for row in ROWS.get(word, ROWS["orientation"])})
+        return Follower(
+            self._functions, tuple(rows), step.location, partial(vanishing_factor, self._plan.robot, self._values)
+        )
+
+    def _check_arrival(self, step: Step, joints: Joints) -> None:
+        """A point that is given by joint variables is reached with these."""
+        end, last = self._plan.points[step.to], (pieces[-1] for pieces in joints)
+        arrived = np.array([float(piece.values[1][0]) for piece in last if isinstance(piece, Piece)])
+        if end.q is not None and np.abs(arrived - np.array(self._exact(end.q), dtype=float)).max() > ARRIVED:
+            found = f"the way to {step.to} ends in another posture of the arm than {step.to} has"
+            remedy = f"give {step.to} as a pose, or go there by joints"
+            raise RobotFileError(found, remedy=remedy, location=step.location)
+        if step.to in self.branches:
+            self._check_branch(step, step.to, joints)
+
+    def _check_branch(self, step: Step, name: str, joints: Joints) -> None:
+        """Where the way comes to a point, the arm is on the branch of that."""
+        tracks = [[piece for piece in track if isinstance(piece, Piece)] for track in joints]
+        rows = [[*(float(piece.values[0][0]) for piece in track), float(track[-1].values[1][0])] for track in tracks]
+        q, point, follower = np.array(rows).T, self._plan.points[name], self._follower(step)
+        off = self._functions("forward_kinematics", q)[:, :3, 3] - self._pose(point)[:3, 3]
+        found = self._branch_at(q[-1 if name == step.to else int((off**2).sum(axis=1).argmin())])
+        if found in self.branches[name]:
+            return
+        nearest = int(np.argmin([follower.regularity(row) for row in q]))
+        factor = follower.factor(q[nearest])
+        said = "outside its limits" if found is None else f"on branch {quoted(self._names[found], 80)}"
+        raise RobotFileError(
+            f"the way to {step.to} comes to {name} {said}, not {quoted(point.branch, 80)}: no singular configuration, "
+            f"where that could change, is on it; nearest to one it is after {nearest / (len(q) - 1):.0%} of it"
+            + (f", by {factor}" if factor else ""),
+            remedy="start the way on that branch, or go there by joints",
+            location=step.location,
+        )
+
+    def _branch_at(self, q: Array) -> int | None:
+        """On which solution the arm is; None where that is outside its limits."""
+        pose = self._functions("forward_kinematics", q)
+        turns = [joint.is_revolute for joint in self._plan.robot.joints]
+        for k in range(len(self._names)):
+            off = self._functions.nearest(pose, q, (k,)) - q
+            if np.abs(np.where(turns, np.sin(off / 2), off)).max() <= ARRIVED:
+                return k
+        return None
+
+    def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
+        """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0.
+
+        Args:
+            run: Segments without a stop between them.
+            first: Index of the first one in the plan.
+            corners: Joint variables at all their ends; where the end effector moves on a line or an arc, at the start.
+
+        Returns:
+            Polynomials of degree five; of joints that stand one in each segment.
+
+        Raises:
+            RobotFileError: Nothing limits the motion, none keeps to the limits, or toppra is not installed.
+        """
+        from derive.motion.paths.fastest import FastestMotion
+
+        step = run[0]
+        if self._plan.base is not None and any(self._plan.torque):
+            remedy = "leave out torque: or base:"
+            found = "torques of a fastest motion on a base that moves are not known"
+            raise RobotFileError(found, remedy=remedy, location=step.location)
+        if step.in_space:
+            joints, knots = self.follow(step, corners[0], ZERO, UNIFORM), np.array([0.0, 1.0])
+            if joints == _standing(corners[0], ZERO, ONE):
+                return [joints]
+            path = one_second(joints)
+        elif len(run) == 1 and corners[0] == corners[1]:
+            return [_standing(corners[0], ZERO, ONE)]
+        else:
+            numbers = np.array(corners, dtype=float)
+            knots = self._knots(run, numbers)
+            path = smooth_path(knots, numbers)
+        grid = grid_of(path, knots)
+        steps = np.asarray(first + np.searchsorted(knots[1:], grid[:-1], side="right"))
+        try:
+            nodes = FastestMotion(path, grid, steps, self.limits.numbers(), self._torques).solve()
+        except QuantityError as error:
+            raise error.at(step.location) from None
+        edges = np.searchsorted(grid, knots).tolist()
+        exact = {} if step.in_space else dict(zip(edges, corners, strict=True))
+        return [nodes.pieces(a, b, exact) for a, b in pairwise(edges)]
+
+    def _knots(self, run: Sequence[Step], corners: Array) -> Array:
+        """s at each point of a path, by the length of the chords, from 0 to 1."""
+        speed = self.limits.numbers()[0]
+        chords = np.linalg.norm(np.diff(corners, axis=0) / np.where(np.isfinite(speed), speed, 1.0), axis=1)
+        for step, chord in zip(run, chords, strict=True):
+            if chord == 0:
+                remedy = "leave it out, or write via: stop"
+                raise RobotFileError(f"the arm does not move to {step.to}", remedy=remedy, location=step.location)
+        lengths = np.append(0.0, np.cumsum(chords))
+        return np.asarray(lengths / lengths[-1])
+
+
+def _words(branch: str) -> set[str]:
+    """What the name of a branch says: ``shoulder left, elbow up`` is two of these."""
+    return {" ".join(part.lower().split()) for part in branch.split(",")}
+
+
+def why_not(robot: Robot, pose: Array, values: Mapping[str, float]) -> str:
+    """The first condition on a pose that an arm does not reach which does not hold, from its inverse kinematics.
+
+    Args:
+        robot: The robot.
+        pose: (4, 4).
+        values: Numbers of all symbols.
+
+    Returns:
+        Words that follow "does not reach it"; nothing where the conditions of the formulas do not say it.
+    """
+    from derive.model.kinematic_model import KinematicModel
+
+    found = KinematicModel(robot).inverse
+    known: dict[Expr, Expr] = {Symbol(name): Float(value) for name, value in values.items()}
+    known |= {found.pose[i, j]: Float(pose[i, j]) for i in range(3) for j in range(4)}
+    for solution in found.solutions:
+        numbers = known | {sign: Integer(value) for sign, value in solution.signs.items()}
+        for line in (*found.definitions, *solution.lines):
+            value = _size(line.value, numbers)
+            numbers |= {line.symbol: Float(value)} if isfinite(value) else {}
+        for step in found.steps:
+            if not step.exists.is_Relational:
+                continue
+            left, right = _size(step.exists.lhs, numbers), _size(step.exists.rhs, numbers)
+            if (left < right) if step.exists.rel_op.startswith(">") else (left > right):
+                told = f"{sstr(step.exists.lhs)} {step.exists.rel_op} {sstr(step.exists.rhs)}"
+                return f": {sstr(step.unknown)} is real for {told}, which are {left:.6g} and {right:.6g}"
+        for equation in found.conditions:
+            left, right = _size(equation.left, numbers), _size(equation.right, numbers)
+            if abs(left - right) > MET * (1 + abs(right)):
+                said = f"{sstr(equation.left)} = {sstr(equation.right)}"
+                return f": {said} does not hold, these are {left:.6g} and {right:.6g}"
+    return ""
+
+
+def _size(value: Expr, known: Mapping[Expr, Expr]) -> float:
+    """The number of an expression; not a number where it has no real one."""
+    found = value.xreplace(known).evalf()
+    return float(found) if found.is_real else nan
+
+
+def _standing(corner: Corner, start: Expr, duration: Expr) -> Joints:
+    """Joints at rest."""
+    return tuple((Piece(start, duration, ((q, ZERO, ZERO), (q, ZERO, ZERO))),) for q in corner)

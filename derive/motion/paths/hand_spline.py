@@ -1,0 +1,95 @@
+"""The end effector on a spline through points: its place and its orientation are cubic splines of time.
+
+The orientation is R(t) = exp(w(t)^) R_0 with a spline w through the rotation vectors of the points. Its angular
+velocity is omega = V w' with V = 1 + a w^ + b w^ w^, a = (1 - cos x)/x^2, b = (x - sin x)/x^3, x = |w|, the left
+Jacobian of the exponential (Murray, Li and Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, 2.4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import factorial
+
+import numpy as np
+from sympy import Expr, Float
+
+from derive.arrays import Array
+from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.paths.poses import Way, rotation_of, rotation_vector
+from derive.plans.profile import spline
+
+TERMS = 24
+"""Of the power series of a and b, which are exact to rounding up to a whole turn."""
+
+
+def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
+    """The way through poses, by time.
+
+    Args:
+        times: When each is passed [s], rationals from 0 on.
+        poses: (4, 4) each.
+
+    Returns:
+        Place and orientation with continuous accelerations, standing at both ends.
+    """
+    start = poses[0][:3, :3]
+    turns = [np.zeros(3)]
+    for pose in poses[1:]:
+        turns.append(_nearest(rotation_vector(pose[:3, :3] @ start.T), turns[-1]))
+    rows = np.array([[*pose[:3, 3], *turn] for pose, turn in zip(poses, turns, strict=True)])
+    tracks = tuple(spline(times, [Float(value) for value in column]) for column in rows.T)
+    trajectory = Trajectory((Segment("", times[0], times[-1] - times[0], tracks),))
+
+    def _place(t: float) -> tuple[Array, Array, Array]:
+        p, v, a = (value[:3] for value in trajectory(t))
+        return p, v, a
+
+    def _turned(t: float) -> tuple[Array, Array, Array]:
+        w, rate, bend = (value[3:] for value in trajectory(t))
+        return rotation_of(w) @ start, *angular_motion(w, rate, bend)
+
+    return Way(_place, _turned)
+
+
+def _nearest(vector: Array, before: Array) -> Array:
+    """The rotation vector of the same rotation that is nearest to another one."""
+    angle = float(np.linalg.norm(vector))
+    if angle < 1e-12:
+        return vector
+    axis = vector / angle
+    return np.asarray(vector + 2 * np.pi * np.round((before - vector) @ axis / (2 * np.pi)) * axis)
+
+
+def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
+    """Angular velocity and acceleration of a rotation by its rotation vector.
+
+    Args:
+        w: The rotation vector, (3,) [rad].
+        rate: Its derivative by time.
+        bend: Its second derivative.
+
+    Returns:
+        omega = V w' and its derivative V w'' + V' w', (3,) each.
+    """
+    x, slope = float(w @ w), 2 * float(w @ rate)  # the square of the angle, and its rate
+    cross, turning = _cross(w), _cross(rate)
+    square, squared = cross @ cross, turning @ cross + cross @ turning
+    (a, b), (da, db) = _series(x)
+    jacobian = np.eye(3) + a * cross + b * square
+    drift = da * slope * cross + a * turning + db * slope * square + b * squared
+    return jacobian @ rate, jacobian @ bend + drift @ rate
+
+
+def _series(x: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """a and b as functions of the square of the angle, and their derivatives by it."""
+    values, slopes = [], []
+    for least in (2, 3):
+        terms = [(-1) ** k / factorial(2 * k + least) for k in range(TERMS)]
+        values.append(float(np.polyval(terms[::-1], x)))
+        slopes.append(float(np.polyval([k * term for k, term in enumerate(terms)][:0:-1], x)))
+    return (values[0], values[1]), (slopes[0], slopes[1])
+
+
+def _cross(vector: Array) -> Array:
+    x, y, z = vector
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

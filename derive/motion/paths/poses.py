@@ -1,0 +1,275 @@
+"""Configurations of points that are poses, and the way of the end effector on lines and arcs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from sympy import Float
+
+from derive.arrays import Array
+from derive.errors import Location, RobotFileError
+from derive.motion.paths.singular import usual_rank
+from derive.motion.torques.functions import Functions
+from derive.plans.hermite import Piece
+
+NODES = (64, 128, 256, 512)
+"""Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them;
+between places it moves by polynomials of degree five."""
+
+NEAR = 1e-9
+"""Largest distance of the end effector from its way between these [m or rad]."""
+
+CLOSED = 1e-12
+"""Error of a pose that is reached, relative to the arm's size."""
+
+ITERATIONS = 20
+"""Newton steps from one place to the next."""
+
+SINGULAR = 1e-6
+"""Smallest singular value of J, relative to the largest, below which the hand cannot follow a line."""
+
+ROWS = {"x": (0,), "y": (1,), "z": (2,), "phi": (5,), "orientation": (3, 4, 5)}
+"""Rows of a twist that a row of a task asks for."""
+
+
+def rotation_vector(rotation: Array) -> Array:
+    """The axis of a rotation times its angle, from 0 to pi.
+
+    Args:
+        rotation: (3, 3).
+
+    Returns:
+        (3,) [rad].
+    """
+    skew = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
+    sine, cosine = np.linalg.norm(skew) / 2, (np.trace(rotation) - 1) / 2
+    angle = np.arctan2(sine, cosine)
+    if sine > 1e-6:
+        return np.asarray(skew * (angle / (2 * sine)))
+    if cosine > 0:
+        return np.asarray(skew / 2)
+    square = (rotation + np.eye(3)) / 2  # half a turn: R = 2 a a^T - 1
+    column = square[:, int(np.argmax(np.diag(square)))]
+    side = 1.0 if column @ skew >= 0 else -1.0
+    return np.asarray(side * angle * column / np.linalg.norm(column))
+
+
+def rotation_of(vector: Array) -> Array:
+    """The rotation about an axis by an angle (Rodrigues).
+
+    Args:
+        vector: The axis times the angle, (3,) [rad].
+
+    Returns:
+        (3, 3).
+    """
+    angle = float(np.linalg.norm(vector))
+    x, y, z = vector / angle if angle else vector
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way of the end effector by its fraction s from 0 to 1.
+
+    Attributes:
+        place: Position at s, and its first and second derivative.
+        turned: Rotation at s (3, 3), and in the world frame its angular velocity and acceleration by s (3,) [rad].
+    """
+
+    place: Callable[[float], tuple[Array, Array, Array]]
+    turned: Callable[[float], tuple[Array, Array, Array]]
+
+    @classmethod
+    def line(cls, a: Array, b: Array) -> Way:
+        """The straight line between two poses.
+
+        Args:
+            a: (4, 4).
+            b: (4, 4).
+        """
+        p, way = a[:3, 3], b[:3, 3] - a[:3, 3]
+        zero = np.zeros(3)
+        return cls(lambda s: (p + s * way, way, zero), _about_one_axis(a, b))
+
+    @classmethod
+    def arc(cls, a: Array, through: Array, b: Array) -> Way:
+        """The arc of the circle through three positions.
+
+        Args:
+            a: (4, 4).
+            through: (4, 4); its orientation is not looked at.
+            b: (4, 4).
+
+        Raises:
+            ValueError: The three positions lie on one line.
+        """
+        p, m, q = a[:3, 3], through[:3, 3] - a[:3, 3], b[:3, 3] - a[:3, 3]
+        normal = np.cross(m, q)
+        square = float(normal @ normal)
+        if square <= 1e-18 * float(m @ m) * float(q @ q) or square == 0:
+            raise ValueError("the three positions lie on one line")
+        to_centre = np.cross((m @ m) * q - (q @ q) * m, normal) / (2 * square)
+        centre, radius = p + to_centre, -to_centre
+        normal = normal / np.sqrt(square)
+        side = np.cross(normal, radius)
+        end = b[:3, 3] - centre
+        angle = float(np.arctan2(end @ side, end @ radius)) % (2 * np.pi)
+
+        def _place(s: float) -> tuple[Array, Array, Array]:
+            c, z = np.cos(s * angle), np.sin(s * angle)
+            return (
+                centre + c * radius + z * side,
+                angle * (c * side - z * radius),
+                -(angle**2) * (c * radius + z * side),
+            )
+
+        return cls(_place, _about_one_axis(a, b))
+
+    def pose(self, s: float) -> Array:
+        """The pose at a fraction of the way.
+
+        Args:
+            s: From 0 to 1.
+
+        Returns:
+            (4, 4).
+        """
+        found = np.eye(4)
+        found[:3, :3], found[:3, 3] = self.turned(s)[0], self.place(s)[0]
+        return found
+
+
+def _about_one_axis(a: Array, b: Array) -> Callable[[float], tuple[Array, Array, Array]]:
+    """The rotation between two poses about a fixed axis."""
+    start, turn = a[:3, :3], rotation_vector(b[:3, :3] @ a[:3, :3].T)
+    return lambda s: (rotation_of(s * turn) @ start, turn, np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Follower:
+    """Moves an arm along a way of its end effector.
+
+    Attributes:
+        functions: ``forward_kinematics``, ``jacobian`` and ``jacobian_dot``.
+        rows: Rows of the twist that the task asks for.
+        location: Where the plan asks for it.
+        factor: Which formula vanishes at a singular configuration.
+    """
+
+    functions: Functions
+    rows: tuple[int, ...]
+    location: Location
+    factor: Callable[[Array], str]
+
+    def pieces(
+        self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array, Array]
+    ) -> tuple[tuple[Piece, ...], ...]:
+        """The pieces of each joint.
+
+        Args:
+            way: Where the end effector goes.
+            q: Joint variables at its start, (n,).
+            times: When the end effector is at the nodes [s], (nodes,).
+            fractions: s, its derivative by time, and the second one before and after each node, (nodes,) each.
+
+        Returns:
+            Pieces joint by joint.
+
+        Raises:
+            RobotFileError: The way leaves what the arm reaches, or leads through a singular configuration.
+        """
+        befores: list[tuple[Array, ...]] = []
+        afters: list[tuple[Array, ...]] = []
+        for t, s, sd, before, after in zip(times, *fractions, strict=True):
+            passed = float(t - times[0])
+            q = self._put(way.pose(float(s)), q, passed)
+            (_, *rates), (_, *spins) = way.place(float(s)), way.turned(float(s))
+            twist, bend = (np.concatenate(parts) for parts in zip(rates, spins, strict=True))
+            jacobian = self._regular(q, passed)
+            qd = self._solve(jacobian, twist * sd, passed)
+            drift = self.functions("jacobian_dot", q, qd) @ qd
+            for sdd, states in ((before, befores), (after, afters)):
+                states.append((q, qd, self._solve(jacobian, twist * sdd + bend * sd**2 - drift, passed)))
+        when = [Float(t) for t in times]
+
+        def _ends(states: list[tuple[Array, ...]], j: int) -> list[tuple[Float, ...]]:
+            return [tuple(Float(value[j]) for value in state) for state in states]
+
+        return tuple(
+            tuple(
+                Piece(when[k], when[k + 1] - when[k], (first, second))
+                for k, (first, second) in enumerate(zip(_ends(afters[:-1], j), _ends(befores[1:], j), strict=True))
+            )
+            for j in range(q.size)
+        )
+
+    def farthest(self, way: Way, pieces: Sequence[Sequence[Piece]], s: Array) -> float:
+        """How far the end effector is from its way between the nodes [m or rad].
+
+        Args:
+            way: Where it goes.
+            pieces: Of each joint.
+            s: The fraction of the way in the middle of each piece.
+        """
+        middles = np.array([[piece.middle for piece in track] for track in pieces]).T
+        return max(float(np.abs(self._off(way.pose(float(at)), q)).max()) for at, q in zip(s, middles, strict=True))
+
+    def arrived(self, way: Way, q: Array) -> bool:
+        """Whether the end effector is where its way ends.
+
+        Args:
+            way: Where it goes.
+            q: Joint variables, (n,).
+        """
+        end = way.pose(1.0)
+        return bool(np.abs(self._off(end, q)).max() <= CLOSED * (1 + np.abs(end[:3, 3]).max()))
+
+    def _off(self, pose: Array, q: Array) -> Array:
+        """How a pose differs from that of a configuration, in what the task asks for."""
+        now = self.functions("forward_kinematics", q)
+        error = np.concatenate([pose[:3, 3] - now[:3, 3], rotation_vector(pose[:3, :3] @ now[:3, :3].T)])
+        return error[list(self.rows)]
+
+    def _put(self, pose: Array, q: Array, after: float) -> Array:
+        """The configuration near another one at which the end effector has a pose."""
+        for _ in range(ITERATIONS):
+            wanted = self._off(pose, q)
+            if np.abs(wanted).max() <= CLOSED * (1 + np.abs(pose[:3, 3]).max()):
+                return q
+            jacobian = self.functions("jacobian", q)[list(self.rows)]
+            q = q + np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
+        raise self._error(f"the arm does not reach the way {after:.4g} s after its start")
+
+    @cached_property
+    def _rank(self) -> int:
+        return usual_rank(self.functions, self.rows)
+
+    def regularity(self, q: Array) -> float:
+        """The smallest singular value of J in what the task asks for, relative to the largest."""
+        values = np.linalg.svd(self.functions("jacobian", q)[list(self.rows)], compute_uv=False)
+        return float(values[self._rank - 1] / values[0]) if self._rank else 1.0
+
+    def _regular(self, q: Array, after: float) -> Array:
+        jacobian: Array = self.functions("jacobian", q)[list(self.rows)]
+        if self.regularity(q) <= SINGULAR:
+            when = f"leads through a singular configuration {after:.4g} s after its start"
+            where = when if after else "starts at a singular configuration"
+            factor = self.factor(q)
+            raise self._error(f"the way {where}" + (f", where {factor} = 0" if factor else ""))
+        return jacobian
+
+    def _solve(self, jacobian: Array, twist: Array, after: float) -> Array:
+        wanted = twist[list(self.rows)]
+        found = np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
+        if np.abs(jacobian @ found - wanted).max() > 1e-8 * (1 + np.abs(wanted).max()):
+            raise self._error(f"the arm cannot follow the way {after:.4g} s after its start")
+        return found
+
+    def _error(self, found: str) -> RobotFileError:
+        remedy = "go there by joints: leave out line, through and spline: hand, or choose another point"
+        return RobotFileError(found, remedy=remedy, location=self.location)

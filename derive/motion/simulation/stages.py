@@ -1,0 +1,135 @@
+"""From a plan to what is simulated: who drives the arm, what it carries and what pushes it, stage by stage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from derive.errors import RobotFileError
+from derive.motion.curves.trajectory import Trajectory
+from derive.motion.simulation.control import NEEDS, Controller, looked_up
+from derive.motion.simulation.held import held_arm
+from derive.motion.simulation.simulation import Stage
+from derive.motion.simulation.stepping import PLANT, Plant
+from derive.motion.torques.base_torques import BaseTorques
+from derive.motion.torques.bodies import Body, OpenLink
+from derive.motion.torques.functions import Functions
+from derive.plans.plan import Plan
+from derive.plans.points import Payload
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import ZERO
+
+RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}
+"""Calls of a simulated second, about, by how friction is treated."""
+
+MOST_LOOKS = 1_000_000
+"""Of a sampled controller."""
+
+CALLS_PER_LOOK = 30.0
+"""Calls from one look of a sampled controller to the next, about."""
+
+
+def stages_of(
+    plan: Plan,
+    trajectory: Trajectory,
+    values: Mapping[str, float],
+    calls: float | None,
+    added: BaseTorques | None = None,
+) -> list[Stage]:
+    """The stages of a simulation.
+
+    The controller knows the robot, how its base moves and what the path says that the tool carries; it knows nothing of
+    disturbances and of what stands under ``plant``.
+
+    Args:
+        plan: The plan, of a robot with dynamics.
+        trajectory: Its motion.
+        values: Numbers of all symbols.
+        calls: How often functions will be called; None for an estimate.
+        added: What the motion of the base adds to the torques; None where it stands.
+
+    Returns:
+        One stage for each time between two changes of load or disturbance.
+    """
+    robot, control = plan.robot, plan.control
+    numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
+    bare = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), parameters=numbers)
+    loaded = plan.plant_payload or any(step.payload for step in plan.steps)
+    link = OpenLink.of(bare) if loaded else None
+    period = evaluate(control.period, values) if control.period and control.law != "none" else None
+    reference = looked_up(trajectory, period, float(trajectory.duration)) if period else trajectory
+    rate = max(RATES[plan.friction], CALLS_PER_LOOK / period if period else 0.0)
+    expected = rate * float(trajectory.duration) if calls is None else calls
+    needed = PLANT | NEEDS[control.law]
+    known = {**values, **(link.values(Body.last_link(bare, values)) if link else {})}
+    true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
+    viscous, coulomb = (
+        np.array([evaluate(getattr(each, kind), true) for each in robot.links]) for kind in ("viscous", "coulomb")
+    )
+    if plan.friction == "none":
+        coulomb = np.zeros_like(coulomb)
+    arm = link.robot if link else bare
+    slides = not coulomb.any()
+    keeps = (period or control.law == "none") and (slides or (period and plan.friction == "smooth"))
+    held = held_arm(arm, known, expected) if keeps and added is None else None
+    functions = Functions(arm, needed, known, calls=expected / (CALLS_PER_LOOK if held and calls is None else 1))
+    kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
+
+    def _numbers(numbers: Mapping[str, float], payloads: Sequence[Payload | None]) -> Mapping[str, float]:
+        if link is None:
+            return numbers
+        body = Body.last_link(bare, numbers)
+        for payload in filter(None, payloads):
+            body += Body.payload(bare, payload, numbers)
+        return {**numbers, **link.values(body)}
+
+    stages = []
+    for start in _changes(plan, trajectory, values):
+        carried = _carried(plan, trajectory, start)
+        push = np.zeros(robot.n)
+        for each in plan.disturbances:
+            if evaluate(each.start, values) <= start < evaluate(each.end, values):
+                push[each.joint] += evaluate(each.torque, values)
+        actual = _numbers(true, (carried, plan.plant_payload))
+        base = replace(added, values=true).carrying(carried, plan.plant_payload) if added else None
+        steps = held.given(actual) if held else None
+        plant = Plant(functions.given(actual), viscous, coulomb, push, steps, base)
+        model = functions.given(_numbers(values, (carried,))) if NEEDS[control.law] else None
+        known_inertial = added.single(carried) if added else None
+        stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model, known_inertial)))
+    return stages
+
+
+def period_of(plan: Plan, values: Mapping[str, float], duration: float) -> float | None:
+    """Time between two looks of the controller [s]; None for a continuous one, infinite without control."""
+    control = plan.control
+    if control.law == "none":
+        return float(np.inf)
+    period = None if control.period is None else evaluate(control.period, values)
+    if period is not None and duration / period > MOST_LOOKS:
+        found = f"control, period: {duration / period:.4g} samples of the controller in {duration:.6g} s"
+        allowed, remedy = f"allowed: at most {MOST_LOOKS}", f"write period: {duration / 1e4:.2g} [s]"
+        raise RobotFileError(found, allowed=allowed, remedy=remedy, location=plan.places["period"])
+    return period
+
+
+def _changes(plan: Plan, trajectory: Trajectory, values: Mapping[str, float]) -> list[float]:
+    """When the load or a disturbance changes, the start of the motion first."""
+    end, found = float(trajectory.duration), {0.0}
+    for before, step, segment in zip([None, *plan.steps], plan.steps, trajectory.segments, strict=False):
+        if before is not None and before.payload != step.payload:
+            found.add(float(segment.start))
+    for each in plan.disturbances:
+        found |= {evaluate(each.start, values), evaluate(each.end, values)}
+    return sorted(t for t in found if 0 <= t < end)
+
+
+def _carried(plan: Plan, trajectory: Trajectory, time: float) -> Payload | None:
+    """What the path says that the tool carries from a time on."""
+    found = None
+    for step, segment in zip(plan.steps, trajectory.segments, strict=False):
+        if float(segment.start) <= time:
+            found = step.payload
+    return found

@@ -1,0 +1,227 @@
+"""From one time to the next by scipy's solvers, with friction that is smooth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.errors import TargetError, install_extra
+from derive.motion.torques.base_torques import BaseTorques
+from derive.motion.torques.functions import Functions
+
+TOLERANCE = 2e-11
+"""Relative and absolute error of a step."""
+
+STICTION_SPEED = 1e-4
+"""Speed at which smooth friction has three quarters of its value [rad/s or m/s]: f tanh(qd/1e-4)."""
+
+STIFF = 5000.0
+"""Rate of decay from which on an implicit solver takes fewer steps than an explicit one [1/s]; light links under large
+gains have it."""
+
+SHORT = 0.1
+"""Time in which no solver takes many steps [s]."""
+
+ASIDE = 1e-6
+"""By how much a state is moved to see how its rates change."""
+
+DIVERGED = 1e4
+"""Speed beyond which a simulation is given up [rad/s or m/s]."""
+
+PLANT = frozenset({"forward_dynamics", "inertia_matrix", "kinetic_energy", "potential_energy"})
+"""Generated functions of a plant."""
+
+Law = Callable[[float, Array, Array], Array]
+"""Torques of the motors at a time, position and velocity."""
+
+
+@dataclass(frozen=True)
+class Plant:
+    """The arm that is simulated.
+
+    Attributes:
+        functions: Those of `PLANT`, without dry friction.
+        viscous: Coefficients of friction by velocity, which the functions hold.
+        coulomb: Coefficients of dry friction, which they do not.
+        push: What acts on the joints besides motors and friction [N m or N].
+        held: Its steps in C while the motors hold their torques; None where that is not worth a compiler.
+        base: What the motion of the base adds to the torques, and its work; None where it stands.
+    """
+
+    functions: Functions
+    viscous: Array
+    coulomb: Array
+    push: Array
+    held: Held | None = None
+    base: BaseTorques | None = None
+
+    def felt(self, driven: Array, t: float, q: Array, qd: Array) -> Array:
+        """What accelerates joints that motors and pushes drive: less what the motion of the base takes [N m or N]."""
+        return driven if self.base is None else driven - np.array(self.base.at(t, q).added(qd.tolist()))
+
+    def ledger(
+        self, driven: Array, friction: Array, t: float, q: Array, rates: tuple[Array, Array]
+    ) -> tuple[float, ...]:
+        """Power of motors and pushes, what friction takes, and the power of a base that moves [W], by qd and qdd."""
+        qd, qdd = rates
+        found = float(driven @ qd), float((friction + self.viscous * qd) @ qd)
+        return found if self.base is None else (*found, self.base.at(t, q).power(qd.tolist(), qdd.tolist()))
+
+    def energy(self, q: Array, qd: Array, t: float | Array = 0.0) -> Array:
+        """Kinetic and potential energy [J], (...); where the base moves that in the world, at times (...)."""
+        if self.base is not None:
+            return self.base.energy(np.asarray(t), q, qd)
+        return self.functions("kinetic_energy", q, qd) + self.functions("potential_energy", q)
+
+
+@dataclass(frozen=True, slots=True)
+class Divergence:
+    """Where a simulation was given up.
+
+    Attributes:
+        time: When [s].
+        q: Joint variables then, (n,).
+        qd: Velocities then, (n,).
+    """
+
+    time: float
+    q: Array
+    qd: Array
+
+    @property
+    def joint(self) -> int:
+        """Index of the fastest joint."""
+        return int(np.abs(self.qd).argmax())
+
+
+Steps = tuple[Array, Divergence | None]
+"""States at the times that are wanted, and where it ended earlier.
+
+A state holds positions, velocities, the work of motors and pushes, what friction took, and the work of a base that
+moves, in one vector.
+"""
+
+Held = Callable[[Plant, Array, Array, tuple[float, float], Array], Steps]
+"""Steps of an arm, from torques of the motors, a state, start and end, to the times that are wanted."""
+
+Change = tuple[float, Array]
+"""Time and state at which something else begins."""
+
+
+def integrated(
+    rates: Callable[[float, Array], Array],
+    state: Array,
+    span: tuple[float, float],
+    times: Array,
+    method: str,
+    margin: Callable[[float, Array], float] | None = None,
+    longest: float = np.inf,
+) -> tuple[Array, Change | None, Divergence | None]:
+    """A motion by one of scipy's solvers, up to where it changes or diverges.
+
+    Args:
+        rates: Derivatives of a state.
+        state: At the start.
+        span: Start and end [s].
+        times: Times that are wanted, within it.
+        method: Name of the solver.
+        margin: What ends it as it comes to zero from above.
+        longest: Longest step [s].
+
+    Returns:
+        A row for each time, fewer where it ended earlier; then also why.
+    """
+    try:
+        from scipy.integrate import solve_ivp
+    except ImportError:
+        found = "simulations need scipy, which is not installed"
+        raise TargetError(found, remedy=install_extra("motion")) from None
+
+    n = (state.size - 2) // 2
+
+    def _bounded(_: float, state: Array) -> float:
+        return DIVERGED - float(np.abs(state[n : 2 * n]).max())
+
+    _bounded.terminal = True  # type: ignore[attr-defined]
+    events: list[Callable[[float, Array], float]] = [_bounded]
+    if margin is not None:
+
+        def _change(t: float, state: Array) -> float:
+            return margin(t, state)
+
+        _change.terminal, _change.direction = True, -1  # type: ignore[attr-defined]
+        events.append(_change)
+    error = {"rtol": TOLERANCE, "atol": TOLERANCE, "max_step": longest}
+    with np.errstate(all="ignore"):
+        found = solve_ivp(rates, span, state, method, times, events=events, **error)
+    got = np.array(found.y).T.reshape(-1, state.size)
+    if len(got) == len(times):
+        return got, None, None
+    if margin is not None and len(found.t_events[1]):
+        return got, (float(found.t_events[1][0]), found.y_events[1][0]), None
+    if len(found.t_events[0]):
+        end, last = float(found.t_events[0][0]), found.y_events[0][0]
+    else:
+        end, last = (float(found.t[-1]), got[-1]) if len(got) else (span[0], state)
+    return got, None, Divergence(end, last[:n], last[n : 2 * n])
+
+
+def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
+    """With friction f tanh(qd/v0): LSODA, or DOP853 where there is no dry friction and no fast decay.
+
+    Args:
+        plant: The arm.
+        law: What the motors do.
+        state: At the start.
+        span: Start and end [s].
+        times: Times that are wanted, within it.
+
+    Returns:
+        A row for each time.
+    """
+    n = plant.coulomb.size
+    dry, frozen, nothing = plant.coulomb, np.zeros_like(state), np.zeros(n)
+    rough = bool(dry.any())
+
+    def _rates(t: float, state: Array) -> Array:
+        q, qd = state[:n], state[n : 2 * n]
+        if not qd @ qd < 4 * n * DIVERGED**2:
+            return frozen
+        driven = law(t, q, qd) + plant.push
+        slip = dry * np.tanh(qd / STICTION_SPEED) if rough else nothing
+        rates = np.empty_like(state)
+        rates[:n] = qd
+        rates[n : 2 * n] = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - slip)
+        rates[2 * n :] = plant.ledger(driven, slip, t, q, (qd, rates[n : 2 * n]))
+        return rates
+
+    method = "LSODA" if rough else solver(_rates, state, span)
+    got, _, divergence = integrated(_rates, state, span, times, method)
+    return got, divergence
+
+
+def solver(rates: Callable[[float, Array], Array], state: Array, span: tuple[float, float]) -> str:
+    """Which of scipy's solvers takes few steps: an implicit one where something decays fast.
+
+    Args:
+        rates: Derivatives of a state.
+        state: At the start.
+        span: Start and end [s].
+    """
+    stiff = span[1] - span[0] > SHORT and _fastest_decay(rates, span[0], state) > STIFF
+    return "LSODA" if stiff else "DOP853"
+
+
+def _fastest_decay(rates: Callable[[float, Array], Array], t: float, state: Array) -> float:
+    """The largest eigenvalue of the linear motion about a state, in magnitude [1/s]."""
+    count = (state.size - 2) // 2 * 2
+    columns = []
+    for k in range(count):
+        aside = np.zeros_like(state)
+        aside[k] = ASIDE
+        columns.append((rates(t, state + aside) - rates(t, state - aside))[:count] / (2 * ASIDE))
+    system = np.array(columns).T
+    return float(np.abs(np.linalg.eigvals(system)).max()) if np.isfinite(system).all() else 0.0

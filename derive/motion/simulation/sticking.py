@@ -1,0 +1,280 @@
+"""Dry friction that sticks: which joints slip and which stand, and when that changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from derive.arrays import Array, Flags
+from derive.motion.simulation.stepping import DIVERGED, Divergence, Law, Plant, Steps, integrated, solver
+
+LONGEST = 2e-2
+"""Longest step: changes of slip and stick are looked for at its end [s]."""
+
+STEP = 1e-3
+"""Longest time step of `stepped` [s]."""
+
+SWEEPS = 2000
+"""Most sweeps for the friction of joints that depend on one another."""
+
+RESTS = 1e-12
+"""Speed against its own direction at which a joint has come to rest [rad/s or m/s]."""
+
+BREAKS = 1e-11
+"""What a joint needs beyond its friction to break away, relative to it."""
+
+BUSY, MOMENT = 12, 1e-6
+"""So many changes within such a time [s] have no end: time steps lead on."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """An arm of which some joints slip and others stand.
+
+    Attributes:
+        plant: The arm.
+        law: What the motors do.
+        way: Which way joints with dry friction slip, 1 or -1; 0 where they stand, or without dry friction, (n,).
+    """
+
+    plant: Plant
+    law: Law
+    way: Array
+
+    @classmethod
+    def at(cls, plant: Plant, law: Law, t: float, q: Array, qd: Array) -> Contact | None:
+        """What slips after a time.
+
+        A joint that is at rest stands where friction can hold it, and slips against its friction otherwise. Which of
+        them do depends on all: accelerations a = a(tau) - B^-1 p with |p| <= f, and p = f sign(a) where a is not zero.
+
+        Args:
+            plant: The arm.
+            law: What the motors do.
+            t: Time [s].
+            q: Joint variables, (n,).
+            qd: Velocities, zero where a joint is at rest, (n,).
+
+        Returns:
+            None where rounding leaves it open.
+        """
+        dry = plant.coulomb
+        way, open_ = np.where(dry > 0, np.sign(qd), 0.0), (dry > 0) & (qd == 0)
+        if open_.any():
+            free = plant.functions(
+                "forward_dynamics", q, qd, plant.felt(law(t, q, qd) + plant.push, t, q, qd) - dry * way
+            )
+            held = _complementary(_mobility(plant, q), free, np.where(open_, dry, 0.0))[1]
+            way = np.where(open_ & (np.abs(held) >= dry), np.sign(held), way)
+        for _ in range(4 * dry.size):
+            contact = cls(plant, law, way)
+            _, qdd, friction = contact.forces(t, q, qd)
+            breaks = contact.stands & (np.abs(friction) > dry * (1 + BREAKS / 2))
+            stays = open_ & (way * qdd < 0)
+            if not (breaks | stays).any():
+                return contact
+            way = np.where(breaks, np.sign(friction), np.where(stays, 0.0, way))
+        return None
+
+    @cached_property
+    def stands(self) -> Flags:
+        """Whether friction holds a joint, (n,)."""
+        return np.asarray((self.plant.coulomb > 0) & (self.way == 0))
+
+    @cached_property
+    def any_stands(self) -> bool:
+        """Whether friction holds one at least."""
+        return bool(self.stands.any())
+
+    @cached_property
+    def slip(self) -> Array:
+        """Dry friction of joints that slip, (n,) [N m or N]."""
+        return np.asarray(self.plant.coulomb * self.way)
+
+    @cached_property
+    def _apart(self) -> tuple[Array, Array]:
+        """What makes of an inertia matrix that of the joints that slip, and 1 for each that stands."""
+        slips = np.where(self.stands, 0.0, 1.0)
+        return np.outer(slips, slips), np.diag(1 - slips)
+
+    def forces(self, t: float, q: Array, qd: Array) -> tuple[Array, Array, Array]:
+        """What acts on the joints.
+
+        Args:
+            t: Time [s].
+            q: Joint variables, (n,).
+            qd: Velocities, (n,).
+
+        Returns:
+            Torques of motors and pushes, accelerations, and dry friction: f sign(qd) of joints that slip, what it takes
+            to hold those that stand, (n,) each.
+        """
+        plant, driven = self.plant, self.law(t, q, qd) + self.plant.push
+        friction = self.slip
+        qdd = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - friction)
+        if self.any_stands:
+            inertia, (both, alone) = plant.functions("inertia_matrix", q), self._apart
+            pull = inertia @ qdd
+            qdd = np.asarray(np.linalg.solve(inertia * both + alone, np.where(self.stands, 0.0, pull)), dtype=float)
+            friction = friction + np.where(self.stands, pull - inertia @ qdd, 0.0)
+        return driven, qdd, friction
+
+    def rates(self, t: float, state: Array) -> Array:
+        """Derivatives of a state by time.
+
+        Args:
+            t: Time [s].
+            state: As in `derive.motion.simulation.stepping.Steps`.
+        """
+        n, rates = self.way.size, np.zeros_like(state)
+        qd = state[n : 2 * n]
+        if qd @ qd < 4 * n * DIVERGED**2:
+            driven, qdd, friction = self.forces(t, state[:n], qd)
+            rates[:n], rates[n : 2 * n] = qd, qdd
+            rates[2 * n :] = self.plant.ledger(driven, friction, t, state[:n], (qd, qdd))
+        return rates
+
+    def margin(self, t: float, state: Array) -> float:
+        """Above zero as long as what slips goes on and what stands is held.
+
+        Args:
+            t: Time [s].
+            state: As in `derive.motion.simulation.stepping.Steps`.
+        """
+        n, dry = self.way.size, self.plant.coulomb
+        qd = state[n : 2 * n]
+        found = np.where(self.way != 0, self.way * qd + RESTS, np.inf)
+        if self.any_stands:
+            friction = self.forces(t, state[:n], qd)[2]
+            found = np.where(self.stands, dry * (1 + BREAKS) - np.abs(friction), found)
+        return float(found.min())
+
+    def rested(self, state: Array) -> Array:
+        """A state at the end of this contact: what no longer slips its way is at rest.
+
+        Args:
+            state: As in `derive.motion.simulation.stepping.Steps`.
+        """
+        n, after = self.way.size, state.copy()
+        after[n : 2 * n][(self.way != 0) & (self.way * after[n : 2 * n] <= 2 * RESTS)] = 0.0
+        return after
+
+
+def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
+    """With Coulomb friction that sticks: |qd| is zero, not small, below the torque of breakaway.
+
+    A solver leads to the time at which a joint that slips comes to rest, or one that stands needs more than friction;
+    there it is decided anew which of them slip (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems,
+    2008, chapter 8). Where changes follow one another without end, time steps of `stepped` lead across them.
+
+    Args:
+        plant: The arm.
+        law: What the motors do.
+        state: At the start.
+        span: Start and end [s].
+        times: Times that are wanted, ascending, the last of them the end.
+
+    Returns:
+        A row for each time.
+    """
+    n, t = plant.coulomb.size, span[0]
+    rows: list[Array] = []
+    changes: list[float] = []
+
+    def _so_far() -> Array:
+        return np.array(rows).reshape(-1, state.size)
+
+    while len(rows) < len(times):
+        contact = Contact.at(plant, law, t, state[:n], state[n : 2 * n])
+        if contact is None or (len(changes) >= BUSY and t - changes[-BUSY] < MOMENT):
+            changes.clear()
+            end = min(t + LONGEST, float(times[len(rows)]))
+            found, divergence = stepped(plant, law, state, (t, end), np.array([end]))
+            if divergence is not None:
+                return _so_far(), divergence
+            t, state = end, found[0]
+            rows += [state] if end == times[len(rows)] else []
+            continue
+        wanted = times[len(rows) :]
+        span, method = (t, span[1]), solver(contact.rates, state, (t, span[1]))
+        got, change, divergence = integrated(contact.rates, state, span, wanted, method, contact.margin, LONGEST)
+        rows += list(got)
+        if divergence is not None:
+            return _so_far(), divergence
+        if change is not None:
+            t, state = change[0], contact.rested(change[1])
+            changes.append(t)
+    return _so_far(), None
+
+
+def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
+    """With Coulomb friction that sticks, by time steps of first order; no chatter stops them.
+
+    A step of time h solves ``qd+ = qd + h qdd(tau) - B^-1 p`` for impulses p of friction with p = h f sign(qd+) where a
+    joint slips and |p| <= h f where it sticks, by projected Gauss-Seidel (Moreau's time stepping; Acary and Brogliato,
+    Numerical Methods for Nonsmooth Dynamical Systems, 2008).
+
+    Args:
+        plant: The arm.
+        law: What the motors do.
+        state: At the start.
+        span: Start and end [s].
+        times: Times that are wanted, ascending, the last of them the end.
+
+    Returns:
+        A row for each time.
+    """
+    n, t = plant.coulomb.size, span[0]
+    q, qd, done = state[:n], state[n : 2 * n], state[2 * n :]
+    rows: list[Array] = []
+    for wanted in times:
+        steps = max(int(np.ceil((wanted - t) / STEP - 1e-9)), 1)
+        h = float(wanted - t) / steps
+        for _ in range(steps):
+            driven = law(t, q, qd) + plant.push
+            free = qd + h * plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd))
+            after, impulse = _complementary(_mobility(plant, q), free, h * plant.coulomb)
+            rates = (qd + after) / 2, (after - qd) / h
+            done = done + h * np.array(plant.ledger(driven, impulse / h, t, q, rates))
+            q, qd, t = q + h * after, after, t + h
+            if not np.all(np.abs(qd) < DIVERGED):
+                return np.array(rows).reshape(-1, state.size), Divergence(t, q, qd)
+        t = float(wanted)
+        rows.append(np.concatenate([q, qd, done]))
+    return np.array(rows), None
+
+
+def _mobility(plant: Plant, q: Array) -> Array:
+    """Accelerations by torques, (n, n)."""
+    return np.asarray(np.linalg.inv(plant.functions("inertia_matrix", q)))
+
+
+def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Array]:
+    """Velocities after a step, or accelerations, and the impulses or torques of friction, by projected Gauss-Seidel.
+
+    Args:
+        mobility: What friction of one does to all, (n, n).
+        free: Without friction, (n,).
+        most: Largest friction, (n,).
+    """
+    rows, velocity, bounds = mobility.tolist(), free.tolist(), most.tolist()
+    joints: Sequence[int] = [j for j, bound in enumerate(bounds) if bound]
+    friction = [0.0] * len(velocity)
+    enough = 1e-14 * max(*bounds, 1e-300)
+    for _ in range(SWEEPS):
+        largest = 0.0
+        for j in joints:
+            wanted = friction[j] + velocity[j] / rows[j][j]
+            new = min(max(wanted, -bounds[j]), bounds[j])
+            change = new - friction[j]
+            if change:
+                largest, friction[j] = max(largest, abs(change)), new
+                for i, row in enumerate(rows):
+                    velocity[i] -= row[j] * change
+        if largest <= enough:
+            break
+    held = [bounds[j] and abs(friction[j]) < bounds[j] for j in range(len(bounds))]
+    return np.array([0.0 if stands else v for stands, v in zip(held, velocity, strict=True)]), np.array(friction)

@@ -1,0 +1,1 @@
+"""Torques, work and loads along a motion."""

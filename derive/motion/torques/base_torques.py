@@ -1,0 +1,233 @@
+"""What a base that moves adds to the torques of an arm, and what it does to it: Newton-Euler, started with its motion.
+
+In the axes of the base, a point at r of it accelerates with R^T (p'' - g) + U r, where U = R^T R'' = alpha^ +
+omega^ omega^ and omega^ = R^T R'; that is how the recursion of `derive.mechanics.newton_euler` sees a link. Joint
+accelerations are multiplied by the same inertia matrix whether the base moves or not, so that the difference of the two
+recursions has none of them: it depends on time, position and velocity alone.
+
+Energy is that in the world, where base and joints work on the arm: E' = f.v + m.omega + tau.qd, with f and m the force
+and the moment of the base at the origin of frame 0, v and omega its velocities (Newton-Euler gives them, so that they
+and the energies, by velocities alone, are told apart by any fault in either).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, Generic
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.mechanics.chain import Body, Chain, Domain, build_chain, constant_vector
+from derive.mechanics.energy import kinetic_energy, potential_energy
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.newton_euler import (
+    LinkMotion,
+    angular_acceleration_tensor,
+    inverse_dynamics,
+    torques_and_wrench,
+)
+from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, dot, matmul, multiply, subtract, transpose
+from derive.motion.torques.bodies import Body as CarriedBody
+from derive.motion.torques.bodies import OpenLink
+from derive.plans.moving_base import BaseCurve
+from derive.plans.points import Payload
+from derive.programs.tape.build import cut
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.scalars import QD, TapeDomain
+from derive.programs.tape.tape import Tape
+from derive.programs.tape.value import Value
+from derive.robot.description import Joint
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression
+from derive.robot.robot import Robot
+
+BASE = "base"
+"""Argument of a tape: the upper three rows of the transform of the base, of its rate and of its second derivative."""
+
+
+@dataclass(frozen=True, slots=True)
+class OnBase(Generic[S]):
+    """An arm on a base that moves, at an instant, over any scalar type.
+
+    Attributes:
+        chain: The arm at its configuration.
+        motion: Of frame 0 in its own axes, its acceleration less gravity.
+        velocity: Of the origin of frame 0, in the same axes.
+        weight: Gravity in the same axes, and times the way from the origin of the world to that of frame 0.
+    """
+
+    chain: Chain[S]
+    motion: LinkMotion[S]
+    velocity: Vector[S]
+    weight: tuple[Vector[S], S]
+
+    @classmethod
+    def of(cls, chain: Chain[S], base: Sequence[Frame[S]], gravity: Vector[S]) -> OnBase[S]:
+        """From the transform of the base, its rate and its second derivative, and from gravity in the world."""
+        pose, rate, bend = base
+        fixed = chain.base
+        back = transpose(matmul(pose.rotation, fixed.rotation))
+        spin, tensor = (matmul(back, matmul(each.rotation, fixed.rotation)) for each in (rate, bend))
+        x, y, z = omega = (spin[2][1], spin[0][2], spin[1][0])
+        alpha = (tensor[2][1] - y * z, tensor[0][2] - x * z, tensor[1][0] - x * y)
+        place, speed, push = (add(each.position, multiply(each.rotation, fixed.position)) for each in base)
+        found, differences = angular_acceleration_tensor(omega, alpha)
+        motion = LinkMotion(omega, alpha, found, multiply(back, subtract(push, gravity)), differences)
+        return cls(chain, motion, multiply(back, speed), (multiply(back, gravity), dot(gravity, place)))
+
+    def added(self, qd: Sequence[S]) -> list[S]:
+        """What is added to the torques of the arm on a base that stands [N m or N]."""
+        still = [self.chain.zero] * self.chain.n
+        moving, standing = (inverse_dynamics(self.chain, qd, still, base=each) for each in (self.motion, None))
+        return [a - b for a, b in zip(moving, standing, strict=True)]
+
+    def power(self, qd: Sequence[S], qdd: Sequence[S]) -> S:
+        """Of the force and the moment by which the base moves the arm [W]."""
+        force, moment = torques_and_wrench(self.chain, qd, qdd, base=self.motion)[1]
+        return dot(force, self.velocity) + dot(moment, self.motion.omega)
+
+    def energy(self, qd: Sequence[S], half: S) -> S:
+        """Kinetic and potential energy in the world [J], without that of what is fixed to the base."""
+        nothing, (gravity, drop) = self.chain.zero, self.weight
+        ground = Body(nothing, self.chain.null, Symmetric(*[nothing] * 6))
+        chain = replace(self.chain, gravity=gravity, drop=drop, ground=ground)
+        return kinetic_energy(chain, qd, half, (self.velocity, self.motion.omega)) + potential_energy(chain)
+
+
+class ArrayDomain(FloatDomain):
+    """Cells of a robot as floats, at many configurations at once.
+
+    Args:
+        robot: The robot.
+        q: Joint variables [rad or m], (..., n).
+        values: Numbers of the parameters.
+    """
+
+    def __init__(self, robot: Robot, q: Array, values: Mapping[str, float]) -> None:
+        columns: Any = tuple(np.moveaxis(q, -1, 0))
+        super().__init__(robot, columns, values)
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Any, Any]:
+        """Cosine and sine of the angle of a revolute joint.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
+        value = joint.sign * self.q[index] + self.constant(joint.theta)
+        return np.cos(value), np.sin(value)
+
+
+class NumberedDomain(TapeDomain):
+    """Cells of a robot as numbers on a graph, and its configuration as arguments.
+
+    Args:
+        robot: The robot.
+        graph: Where the values live.
+        values: Numbers of the parameters.
+    """
+
+    def __init__(self, robot: Robot, graph: Graph, values: Mapping[str, float]) -> None:
+        super().__init__(robot, graph)
+        self._values = values
+
+    def constant(self, expression: Expression) -> Value:
+        """The value of a cell.
+
+        Args:
+            expression: Of the robot's symbols.
+        """
+        return self.number(Fraction(evaluate(expression, self._values)))
+
+
+@dataclass(frozen=True)
+class BaseTorques:
+    """Torques that an arm needs since its base moves.
+
+    Attributes:
+        robot: The robot; its gravity is that of the world in which the base moves.
+        values: Numbers of all symbols.
+        base: The motion of its base.
+        duration: How long it moves [s]; before and after it stands.
+    """
+
+    robot: Robot
+    values: Mapping[str, float]
+    base: BaseCurve
+    duration: float
+
+    def carrying(self, *payloads: Payload | None) -> BaseTorques:
+        """Those of the arm whose last link is as heavy as with what the tool carries."""
+        if not any(payloads):
+            return self
+        link, carried = OpenLink.of(self.robot), CarriedBody.last_link(self.robot, self.values)
+        for payload in filter(None, payloads):
+            carried += CarriedBody.payload(self.robot, payload, self.values)
+        return replace(self, robot=link.robot, values={**self.values, **link.values(carried)})
+
+    def _gravity(self, domain: Domain[S]) -> Vector[S]:
+        zero = domain.number(0)
+        return constant_vector(self.robot.gravity, domain) if self.robot.gravity else (zero, zero, zero)
+
+    def _many(self, t: Array, q: Array) -> OnBase[Any]:
+        """The arm at many times, (times,), and configurations, (times, n)."""
+        domain = ArrayDomain(self.robot, q, self.values)
+        inside = np.clip(t, 0.0, self.duration)
+        base = np.array([self.base(inside, order) for order in range(3)])
+        base[1:, inside != t] = 0.0
+        frames = [_frame([list(row) for row in np.moveaxis(each[:, :3], 0, -1)]) for each in base]
+        return OnBase.of(build_chain(self.robot, domain), frames, self._gravity(domain))
+
+    def at(self, t: float, q: Array) -> OnBase[float]:
+        """The arm at one time [s] and configuration, (n,), without the cost of arrays."""
+        domain = FloatDomain(self.robot, q.tolist(), self.values)
+        inside = min(max(t, 0.0), self.duration)
+        pose, *rates = self.base.single(inside)
+        if inside != t:
+            rates = [[[0.0] * 4] * 4] * 2
+        frames = [_frame(rows) for rows in (pose, *rates)]
+        return OnBase.of(build_chain(self.robot, domain), frames, self._gravity(domain))
+
+    def __call__(self, t: Array, q: Array, qd: Array, payload: Payload | None = None) -> Array:
+        """What is added to the torques of the arm on a base that stands, (times, n) [N m or N], at times (times,)."""
+        torques = self.carrying(payload)._many(t, q).added(tuple(np.moveaxis(qd, -1, 0)))
+        return np.stack([np.broadcast_to(torque, t.shape) for torque in torques], axis=-1)
+
+    def power(self, t: Array, q: Array, qd: Array, qdd: Array, payload: Payload | None = None) -> Array:
+        """What the base does to the arm, (times,) [W]."""
+        rates, accelerations = (tuple(np.moveaxis(each, -1, 0)) for each in (qd, qdd))
+        return np.asarray(np.broadcast_to(self.carrying(payload)._many(t, q).power(rates, accelerations), t.shape))
+
+    def energy(self, t: Array, q: Array, qd: Array) -> Array:
+        """Kinetic and potential energy of the arm in the world, (times,) [J]."""
+        return np.asarray(np.broadcast_to(self._many(t, q).energy(tuple(np.moveaxis(qd, -1, 0)), 0.5), t.shape))
+
+    def single(self, *payloads: Payload | None) -> Callable[[float, Array, Array], Array]:
+        """What is added to the torques, as a function of one time [s], joint variables and velocities, (n,) each."""
+        carried = self.carrying(*payloads)
+        return lambda t, q, qd: np.array(carried.at(t, q).added(qd.tolist()))
+
+    def tape(self, payload: Payload | None = None) -> Tape:
+        """The same as a program with the arguments ``q``, ``qd`` and `BASE`.
+
+        Args:
+            payload: What the tool carries.
+        """
+        carried, graph = self.carrying(payload), Graph()
+        domain = NumberedDomain(carried.robot, graph, carried.values)
+        frames = [
+            _frame([[domain.argument(BASE, 12 * order + 4 * i + j) for j in range(4)] for i in range(3)])
+            for order in range(3)
+        ]
+        rates = [domain.argument(QD, j) for j in range(self.robot.n)]
+        torques = OnBase.of(build_chain(carried.robot, domain), frames, self._gravity(domain)).added(rates)
+        return cut(graph, [torque.ref for torque in torques])
+
+
+def _frame(rows: Sequence[Sequence[Any]]) -> Frame[Any]:
+    """Three rows of four entries as a frame; of a derivative no transform, and yet of that form."""
+    a, b, c = ((row[0], row[1], row[2]) for row in rows[:3])
+    return Frame((a, b, c), (rows[0][3], rows[1][3], rows[2][3]))

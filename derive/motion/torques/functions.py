@@ -1,0 +1,171 @@
+"""The generated functions of a robot as a motion needs them: compiled where that is worth it, else in NumPy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import replace
+from functools import lru_cache
+from importlib.util import module_from_spec, spec_from_file_location
+from typing import Any
+
+from derive.arrays import Array
+from derive.errors import QuantityError, TargetError
+from derive.interrupts import TemporaryFolder
+from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
+from derive.programs.program import Program
+from derive.robot.robot import Robot
+from derive.targets import numpy
+from derive.targets.compiler import find_compiler
+from derive.targets.target import Source
+from derive.version import __version__
+
+COMPILING = 2.0
+"""What a compiler takes [s]."""
+
+SAVED = 2e-8
+"""What compiled code saves an operation of a single call [s]."""
+
+KEPT = 64
+"""How many robots' functions a process keeps."""
+
+
+class Functions:
+    """Functions of ``model_numpy.py`` or ``model_native.py`` with the numbers of a plan.
+
+    Args:
+        robot: The robot.
+        names: Which functions.
+        values: Numbers of symbols that are arguments.
+        calls: How many times about one configuration is asked for; many are worth a compiler's seconds.
+        inverse: Whether inverse kinematics is wanted, too.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        names: frozenset[str],
+        values: Mapping[str, float],
+        *,
+        calls: float = 0,
+        inverse: bool = False,
+    ) -> None:
+        self.n = robot.n
+        bare = bare_robot(robot)
+        program = program_of(bare, names, inverse=inverse)
+        operations = max(sum(counts.values()) for counts in program.operations.values())
+        compiled = calls * operations * SAVED > COMPILING
+        self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
+        self._parameters = program.parameters
+        self._inverse = program.inverse
+        self._options = self._numbers(values)
+
+    def _numbers(self, values: Mapping[str, float]) -> dict[str, Any]:
+        if missing := next((name for name in self._parameters if name not in values), ""):
+            remedy = f"write values: {{{missing}: ...}} in the plan"
+            raise QuantityError(f"the symbol '{missing}' of the robot has no number", remedy=remedy)
+        numbers = {name: values[name] for name in self._parameters}
+        return {"params": self._module.precompute(numbers)} if numbers else {}
+
+    def given(self, values: Mapping[str, float]) -> Functions:
+        """The same functions with other numbers.
+
+        Args:
+            values: Numbers of symbols that are arguments.
+        """
+        other = copy(self)
+        other._options = self._numbers(values)
+        return other
+
+    @property
+    def standard_parameters(self) -> tuple[str, ...]:
+        """Columns of the regressor."""
+        return tuple(self._module.STANDARD_PARAMETERS)
+
+    def __call__(self, name: str, *arguments: Array) -> Array:
+        """The value of a function.
+
+        Args:
+            name: Its name.
+            *arguments: (..., n) each.
+
+        Returns:
+            (..., *shape).
+        """
+        value: Array = getattr(self._module, name)(*arguments, **self._options)
+        return value
+
+    @property
+    def branches(self) -> int:
+        """How many branches the inverse kinematics has in closed form; zero where it has none."""
+        return self._inverse.branches if self._inverse else 0
+
+    def nearest(self, pose: Array, q: Array, branches: Sequence[int] = ()) -> Array:
+        """The solution of a pose nearest to a configuration.
+
+        Args:
+            pose: (4, 4).
+            q: (n,).
+            branches: Those that are looked at, by their place among the solutions; empty for all.
+
+        Returns:
+            (n,); not numbers where there is none.
+        """
+        module = self._module
+        if not branches or self._inverse is None:
+            found: Array = module.inverse_kinematics_nearest(pose, q, **self._options)
+            return found
+        there = {"given": q[list(self._inverse.given)]} if self._inverse.given else {}
+        rows = module.inverse_kinematics(pose, near=q, **there, **self._options)
+        chosen: Array = module._nearest(rows[list(branches)], q)
+        return chosen
+
+
+def bare_robot(robot: Robot) -> Robot:
+    """A robot without what its functions do not depend on.
+
+    Args:
+        robot: The robot.
+    """
+    return replace(robot, title="", digest="", source="", remarks=())
+
+
+@lru_cache(KEPT)
+def program_of(robot: Robot, names: frozenset[str], *, inverse: bool = False) -> Program:
+    """Functions of a robot, found quickly and kept.
+
+    Args:
+        robot: Of `bare_robot`.
+        names: Which functions.
+        inverse: Whether inverse kinematics is wanted, too.
+    """
+    return build_program(robot, Effort.QUICK, names=names, inverse=inverse)
+
+
+@lru_cache(KEPT)
+def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: bool) -> tuple[Any, Any]:
+    """The module of a target, written and imported, and the folder that holds it as long as it is kept."""
+    temporary = TemporaryFolder()
+    folder, source = temporary.path, Source(robot, program_of(robot, names, inverse=inverse), __version__)
+    compiler = find_compiler() if compiled else None
+    targets = [numpy.TARGET]
+    if compiler:
+        from derive.publish.render import compile_libraries
+        from derive.targets import c, native
+
+        targets = [c.TARGET, native.TARGET]
+    for target in targets:
+        for name, text in target.render(source).items():
+            (folder / name).write_text(text, encoding="utf-8")
+    if compiler:
+        try:
+            compile_libraries(folder, targets, compiler)
+        except TargetError:  # a compiler that does not serve is none
+            return _imported(robot, names, inverse=inverse, compiled=False)
+    spec = spec_from_file_location(f"derive_motion_{folder.name}", folder / targets[-1].files[0])
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module, temporary

@@ -1,0 +1,119 @@
+"""What joints do in a segment: torque, power and work, from torques at many times and between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.motion.curves.extremes import Peak, highest
+from derive.motion.curves.trajectory import Segment
+
+LEAST_INTERVALS = 64
+"""Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule."""
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What a joint does in a segment.
+
+    Attributes:
+        peak: The torque that is largest in magnitude, also between samples [N m or N].
+        time: When [s]; the earliest of equal ones.
+        rms: Root of the mean of its square.
+        power: The largest mechanical power in magnitude [W].
+        work: Integral of torque by velocity [J].
+    """
+
+    peak: float
+    time: float
+    rms: float
+    power: float
+    work: float
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentPeaks:
+    """The largest values of every joint in a segment.
+
+    Attributes:
+        segment: Its name and times.
+        speeds: Largest velocities, exact where the profile allows.
+        accelerations: Largest accelerations.
+        loads: Torques; empty where the robot has no dynamics.
+        base: Power of a base that moves, as the torque at a speed of one; None where it stands.
+    """
+
+    segment: Segment
+    speeds: tuple[Peak, ...]
+    accelerations: tuple[Peak, ...]
+    loads: tuple[Load, ...]
+    base: Load | None = None
+
+    @property
+    def work(self) -> float:
+        """Of all joints, the integral of tau qd [J]."""
+        return float(sum(load.work for load in self.loads))
+
+
+def mean_weights(count: int) -> Array:
+    """The mean of a function by its values at evenly spaced places: Boole's rule, Simpson's where two are left over.
+
+    Args:
+        count: Number of intervals, even.
+
+    Returns:
+        Weights of the places, (count + 1,); polynomials of degree five are exact where four divides the number.
+    """
+    weights, last = np.zeros(count + 1), count - count % 4
+    for k in range(0, last, 4):
+        weights[k : k + 5] += np.array([7, 32, 12, 32, 7]) * (2 / 45)
+    weights[last : last + 3] += np.array([1, 4, 1]) / 3 if last < count else 0
+    return np.asarray(weights / count)
+
+
+def loads(
+    start: float,
+    end: float,
+    samples: int,
+    state: Callable[[Array], tuple[Array, Array]],
+    corners: Iterable[float] = (),
+) -> tuple[Load, ...]:
+    """What each joint does in a segment.
+
+    Args:
+        start: When it begins [s].
+        end: When it ends, and the next one begins [s].
+        samples: How many intervals between rows of a table it has.
+        state: Torques and velocities at times, (...) to (..., n) each.
+        corners: Times in between at which torques may jump [s].
+
+    Returns:
+        One for each joint; integrals by `mean_weights`.
+    """
+    count, length = max(2 * samples, LEAST_INTERVALS), end - start
+    places, parts = [], []
+    for a, b in pairwise(sorted({start, *corners, end})):
+        inner = count if b - a == length else 4 * max(2, int(np.ceil(count * (b - a) / length / 4)))
+        # what comes before a jump, and what this segment carries and does, not the next one
+        places.append(np.minimum(a + (b - a) * np.arange(inner + 1) / inner, np.nextafter(b, a)))
+        parts.append(mean_weights(inner) * ((b - a) / length))
+    times, weights = np.concatenate(places), np.concatenate(parts)
+
+    def _both(at: Array) -> Array:
+        """Torques, then powers, (..., 2 n)."""
+        torque, velocity = state(at)
+        return np.concatenate([torque, torque * velocity], axis=-1)
+
+    values = _both(times)
+    tau, power = np.split(values, 2, axis=1)
+    work = weights @ power * (end - start)
+    rms = np.sqrt(weights @ tau**2)
+    when = highest(lambda at: np.abs(_both(at)), times, np.abs(values))
+    own = np.arange(when.size)
+    peaks, powers = np.split(_both(when)[own, own], 2)
+    columns = (peaks, when[: peaks.size], rms, powers, work)
+    return tuple(Load(*map(float, row)) for row in zip(*columns, strict=True))

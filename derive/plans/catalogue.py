@@ -1,0 +1,114 @@
+"""The plans that come with derive, one YAML file each under ``derive/plans/built_in``, and new ones to start from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+from derive.errors import UnknownRobotError, near_miss, quoted
+from derive.robot.description import Joint
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import names, number
+from derive.robot.load import file_bytes, is_there
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+from derive.robot.units import in_symbol_units
+
+_FOLDER = files("derive.plans") / "built_in"
+_SUFFIX = ".yaml"
+
+STRIDE = {True: math.pi / 4, False: 0.2}
+"""How far a joint goes in a new plan, where its limits let it: a revolute one [rad], a prismatic one [m]."""
+
+_NEW = """\
+# Motion plan. What it asks of the joints:  derive move {name}.yaml       All outputs:  derive move --help
+robot: {robot}
+profile: quintic               # cubic, quintic, septic, trapezoidal, harmonic, spline
+sample: 0.01                   # time between two rows of a table [s]
+{values}
+# Joint values in the units of the robot file, cells as there; or a pose: {{pose: {{p: [x, y, z], rpy: [0, 0, 0]}}}}.
+points:
+  home: [{home}]
+  A: [{away}]
+
+# time [s]; further keys: profile, via: pass (do not stop there), line: yes, through: POINT, payload: 0.5 (kg)
+path:
+  - home
+  - {{to: A, time: 2}}
+  - {{to: home, time: 2}}
+
+# derive move {name}.yaml --simulate
+control: {{law: computed-torque, kp: 100, kd: 20}}   # none, pd, pd-gravity, computed-torque
+friction: smooth               # none, smooth (tanh), exact (stick and slip)
+"""
+
+
+@cache
+def plan_names() -> tuple[str, ...]:
+    """Names of the built-in plans, sorted."""
+    found = (entry.name for entry in _FOLDER.iterdir())
+    return tuple(sorted(name.removesuffix(_SUFFIX) for name in found if name.endswith(_SUFFIX)))
+
+
+def plan_bytes(path_or_name: str | Path) -> bytes:
+    """Contents of a plan, or of a built-in one.
+
+    Args:
+        path_or_name: Path of a YAML file, or one of `plan_names`; ``./name`` is a file of that name.
+
+    Returns:
+        Its bytes, at most one more than a file may have.
+
+    Raises:
+        RobotFileError: The file cannot be read.
+        UnknownRobotError: Neither a file nor the name of a plan.
+    """
+    text = str(path_or_name)
+    if text in plan_names():
+        return (_FOLDER / f"{text}{_SUFFIX}").read_bytes()
+    path = Path(text)
+    if not is_there(path):
+        raise UnknownRobotError(
+            f"no file and no built-in plan {quoted(text, 200)}",
+            allowed="allowed: a path to a motion plan, or a name from derive list --plans",
+            remedy=near_miss(path.stem, plan_names()),
+        )
+    return file_bytes(path)
+
+
+def new_plan_text(name: str, robot: Robot, source: str) -> str:
+    """A commented plan that moves every joint of a robot there and back.
+
+    Args:
+        name: Of the file, without its ending.
+        robot: The robot.
+        source: How the plan calls it: a name of the catalogue, or a path.
+
+    Returns:
+        The YAML text; symbols without a number have the number 1, or 9.81 for g.
+    """
+    numbers = parameter_values(robot)
+    missing = [symbol for symbol in free_symbols(robot) if symbol not in numbers]
+    typed = {symbol: in_symbol_units(robot, symbol, number("9.81" if symbol == "g" else 1)) for symbol in missing}
+    chosen = ", ".join(f"{symbol}: {evaluate(value, {}):.6g}" for symbol, value in typed.items())
+    units = "units of the robot file" if robot.units.parameters else "SI units"
+    values = f"values: {{{chosen}}}   # {units}\n" if missing else ""
+    known = {**dict.fromkeys(missing, 1.0), **{symbol: float(value) for symbol, value in numbers.items()}}
+    ends = [_stride(robot, joint, known) for joint in robot.joints]
+    home, away = (", ".join(f"{value:.6g}" for value in column) for column in zip(*ends, strict=True))
+    return _NEW.format(name=name, robot=source, values=values, home=home, away=away)
+
+
+def _stride(robot: Robot, joint: Joint, known: Mapping[str, float]) -> tuple[float, float]:
+    """Where a joint stands and where it goes, within its limits, in the units of the robot file."""
+    angle = math.radians(1) if robot.units.degrees else 1.0
+    unit = angle if joint.is_revolute else 0.001 if robot.units.millimetres else 1.0
+    stride, bounds = STRIDE[joint.is_revolute], joint.limits or ()
+    if not bounds or any(symbol not in known for cell in bounds for symbol in names(cell)):
+        return 0.0, stride / unit
+    low, high = (evaluate(cell, known) for cell in bounds)
+    home = 0.0 if low <= 0 < high else (low + high) / 2
+    return home / unit, min(home + stride, (home + high) / 2) / unit

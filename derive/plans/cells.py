@@ -1,0 +1,220 @@
+"""Cells of a motion plan: expressions whose symbols all have numbers, in the units of the plan's robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import cached_property
+
+from derive.errors import listed, near_miss, quoted
+from derive.robot.cells import Cells, check_symbol
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import Expression, contains_pi, names
+from derive.robot.names import file_symbols
+from derive.robot.reading.document import Document, KeyPath, YamlMapping
+from derive.robot.robot import Robot
+
+TIME = "t"
+"""The letter of time in curves."""
+
+Read = Callable[[KeyPath], Expression]
+"""Reads a cell."""
+
+
+class PlanCells:
+    """The cells of a plan.
+
+    Args:
+        document: The plan.
+        robot: Its robot.
+
+    Attributes:
+        cells: Expressions as written, in SI units and radians.
+        values: Numbers of symbols that the plan gives.
+    """
+
+    def __init__(self, document: Document, robot: Robot) -> None:
+        self._document = document
+        self._robot = robot
+        self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))
+        self.values: Mapping[str, Expression] = {name: self._value(name) for name in self.keys(("values",))}
+
+    def _value(self, name: str) -> Expression:
+        """A number that the plan gives a symbol."""
+        path: KeyPath = ("values", name)
+        check_symbol(self._document, path, name)
+        if name == TIME or any(joint.variable == name for joint in self._robot.joints):
+            what = "the time" if name == TIME else "a joint variable"
+            raise self._document.error(path, f"{name} is {what}", "allowed: symbols of the robot and of formulas")
+        return self._with_numbers(path, self.cells.symbol(path, self._robot, name), parameter_values(self._robot))
+
+    @cached_property
+    def numbers(self) -> Mapping[str, Fraction | float]:
+        """Numbers of all symbols."""
+        numbers: dict[str, Fraction | float] = dict(parameter_values(self._robot))
+        return numbers | {name: evaluate(expression, numbers) for name, expression in self.values.items()}
+
+    def check_used(self) -> None:
+        """Refuse numbers of symbols that neither the robot nor any cell that was read has.
+
+        Raises:
+            RobotFileError: At the first such symbol.
+        """
+        robot = self._robot
+        known = {*file_symbols(robot), *(name for name, _ in robot.parameters)}
+        known |= set(self.cells.first_use)
+        for name in self.values:
+            if name not in known:
+                found = f"no symbol {quoted(name)} in {robot.name} or in a formula"
+                raise self._document.error(("values", name), found, remedy=near_miss(name, known) or "remove it")
+
+    def keys(self, path: KeyPath) -> tuple[str, ...]:
+        """The keys of a mapping.
+
+        Args:
+            path: Where it stands.
+
+        Returns:
+            In the order of the file; none where there is no mapping.
+        """
+        node = self._document.find(path)
+        return tuple(node.entries) if isinstance(node, YamlMapping) else ()
+
+    def number(self, path: KeyPath, read: Read) -> Expression:
+        """A cell whose symbols all have numbers, and whose value exists.
+
+        Args:
+            path: Where it stands.
+            read: One of the readers of `cells`.
+
+        Returns:
+            The expression, SI units and radians.
+
+        Raises:
+            RobotFileError: A symbol has no number, or the value does not exist.
+        """
+        return self._with_numbers(path, read(path), self.numbers)
+
+    def _with_numbers(self, path: KeyPath, value: Expression, numbers: Mapping[str, Fraction | float]) -> Expression:
+        self.check_symbols(path, value, numbers)
+        try:
+            evaluate(value, numbers)
+        except ArithmeticError as error:
+            raise self._document.error(path, str(error), "allowed: a finite real value") from None
+        return value
+
+    def check_symbols(self, path: KeyPath, value: Expression, known: Mapping[str, object]) -> None:
+        """Refuse symbols without a number.
+
+        Args:
+            path: Where the cell stands.
+            value: What was read there.
+            known: Symbols that it may have.
+
+        Raises:
+            RobotFileError: It has another one.
+        """
+        for name in names(value):
+            if name not in known:
+                remedy = near_miss(name, known) or f"write values: {{{name}: ...}}"
+                raise self._document.error(path, f"the symbol '{name}' has no number", remedy=remedy)
+
+    def formula(self, path: KeyPath, read: Read) -> Expression:
+        """A formula of time.
+
+        Args:
+            path: Where it stands.
+            read: One of the readers of `cells`.
+
+        Returns:
+            The expression in `TIME` and symbols with numbers.
+
+        Raises:
+            RobotFileError: A symbol has no number.
+        """
+        value = read(path)
+        self.check_symbols(path, value, {**self.numbers, TIME: 0})
+        return value
+
+    def plain(self, path: KeyPath) -> Expression:
+        """A quantity that is always in SI units.
+
+        Args:
+            path: Where it stands.
+
+        Returns:
+            The expression.
+        """
+        return self.number(path, self.cells.plain)
+
+    def size(self, value: Expression) -> float:
+        """The number of an expression.
+
+        Args:
+            value: What was read.
+        """
+        return evaluate(value, self.numbers)
+
+    def positive(self, path: KeyPath, default: Expression, allowed: str = "a time above zero [s]") -> Expression:
+        """A quantity above zero.
+
+        Args:
+            path: Where it stands.
+            default: What stands for a cell that is left out.
+            allowed: What it is, for the message.
+
+        Returns:
+            The expression.
+
+        Raises:
+            RobotFileError: Zero or negative.
+        """
+        return default if self._document.scalar(path) is None else self._least(path, allowed, above=True)
+
+    def not_negative(self, path: KeyPath, allowed: str, remedy: str = "") -> Expression:
+        """A quantity of zero or more.
+
+        Args:
+            path: Where it stands.
+            allowed: What it is, for the message.
+            remedy: What to do about another one.
+
+        Returns:
+            The expression; zero for a cell that is left out.
+
+        Raises:
+            RobotFileError: Negative.
+        """
+        return self._least(path, allowed, remedy)
+
+    def _least(self, path: KeyPath, allowed: str, remedy: str = "", *, above: bool = False) -> Expression:
+        value = self.plain(path)
+        if self.size(value) < 0 or (above and self.size(value) == 0):
+            found = f"found {quoted(self._document.text(*path))}"
+            raise self._document.error(path, found, f"allowed: {allowed}", remedy)
+        return value
+
+    def of_joints(self, path: KeyPath, read: Read | None = None) -> tuple[Expression, ...]:
+        """One cell a joint.
+
+        Args:
+            path: Where the list stands.
+            read: One of the readers of `cells`; None for angles and lengths in the units of the robot.
+
+        Returns:
+            The expressions.
+
+        Raises:
+            RobotFileError: Not one a joint, or an angle for a slide.
+        """
+        robot, count = self._robot, self._document.length(path)
+        if count != robot.n:
+            variables = listed(tuple(joint.variable for joint in robot.joints))
+            found = f"{count} value{'' if count == 1 else 's'} for {robot.n} joint{'' if robot.n == 1 else 's'}"
+            raise self._document.error(path, found, f"allowed: one for each of {variables}")
+        for k, joint in enumerate(robot.joints):
+            if read is None and not joint.is_revolute and contains_pi(self.cells.raw((*path, k))):
+                found = f"an angle, {quoted(self._document.text(*path, k))}, for the slide {joint.variable}"
+                raise self._document.error((*path, k), found, "allowed: a length, without pi")
+        reads = (read or (self.cells.angle if joint.is_revolute else self.cells.length) for joint in robot.joints)
+        return tuple(self.number((*path, k), cell) for k, cell in enumerate(reads))

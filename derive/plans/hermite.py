@@ -1,0 +1,178 @@
+"""Polynomials by what holds at their two ends: position, velocity, acceleration, jerk.
+
+With k values at each end the polynomial has degree 2k - 1: cubic for k = 2, quintic for 3, septic for 4. In u = t/T,
+
+    h_i(u) = u**i/i! (1 - u)**k sum_{j < k - i} C(k - 1 + j, j) u**j
+
+has the i-th derivative 1 at u = 0, and all others of order below k are 0 at both ends; ``(-1)**i h_i(1 - u)`` is the
+same at u = 1 (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, 2.1). Nothing is
+rounded at the ends: pieces that share the values of a point join without a gap in any of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import comb, factorial
+
+import numpy as np
+from sympy import Expr, Float, Integer, Poly, Rational, Symbol, expand
+
+from derive.arrays import Array
+
+MOST_PRINTED = 8
+"""Pieces of a joint in a segment that are printed."""
+
+ORDERS = 4
+"""Position and its derivatives up to the jerk."""
+
+TIME = Symbol("t", real=True)
+
+
+@cache
+def basis(k: int) -> tuple[tuple[int, ...], ...]:
+    """Coefficients of ``i! h_i``, then of ``i! (-1)**i h_i(1 - u)``, from the constant on; all are integers.
+
+    Args:
+        k: Number of values at each end.
+
+    Returns:
+        2k polynomials of 2k coefficients each.
+    """
+    starts, ends = [], []
+    for i in range(k):
+        start = [0] * (2 * k)
+        for j in range(k - i):
+            for power in range(k + 1):
+                start[i + j + power] += comb(k - 1 + j, j) * comb(k, power) * (-1) ** power
+        end = [0] * (2 * k)
+        for power, coefficient in enumerate(start):
+            for m in range(power + 1):
+                end[m] += (-1) ** (i + m) * comb(power, m) * coefficient
+        starts.append(tuple(start))
+        ends.append(tuple(end))
+    return (*starts, *ends)
+
+
+@cache
+def _derived(k: int, order: int) -> Array:
+    """A derivative of `basis` by u, (2k, 2k), the highest power first."""
+    rows = np.array(basis(k), dtype=float)
+    for _ in range(order):
+        rows = np.pad(rows[:, 1:] * np.arange(1, 2 * k), ((0, 0), (0, 1)))
+    return rows[:, ::-1]
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A polynomial of one joint on an interval of time.
+
+    Attributes:
+        start: Time of its first end [s].
+        duration: Its length [s], positive.
+        values: Position, velocity, ... at the first end, then at the second; as many at both.
+
+    Of many pieces in floats, none of which is printed, these are Python's: SymPy's take a hundred times as long.
+    """
+
+    start: Expr
+    duration: Expr
+    values: tuple[tuple[Expr, ...], tuple[Expr, ...]]
+
+    @property
+    def k(self) -> int:
+        """How many values stand at each end."""
+        return len(self.values[0])
+
+    @property
+    def end(self) -> Expr:
+        """Time of its second end [s]."""
+        return self.start + self.duration
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether no float is in it."""
+        numbers = (self.start, self.duration, *self.values[0], *self.values[1])
+        return not any(isinstance(value, float) or value.has(Float) for value in numbers)
+
+    @property
+    def middle(self) -> float:
+        """Position halfway in time."""
+        numbers = np.array([float(value) for end in self.values for value in end])
+        return float(np.polyval(power_coefficients(numbers, self.k, float(self.duration)), 0.5))
+
+    def in_unit_time(self) -> Poly:
+        """The polynomial in u = (t - start)/duration, exact."""
+        u = Symbol("u", real=True)
+        total = Integer(0)
+        weighted = [(i, value) for end in self.values for i, value in enumerate(end)]
+        for row, (i, value) in zip(basis(self.k), weighted, strict=True):
+            scale = value * self.duration**i / factorial(i)
+            total += sum((Rational(c) * scale * u**power for power, c in enumerate(row)), Integer(0))
+        return Poly(expand(total), u, domain="EX")
+
+
+def symbolic(value: Expr) -> Expr:
+    """A float of Python's as one of SymPy's, zero as a whole number; anything else as it is."""
+    return (Float(value) if value else Integer(0)) if isinstance(value, float) else value
+
+
+def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
+    """Coefficients of a piece by powers of unit time.
+
+    Args:
+        numbers: Values at both ends, (2k,).
+        k: Number of values at each end.
+        duration: Its length [s].
+
+    Returns:
+        (2k,), the highest power first.
+    """
+    scale = [duration**i / factorial(i) for i in range(k)]
+    weights = numbers * np.array(scale * 2)
+    weights[0], weights[k] = 0.0, numbers[k] - numbers[0]
+    coefficients: Array = weights @ _derived(k, 0)
+    coefficients[-1] += numbers[0]
+    return coefficients
+
+
+def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int) -> Array:
+    """A derivative of pieces at points of unit time.
+
+    Args:
+        piece_numbers: Values at both ends of the piece of each point, (points, 2k).
+        k: Number of values at each end.
+        u: Where, from 0 to 1, (points,).
+        duration: Of the piece of each point [s], (points,).
+        order: 0 for the position, 1 for the velocity, ...
+
+    Returns:
+        The values, (points,).
+    """
+    rows = _derived(k, order)
+    powers = np.zeros((2 * k, u.size))
+    for column in rows.T:
+        powers = powers * u + column[:, None]
+    total = np.zeros(u.size)
+    if order:  # two positions that are alike leave nothing but rounding in a sum
+        piece_numbers = piece_numbers.copy()
+        piece_numbers[:, k] -= piece_numbers[:, 0]
+        piece_numbers[:, 0] = 0.0
+    for b in range(2 * k):
+        i = b % k
+        total += powers[b] / factorial(i) * duration ** float(i - order) * piece_numbers[:, b]
+    return total
+
+
+def joined(ends: Sequence[tuple[Expr, ...]], times: Sequence[Expr]) -> tuple[Piece, ...]:
+    """Pieces through points at which everything is known.
+
+    Args:
+        ends: Position, velocity, ... at each point.
+        times: When [s], ascending.
+
+    Returns:
+        One piece fewer than points.
+    """
+    return tuple(Piece(times[j], times[j + 1] - times[j], (ends[j], ends[j + 1])) for j in range(len(times) - 1))

@@ -1,0 +1,400 @@
+"""Reads a motion plan: the robot, its points, the way between them and what moves it; exact, in SI units, radians."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
+from derive.plans.catalogue import plan_bytes
+from derive.plans.cells import PlanCells, Read
+from derive.plans.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
+from derive.plans.ineffective import check_effects
+from derive.plans.load_remarks import remarks_on_loads
+from derive.plans.moving_base import PATHS, MovingBase, read_base
+from derive.plans.points import Payload, Point, Pose, Step, Vector
+from derive.plans.profile import Profile
+from derive.plans.schema import PlanFile
+from derive.robot.description import Remark
+from derive.robot.expression import ONE, ZERO, Expression, names, number, substitute
+from derive.robot.load import catalogue_names
+from derive.robot.reading.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
+from derive.robot.reading.schema import check_structure
+from derive.robot.robot import Robot
+
+Most = tuple[Expression | None, ...]
+"""The largest value of each joint; None where nothing limits it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """Who moves the arm in a simulation.
+
+    Attributes:
+        law: ``none``, ``pd``, ``pd-gravity`` or ``computed-torque``.
+        kp: Gain of the position, one a joint.
+        kd: Gain of the velocity, one a joint.
+        period: Time between two samples of the controller [s]; None for a continuous one.
+    """
+
+    law: str
+    kp: Vector
+    kd: Vector
+    period: Expression | None
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A motion as its file describes it.
+
+    Attributes:
+        robot: The robot.
+        title: Free text for people.
+        sample: Time between two rows of a table [s].
+        places: Where robot, sample, period and formulas stand in the file, by ``robot``, ``curves, q1``, ``base, x``.
+        points: By name, in the order of the file.
+        start: Name of the first point of the path; empty where curves are given.
+        steps: The segments.
+        curves: Each joint variable as an expression in `TIME`; empty where a path is given.
+        duration: How long curves last [s].
+        recording: A CSV file with the motion, or None.
+        base: How the base moves, or None.
+        speed: Largest speed of each joint, by default that of the robot; None where nothing limits it.
+        acceleration: Largest acceleration of each joint.
+        torque: Largest torque of each joint, by default that of the robot.
+        values: Numbers of symbols of the robot.
+        control: Who moves the arm in a simulation.
+        friction: ``none``, ``smooth`` or ``exact``.
+        plant: Numbers of symbols in the simulated arm that the controller does not know.
+        plant_payload: What the tool carries all the time and the controller does not know.
+        disturbances: What pushes joints in a simulation.
+        source: Name of the file, for messages.
+        digest: SHA-256 of its bytes.
+        remarks: On its robot, on the numbers that it gives it, and on its loads.
+    """
+
+    robot: Robot
+    title: str
+    sample: Expression
+    places: Mapping[str, Location]
+    points: Mapping[str, Point]
+    start: str
+    steps: tuple[Step, ...]
+    curves: Mapping[str, Expression]
+    duration: Expression
+    recording: Path | None
+    base: MovingBase | None
+    speed: Most
+    acceleration: Most
+    torque: Most
+    values: Mapping[str, Expression]
+    control: Control
+    friction: str
+    plant: Mapping[str, Expression]
+    plant_payload: Payload | None
+    disturbances: tuple[Disturbance, ...]
+    source: str
+    digest: str
+    remarks: tuple[Remark, ...] = ()
+
+
+def load_plan(path: str | Path) -> Plan:
+    """Read a plan.
+
+    Args:
+        path: Of a YAML file, or the name of a built-in plan.
+
+    Returns:
+        The plan.
+
+    Raises:
+        RobotFileError: The file cannot be read or is no plan.
+        UnknownRobotError: Neither a file nor the name of a plan.
+    """
+    return plan_from_bytes(plan_bytes(path), str(path))
+
+
+def plan_from_bytes(data: bytes, source: str) -> Plan:
+    """Read a plan from the bytes of a file.
+
+    Args:
+        data: YAML in UTF-8.
+        source: Name for messages; the path of a robot is relative to its folder.
+
+    Returns:
+        The plan.
+
+    Raises:
+        RobotFileError: The bytes are no plan.
+        ExpressionError: A cell is outside the grammar.
+        UnknownRobotError: The robot is neither a file nor a catalogue name.
+    """
+    root = read_tree(data, source)
+    if not isinstance(root, YamlMapping):
+        allowed = "allowed: keys such as robot, points, path"
+        raise RobotFileError("this is no motion plan", allowed=allowed, location=Location(source))
+    document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
+    check_structure(document, PlanFile)
+    plan = _Reader(document, _robot(document, data)).read()
+    robot = _with_values(plan.robot, plan.values)
+    carried: dict[KeyPath, Payload | None] = {("plant", PAYLOAD): plan.plant_payload}
+    carried |= {("path", k, "payload"): step.payload for k, step in enumerate(plan.steps, 1)}
+    loads = {path: body for path, body in carried.items() if body}
+    remarks = remarks_on_loads(document, robot, (plan.values, plan.plant), loads)
+    return replace(plan, robot=robot, remarks=(*plan.robot.remarks, *remarks))
+
+
+def _with_values(robot: Robot, values: Mapping[str, Expression]) -> Robot:
+    """A robot whose own numbers are replaced by those of the plan, where the plan has another one."""
+    own = dict(robot.parameters)
+    return replace(
+        robot,
+        parameters=tuple((name, substitute(values.get(name, value), own)) for name, value in robot.parameters),
+    )
+
+
+def _robot(document: Document, data: bytes) -> Robot:
+    """The robot: the block, a name, or a file beside the plan."""
+    scalar = document.scalar(("robot",))
+    if scalar is None:
+        return Robot.from_bytes(data, document.source)
+    if not scalar.text:
+        raise document.error(("robot",), "found nothing", "allowed: a name from derive list, or a path")
+    beside = Path(document.source).parent / scalar.text
+    try:
+        return Robot.load(beside if scalar.text not in catalogue_names() and beside.is_file() else scalar.text)
+    except DeriveError as error:
+        raise error.at(scalar.location) from None
+
+
+class _Reader:
+    """Reads the blocks of a plan in the units of its robot."""
+
+    def __init__(self, document: Document, robot: Robot) -> None:
+        self._document = document
+        self._robot = robot
+        self._numbers = PlanCells(document, robot)
+        self._cells = self._numbers.cells
+
+    def read(self) -> Plan:
+        """The whole plan."""
+        document, numbers = self._document, self._numbers
+        points = {name: self._point(name) for name in numbers.keys(("points",))}
+        count = document.length(("path",))
+        steps = tuple(self._step(index, points) for index in range(1, count))
+        start = self._start(points) if count else ""
+        curves = self._curves()
+        recorded = document.scalar(("recorded",))
+        given = [key for key, has in (("path", count), ("curves", curves), ("recorded", recorded)) if has]
+        if len(given) != 1:
+            found = "neither path nor curves nor recorded" if not given else f"both {given[0]} and {given[1]}"
+            place: KeyPath = (given[1],) if given else ()
+            raise document.error(place, found, "allowed: one of them", "write path: [rest, {to: A, time: 3}]")
+        if document.find(("time",)) is not None and not curves:
+            remedy = "write the time of each segment: {to: A, time: 3}" if count else "remove it"
+            raise document.error(("time",), f"a time beside {given[0]}", "allowed: beside curves", remedy)
+        check_effects(document, self._robot, given[0], points, steps)
+        plan = self._plan(points, start, steps, curves, recorded)
+        numbers.check_used()
+        return plan
+
+    def _plan(
+        self,
+        points: Mapping[str, Point],
+        start: str,
+        steps: tuple[Step, ...],
+        curves: Mapping[str, Expression],
+        recorded: YamlScalar | None,
+    ) -> Plan:
+        document, numbers, joints = self._document, self._numbers, self._robot.joints
+        long = next((key for key in ("sample", "time", "path", "recorded") if document.find((key,)) is not None), "")
+        places: dict[str, KeyPath] = {"robot": ("robot",), "sample": (long,), "period": ("control", "period")}
+        places |= {f"curves, {name}": ("curves", name) for name in curves}
+        places |= {f"base, {name}": path for name, path in PATHS.items()}
+        places |= {f"disturbance, {k}": ("disturbance", k) for k in range(document.length(("disturbance",)))}
+        return Plan(
+            robot=self._robot,
+            title=document.text("title"),
+            sample=numbers.positive(("sample",), number(Fraction(1, 100))),
+            places={name: document.location(path) for name, path in places.items()},
+            points=points,
+            start=start,
+            steps=steps,
+            curves=curves,
+            duration=numbers.positive(("time",), ZERO) if curves else ZERO,
+            recording=self._recording(recorded) if recorded else None,
+            base=read_base(document, numbers),
+            speed=self._most("speed", tuple(joint.speed for joint in joints)),
+            acceleration=self._most("acceleration", (None,) * self._robot.n),
+            torque=self._most("torque", tuple(joint.torque for joint in joints)),
+            values=numbers.values,
+            control=self._control(),
+            friction=document.text("friction") or "smooth",
+            plant=plant_numbers(document, self._robot, numbers),
+            plant_payload=self._payload(("plant", PAYLOAD)),
+            disturbances=disturbances(document, self._robot, numbers),
+            source=document.source,
+            digest=document.digest,
+        )
+
+    def _most(self, key: str, default: Most) -> Most:
+        """The largest value of each joint."""
+        if self._document.find((key,)) is None:
+            return default
+        if key == "torque" and not self._robot.has_dynamics:
+            found = f"{self._robot.name} has no dynamics"
+            raise self._document.error((key,), found, remedy="leave it out, or write links into the robot file")
+        most = self._numbers.of_joints((key,), self._cells.plain if key == "torque" else None)
+        for k, value in enumerate(most):
+            if self._numbers.size(value) <= 0:
+                raise self._document.error((key, k), "not above zero", "allowed: a positive number")
+        return most
+
+    def _point(self, name: str) -> Point:
+        path: KeyPath = ("points", name)
+        location = self._document.key_location(path)
+        if isinstance(self._document.find(path), YamlMapping):
+            branch = self._document.scalar((*path, "branch"))
+            if branch and not branch.text.strip(" ,"):
+                raise self._document.error((*path, "branch"), "found nothing", remedy="leave it out for the nearest")
+            return Point(name, None, self._pose((*path, "pose")), branch.text if branch else "", location)
+        q = self._numbers.of_joints(path)
+        self._check_limits(path, q)
+        return Point(name, q, None, "", location)
+
+    def _check_limits(self, path: KeyPath, q: Vector) -> None:
+        numbers = self._numbers
+        for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
+            ends = joint.limits or ()
+            if not ends or any(name not in numbers.numbers for limit in ends for name in names(limit)):
+                continue
+            low, high = map(numbers.size, ends)
+            at = numbers.size(value)
+            if not low - 1e-12 <= at <= high + 1e-12:
+                unit = "rad" if joint.is_revolute else "m"
+                found = f"{joint.variable} = {at:.6g} {unit} is outside its limits"
+                raise self._document.error((*path, k), found, f"allowed: {low:.6g} to {high:.6g} {unit}")
+
+    def _pose(self, path: KeyPath) -> Pose:
+        def _three(key: str, read: Read) -> Vector:
+            return tuple(self._numbers.number((*path, key, k), read) for k in range(3))
+
+        given = [key for key in ("rpy", "zyz") if self._document.find((*path, key)) is not None]
+        if len(given) > 1:
+            raise self._document.error(path, "both rpy and zyz", "allowed: one of the two", "remove one")
+        angles = _three(given[0], self._cells.angle) if given else None
+        return Pose(_three("p", self._cells.length), angles, given == ["zyz"])
+
+    def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
+        """The point at which a segment ends."""
+        path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
+        name = self._document.text(*path)
+        if name not in points:
+            allowed = f"allowed: {listed(tuple(points))}" if points else "write points: {rest: [0, 0], ...}"
+            found = f"unknown point {quoted(name)}" if name else "found nothing"
+            raise self._document.error(path, found, allowed, near_miss(name, points))
+        return name
+
+    def _start(self, points: Mapping[str, Point]) -> str:
+        """The point at which the path begins."""
+        path: KeyPath = ("path", 0)
+        for key in self._numbers.keys(path):
+            if key != "to":
+                remedy = f"write {self._document.text(*path, 'to')} alone, and {key} for where the arm goes then"
+                raise self._document.error((*path, key), f"{key} at the start of the path", "allowed: a point", remedy)
+        if self._document.length(("path",)) == 1:
+            remedy = "write path: [rest, {to: A, time: 3}]"
+            raise self._document.error(("path",), "one point", "allowed: two or more", remedy)
+        return self._target(path, points)
+
+    def _step(self, index: int, points: Mapping[str, Point]) -> Step:
+        path: KeyPath = ("path", index)
+        document = self._document
+        time = (*path, "time")
+        through = document.text(*path, "through")
+        if document.scalar((*path, "through")) and through not in points:
+            remedy = near_miss(through, points)
+            allowed = f"allowed: {listed(tuple(points))}"
+            raise document.error((*path, "through"), f"unknown point {quoted(through)}", allowed, remedy)
+        straight = document.text(*path, "line") in ("yes", "true")
+        if through and straight:
+            raise document.error((*path, "through"), "both line and through", "allowed: one of the two", "remove one")
+        cruise = (*path, "cruise")
+        profile = Profile(document.text(*path, "profile") or document.text("profile") or Profile.QUINTIC)
+        passes = document.text("via") or ("pass" if profile is Profile.SPLINE else "stop")
+        if profile is not Profile.TRAPEZOIDAL and document.scalar(cruise):
+            remedy = "leave it out, or write profile: trapezoidal"
+            raise document.error(cruise, f"a cruise of a {profile} motion", "allowed: of a trapezoid", remedy)
+        if profile is Profile.FASTEST and document.scalar(time):
+            remedy = "leave out time, or name another profile"
+            raise document.error(time, "a fastest motion takes the time that the limits allow", remedy=remedy)
+        return Step(
+            to=self._target(path, points),
+            time=self._numbers.positive(time, ONE) if document.scalar(time) else None,
+            profile=profile,
+            stops=(document.text(*path, "via") or passes) == "stop",
+            cruise=self._numbers.plain(cruise) if document.scalar(cruise) else None,
+            straight=straight,
+            through=through,
+            by_hand=profile is Profile.SPLINE and document.text("spline") == "hand",
+            payload=self._payload((*path, "payload")),
+            location=document.location(path),
+        )
+
+    def _payload(self, path: KeyPath) -> Payload | None:
+        node = self._document.find(path)
+        if node is None:
+            return None
+        numbers, length = self._numbers, self._cells.length
+        place = path if isinstance(node, YamlScalar) else (*path, "mass")
+        return Payload(
+            numbers.not_negative(place, "zero or more [kg]"),
+            tuple(numbers.number((*path, "com", k), length) for k in range(3)),
+            tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3)),
+        )
+
+    def _recording(self, file: YamlScalar) -> Path:
+        """The file that the plan names, beside it."""
+        beside = Path(self._document.source).parent / file.text
+        if not beside.is_file():
+            allowed = "allowed: a CSV file, its path relative to the plan"
+            raise RobotFileError(f"no file {quoted(str(beside))}", allowed=allowed, location=file.location)
+        return beside
+
+    def _control(self) -> Control:
+        path: KeyPath = ("control",)
+        period = (*path, "period")
+        return Control(
+            law=self._document.text(*path, "law") or "none",
+            kp=self._gains((*path, "kp")),
+            kd=self._gains((*path, "kd")),
+            period=self._numbers.positive(period, ONE) if self._document.scalar(period) else None,
+        )
+
+    def _gains(self, path: KeyPath) -> Vector:
+        """One gain for all joints, or one for each."""
+        n, count = self._robot.n, self._document.length(path)
+        if count and count != n:
+            found = f"{count} gain{'s' * (count > 1)} for {n} joint{'s' * (n > 1)}"
+            raise self._document.error(path, found, f"allowed: one, or {n}")
+        paths = [(*path, k) for k in range(n)] if count else [path] * n
+        return tuple(
+            self._numbers.not_negative(place, "zero or more", "a gain below zero drives away") for place in paths
+        )
+
+    def _curves(self) -> dict[str, Expression]:
+        """Formulas of time, one for each joint variable; a joint that is left out stands still at zero."""
+        variables = {joint.variable: joint for joint in self._robot.joints}
+        found = {}
+        for name in self._numbers.keys(("curves",)):
+            if name not in variables:
+                allowed = f"allowed: {listed(tuple(variables))}"
+                raise self._document.error(("curves", name), f"no joint {quoted(name)}", allowed)
+            read = self._cells.angle if variables[name].is_revolute else self._cells.length
+            found[name] = self._numbers.formula(("curves", name), read)
+        if found and self._document.scalar(("time",)) is None:
+            raise self._document.error(("curves",), "no time", remedy="write time: 10 beside curves [s]")
+        return {name: found.get(name, ZERO) for name in variables} if found else {}

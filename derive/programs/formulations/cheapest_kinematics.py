@@ -1,0 +1,390 @@
+"""Poses and Jacobian of an arm from the cheapest combination of ways in which its vectors come to the world frame.
+
+*Station* r is where run r of parallel axes begins: its frame has the run's z axis and turns with the run before; the
+first one stands still, and the last one is the end effector. A vector known at station r comes to the world by turning
+it about one z axis after another (four multiplications and two additions each, half of that for a vector in a
+coordinate plane), or at once by the rotation of a station on the way, built from the base outwards. Which costs less
+depends on what else is needed, so all ways are offered, beside cross products of two other columns and sums of vectors
+that other columns need; `derive.programs.optimise.choice` takes the combination that shares most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+from itertools import product
+from typing import NamedTuple
+
+from derive.mechanics.chain import Chain
+from derive.mechanics.forward_kinematics import joint_poses
+from derive.mechanics.vectors import (
+    Frame,
+    Matrix,
+    Vector,
+    add,
+    column,
+    cross,
+    matmul,
+    multiply,
+    scale,
+    subtract,
+    transpose,
+)
+from derive.programs.formulations.parallel_axes import Placement, Run, about_z
+from derive.programs.optimise.choice import choose
+from derive.programs.optimise.search_policy import POLICY
+from derive.programs.tape.graph import ZERO, Ref
+from derive.programs.tape.value import Value
+
+
+class Stations:
+    """Stations 0 to ``last`` of one arm whose base and tool are exact rotations.
+
+    Args:
+        chain: The arm, one joint at least.
+        runs: Its runs of parallel axes.
+
+    Attributes:
+        few: Whether all ways over them can be tried.
+    """
+
+    def __init__(self, chain: Chain[Value], runs: tuple[Run, ...]) -> None:
+        self.chain = chain
+        self.runs = runs
+        self.last = len(runs)
+        self.few = self.last <= POLICY.most_stations and chain.n <= POLICY.most_joints_all_ways
+        self._fixed = [*(run.fixed for run in runs), chain.tool]
+
+    @cached_property
+    def rotations(self) -> list[Matrix[Value]]:
+        """The axes of each station in the world, built outwards."""
+        found = [matmul(self.chain.base.rotation, self._fixed[0].rotation)]
+        for r, run in enumerate(self.runs):
+            found.append(matmul(_turned_about_z(found[r], run.last), self.constants[r + 1]))
+        return found
+
+    @cached_property
+    def constants(self) -> list[Matrix[Value]]:
+        """Between what the run before turns and the axes of each station; constant."""
+        befores = [run.last.constant for run in self.runs]
+        later = (matmul(constant, fixed.rotation) for constant, fixed in zip(befores, self._fixed[1:], strict=True))
+        return [self._fixed[0].rotation, *later]
+
+    @cached_property
+    def entries(self) -> list[Vector[Value]]:
+        """From the last joint of the run before (or frame 0) to each station, in the station's axes; constant."""
+        return [multiply(transpose(fixed.rotation), fixed.position) for fixed in self._fixed]
+
+    @cached_property
+    def _beyond(self) -> list[Vector[Value]]:
+        """From the last joint of each run to the end effector, in station axes."""
+        found: list[Vector[Value]] = [(self.chain.zero,) * 3]
+        for r in range(self.last, 0, -1):
+            there = self._with_steps(r, -1, found[-1])
+            found.append(self.inward(r, add(self.entries[r], there)))
+        return found[::-1]
+
+    def turned(self, r: int, place: Placement) -> Matrix[Value]:
+        """The axes of a station in the world, turned about z as far as a joint of its run is.
+
+        Args:
+            r: The station.
+            place: The joint.
+
+        Returns:
+            A rotation.
+        """
+        return _turned_about_z(self.rotations[r], place)
+
+    def world(self, r: int, v: Vector[Value], meeting: int) -> Vector[Value]:
+        """A vector of a station in the world.
+
+        Args:
+            r: The station.
+            v: The vector in its axes.
+            meeting: Up to this station it is turned inwards, then by the station's rotation.
+
+        Returns:
+            The vector in the world's axes.
+        """
+        while r > meeting:
+            v, r = self.inward(r, v), r - 1
+        return multiply(self.rotations[r], v)
+
+    def inward(self, r: int, v: Vector[Value]) -> Vector[Value]:
+        """A vector of a station in the axes of the one before.
+
+        Args:
+            r: The station, from 1.
+            v: The vector in its axes.
+
+        Returns:
+            The vector in the axes of station r-1.
+        """
+        last = self.runs[r - 1].last
+        return about_z(last.cosine, last.sine, multiply(self.constants[r], v))
+
+    def reach(self, r: int, joint: int = -1, *, beyond: bool) -> Vector[Value]:
+        """From a joint of a run to the run's last joint, or on to the end effector.
+
+        Args:
+            r: The run.
+            joint: Counted in the run; -1 for its station.
+            beyond: Whether it leads to the end effector, summed from there inwards.
+
+        Returns:
+            The vector in the axes of station r.
+        """
+        return self._with_steps(r, joint, self._beyond[r] if beyond else (self.chain.zero,) * 3)
+
+    def _with_steps(self, r: int, joint: int, total: Vector[Value]) -> Vector[Value]:
+        for place in reversed(self.runs[r].placements[joint + 1 :] if r < self.last else ()):
+            total = add(place.step, total)
+        return total
+
+
+def _turned_about_z(rotation: Matrix[Value], place: Placement) -> Matrix[Value]:
+    c, s = place.cosine, place.sine
+    x, y, z = ((c * x + s * y, c * y - s * x, z) for x, y, z in rotation)
+    return (x, y, z)
+
+
+Ways = list[Vector[Value]]
+
+
+def cheapest_pose(stations: Stations) -> Frame[Value]:
+    """T: the end effector in the world frame, tool included.
+
+    Args:
+        stations: Of the arm.
+
+    Returns:
+        As `derive.mechanics.forward_kinematics.forward_kinematics`.
+    """
+    end = stations.last
+    axes = [[stations.world(end, _unit(stations, k), m) for m in _meetings(stations, end)] for k in range(3)]
+    crossed = [[cross(a, b) for a, b in product(axes[(k + 1) % 3], axes[(k + 2) % 3])] for k in range(3)]
+    base = stations.chain.base.position
+    position = [add(base, _reach(stations, 0, -1, route)) for route in _routes(stations, 0)]
+    x, y, z, origin = _chosen([*(axes[k] + crossed[k] for k in range(3)), position])
+    return Frame(transpose((x, y, z)), origin)
+
+
+def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
+    """J, the geometric Jacobian in the world frame.
+
+    Args:
+        stations: Of the arm.
+
+    Returns:
+        6xn, rows first: as `derive.mechanics.forward_kinematics.jacobian`.
+    """
+    chain = stations.chain
+    groups: list[Ways] = []
+    for r, run in enumerate(stations.runs):
+        groups.append([stations.world(r, _unit(stations, 2), meeting) for meeting in _meetings(stations, r)])
+        for k in range(len(run.placements)):
+            groups.append(_linear_ways(stations, r, k))
+    chosen = iter(_chosen(groups))
+    columns: list[list[Value]] = []
+    for run in stations.runs:
+        z = next(chosen)
+        for place, joint in zip(run.placements, chain.joints[run.first :], strict=False):
+            linear = next(chosen)
+            direction = joint.sign * place.direction if joint.revolute else joint.sign
+            spin = scale(direction, z) if joint.revolute else (chain.zero,) * 3
+            columns.append([*scale(direction, linear), *spin])
+    return [[column[row] for column in columns] for row in range(6)]
+
+
+def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
+    """J, the geometric Jacobian of the end effector in its own axes.
+
+    Args:
+        stations: Of the inverted arm, `derive.mechanics.chain.Chain.inverted`, whose world is the end effector.
+
+    Returns:
+        6xn, rows first: as `derive.mechanics.forward_kinematics.jacobian_end`.
+    """
+    chain, zero = stations.chain, stations.chain.zero
+    groups: list[Ways] = []
+    poses = iter(joint_poses(chain))
+    arm = multiply(transpose(chain.base.rotation), chain.base.position)
+    for r, run in enumerate(stations.runs):
+        start = add(multiply(transpose(stations.constants[r]), arm), stations.entries[r])
+        arm = about_z(run.last.cosine, -run.last.sine, add(start, run.last.origin))
+        meetings = _meetings(stations, r)
+        axes = [stations.world(r, _unit(stations, 2), meeting) for meeting in meetings]
+        groups.append(axes)
+        for place, joint, pose in zip(run.placements, chain.joints[run.first :], poses, strict=False):
+            x, y, _ = add(start, place.origin)
+            own = (y, -x, zero) if joint.revolute else place.axis()
+            ways = [stations.world(r, own, meeting) for meeting in meetings]
+            crossed = [cross(pose.position, z) for z in axes] if joint.revolute else []
+            groups.append(ways + crossed)
+    chosen = iter(_chosen(groups))
+    columns: list[list[Value]] = []
+    for run in stations.runs:
+        z = next(chosen)
+        for place, joint in zip(run.placements, chain.joints[run.first :], strict=False):
+            direction = -joint.sign * place.direction if joint.revolute else -joint.sign
+            spin = scale(direction, z) if joint.revolute else (zero,) * 3
+            columns.append([*scale(direction, next(chosen)), *spin])
+    return [[column[row] for column in reversed(columns)] for row in range(6)]
+
+
+def cheapest_links(stations: Stations) -> list[Frame[Value]]:
+    """DH frames 1..n in the world frame, without the tool: first all rotations, then all origins.
+
+    Args:
+        stations: Of the arm.
+
+    Returns:
+        As `derive.mechanics.forward_kinematics.link_transforms`.
+    """
+    chain = stations.chain
+    places = [(r, place) for r, run in enumerate(stations.runs) for place in run.placements]
+    needed: list[Ref] = []
+
+    def _cheapest(options: Sequence[Sequence[Value]]) -> int:
+        """The option that adds least to what the frames so far need."""
+        outputs = [[v.ref for v in option] for option in options]
+        taken = choose(chain.zero.graph, [[needed], outputs])[1]
+        needed.extend(outputs[taken])
+        return taken
+
+    joints: list[Matrix[Value]] = []
+    rotations: list[Matrix[Value]] = []
+    for i, (r, place) in enumerate(places):
+        joint = chain.joints[i]
+        before = rotations[i - 1] if i else chain.base.rotation
+        if i == 0 or joint.fixed is not chain.ends[i - 1]:  # else the DH frame has the twist in it
+            before = matmul(before, joint.fixed.rotation)
+        onward = matmul(before, joint.motion(chain.zero, chain.one).rotation)
+        options = [onward, matmul(stations.turned(r, place), place.constant)]
+        frames = [matmul(option, chain.ends[i].rotation) for option in options]
+        taken = _cheapest([[v for row in frame for v in row] for frame in frames])
+        joints.append(options[taken])
+        rotations.append(frames[taken])
+
+    origins: list[Vector[Value]] = []
+    starts: list[Vector[Value]] = []
+    for i, (r, place) in enumerate(places):
+        fixed = chain.joints[i].fixed.position
+        if i == 0:
+            axis = add(chain.base.position, multiply(chain.base.rotation, fixed))
+        else:
+            axis = add(origins[-1], multiply(joints[i - 1], subtract(fixed, chain.ends[i - 1].position)))
+        if r == len(starts):
+            starts.append(axis)
+        ways = list(_origin_ways(stations, i, (r, place), joints[i], axis, starts))
+        origins.append(ways[_cheapest(ways)])
+    return [Frame(rotation, origin) for rotation, origin in zip(rotations, origins, strict=True)]
+
+
+def _origin_ways(
+    stations: Stations,
+    i: int,
+    where: tuple[int, Placement],
+    rotation: Matrix[Value],
+    axis: Vector[Value],
+    starts: Sequence[Vector[Value]],
+) -> Iterator[Vector[Value]]:
+    """The origin of DH frame i: a step along and from the axis of its joint, or a vector from a station."""
+    r, place = where
+    end, joint = stations.chain.ends[i].position, stations.chain.joints[i]
+    yield add(axis, add(scale(joint.offset, column(rotation, 2)), multiply(rotation, end)))
+    v = add(place.origin, place.turned(end))
+    for k in range(r, -1, -1) if stations.few else ():
+        yield add(starts[k], stations.world(k, v, k))
+        if k:
+            v = add(stations.runs[k - 1].last.origin, stations.inward(k, add(stations.entries[k], v)))
+
+
+def _chosen(groups: Sequence[Ways]) -> list[Vector[Value]]:
+    graph = groups[0][0][0].graph
+    distinct = [_distinct(ways) for ways in groups]
+    places = choose(graph, [[[v.ref for v in way] for way in ways] for ways in distinct])
+    return [ways[place] for ways, place in zip(distinct, places, strict=True)]
+
+
+def _distinct(ways: Iterable[Vector[Value]]) -> Ways:
+    return list({tuple(v.ref for v in way): way for way in ways}.values())
+
+
+def _meetings(stations: Stations, r: int) -> Sequence[int]:
+    """Stations at which a vector of station r may meet a rotation from the base."""
+    return range(r, -1 if stations.few else max(r - POLICY.near_stations, -1), -1)
+
+
+def _unit(stations: Stations, k: int) -> Vector[Value]:
+    zero, one = stations.chain.zero, stations.chain.one
+    return (one if k == 0 else zero, one if k == 1 else zero, one if k == 2 else zero)
+
+
+def _linear_ways(stations: Stations, r: int, k: int) -> Ways:
+    """Velocity of the end effector per unit rate of a joint about the run's axis, or along its own slide."""
+    place = stations.runs[r].placements[k]
+    joint = stations.chain.joints[stations.runs[r].first + k]
+    meetings = _meetings(stations, r)
+    if not joint.revolute:
+        outward = multiply(stations.turned(r, place), column(place.constant, 2))
+        return [outward, *(stations.world(r, place.axis(), meeting) for meeting in meetings)]
+    x, y, _ = stations.reach(r, k, beyond=True)
+    ways = [stations.world(r, (-y, x, stations.chain.zero), meeting) for meeting in meetings]
+    if place is stations.runs[r].last:  # in the axes of the next station, where the arm may lie in a plane
+        arm = add(stations.entries[r + 1], stations.reach(r + 1, beyond=True))
+        velocity = cross(stations.constants[r + 1][2], arm)
+        ways += [stations.world(r + 1, velocity, meeting) for meeting in _meetings(stations, r + 1)]
+    axes = [stations.world(r, _unit(stations, 2), meeting) for meeting in meetings]
+    arms = _distinct(_reach(stations, r, k, route) for route in _routes(stations, r))
+    return ways + [cross(z, arm) for z, arm in product(axes, arms)]
+
+
+class _Route(NamedTuple):
+    """A way from a joint to the end effector, in the world.
+
+    Attributes:
+        end: From this station on it is one vector; before, there is one for each run.
+        meeting: Where these meet the rotation from the base, at the latest.
+        scaled: Whether a vector along an axis of its station is a multiple of the axis, which other columns may need.
+    """
+
+    end: int
+    meeting: int
+    scaled: bool
+
+
+def _routes(stations: Stations, r: int) -> Iterator[_Route]:
+    last, near = stations.last, POLICY.near_stations
+    yield _Route(last, last, True)
+    for meeting in range(last if stations.few else r, -1 if stations.few else max(r - near, -1), -1):
+        for end in range(r, last + 1 if stations.few else min(r + near, last + 1)):
+            yield _Route(end, meeting, False)
+            yield _Route(end, meeting, True)
+
+
+def _reach(stations: Stations, r: int, joint: int, route: _Route) -> Vector[Value]:
+    """From a joint to the end effector in the world.
+
+    Args:
+        stations: Of the arm.
+        r: The joint's run.
+        joint: Its place there; what is parallel to its axis in the run is left out. -1 means that the vector starts
+            where the run before ends.
+        route: The way.
+    """
+    total: Vector[Value] | None = None
+    for k in range(route.end, r - 1, -1):
+        start = joint if k == r else -1
+        x, y, z = stations.reach(k, start, beyond=k == route.end)
+        v = (x, y, stations.chain.zero) if start >= 0 else add(stations.entries[k], (x, y, z))
+        meeting = min(k, route.meeting)
+        along = [axis for axis in range(3) if v[axis].ref != ZERO]
+        if route.scaled and len(along) == 1:
+            way = scale(v[along[0]], stations.world(k, _unit(stations, along[0]), meeting))
+        else:
+            way = stations.world(k, v, meeting)
+        total = way if total is None else add(way, total)
+    assert total is not None
+    return total

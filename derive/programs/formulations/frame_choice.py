@@ -1,0 +1,289 @@
+"""The free choices of a recursion: where frames stand and turn, and which inertial parameters are left.
+
+Every combination of choices gives the same values. Three choices of a joint change the chain itself (`arrange`), none
+of them what any recursion computes:
+
+- *place*: a joint turns about its axis wherever on it the origin stands, so its constant offset d may come before or
+  after it, or join the offset of a parallel axis; links then share origins, and levers vanish.
+- *held*: quantities of a link may be written in any axes. Axes that its joint does not turn save the turn of every
+  motion and force; instead the body's constants are turned, which pays where no further joint follows, or where the
+  next axis is parallel and its link is turned by the sum of the angles at once.
+- *second_moments*: see `derive.mechanics.regrouping`.
+
+The others are made inside recursions (`derive.mechanics.newton_euler`). The cheapest choices for one function of one
+robot are found by a short search (`FrameChoiceSearch`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from derive.mechanics.chain import Body, Chain, ChainJoint
+from derive.mechanics.joint_motion import shift, turn_about_z
+from derive.mechanics.newton_euler import FrameChoice, Place
+from derive.mechanics.regrouping import Rule, regroup
+from derive.mechanics.vectors import Frame, Vector, add, scale
+from derive.programs.formulations.parallel_axes import SumOfTurns, Turn, about_z
+from derive.programs.optimise.search_policy import POLICY
+from derive.programs.tape.cost import Cost
+from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
+from derive.programs.tape.value import Value
+
+FrameChoices = tuple[FrameChoice, ...]
+"""What is chosen at each joint."""
+
+CHAIN_CHOICES = ("place", "held", "second_moments")
+ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
+
+
+def arrange(
+    chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns, half: Value, *, axial: bool = False
+) -> Chain[Value]:
+    """The chain as the frame choices ask, in base parameters.
+
+    Args:
+        chain: The arm as built.
+        choices: One for each joint; only such as `places` and `holdable` allow.
+        total: Makes the cosine and sine of a sum of joint angles.
+        half: The scalar 1/2.
+        axial: Whether the recursion knows axial masses.
+
+    Returns:
+        A chain for dynamics alone: its tool and ends are those of the old one.
+    """
+    rules = [Rule(choice.second_moments, axial and _slides_along_all(chain, i)) for i, choice in enumerate(choices)]
+    return _held(regroup(_placed(chain, choices), rules, half), choices, total)
+
+
+def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
+    """Where the origin of a joint frame may stand, as far as this makes a difference.
+
+    Args:
+        chain: The arm as built.
+        i: Index of the joint, from 0.
+
+    Returns:
+        The usual place first.
+    """
+    joint = chain.joints[i]
+    found = [Place.AFTER]
+    if joint.revolute and joint.offset.ref != ZERO:
+        found.append(Place.BEFORE)
+    if joint.revolute and i + 1 < chain.n:
+        after = chain.joints[i + 1]
+        if after.revolute and _direction(after) and after.offset.ref != ZERO:
+            found.append(Place.BEYOND)
+    return tuple(found)
+
+
+def holdable(chain: Chain[Value], i: int) -> bool:
+    """Whether the axes of a link may stay behind its joint: nothing but a parallel axis may follow.
+
+    Args:
+        chain: The arm as built.
+        i: Index of the joint, from 0.
+
+    Returns:
+        True where they may.
+    """
+    joint = chain.joints[i]
+    if not (joint.revolute or _is_unturned(joint)):
+        return False
+    if i + 1 == chain.n:
+        return True
+    after = chain.joints[i + 1]
+    return _direction(after) != 0 and (after.revolute or _is_unturned(after))
+
+
+def _is_unturned(joint: ChainJoint[Value]) -> bool:
+    return joint.cosine.ref == ONE and joint.sine.ref == ZERO
+
+
+def _direction(joint: ChainJoint[Value]) -> int:
+    """+1 where the axis continues z of the link before, -1 where it is opposed, else 0; exact."""
+    return {ONE: 1, MINUS_ONE: -1}.get(joint.fixed.rotation[2][2].ref, 0)
+
+
+def _slides_along_all(chain: Chain[Value], i: int) -> bool:
+    """Whether joint i slides along the axis about which, or along which, all joints before it move."""
+    joints = chain.joints[: i + 1]
+    if i == 0 or joints[i].revolute:
+        return False
+    return all(map(_direction, joints[1:])) and all(joint.revolute or _is_unturned(joint) for joint in joints)
+
+
+def _placed(chain: Chain[Value], choices: Sequence[FrameChoice]) -> Chain[Value]:
+    """Origins moved along their axes."""
+    joints, bodies = list(chain.joints), list(chain.bodies)
+    for i, choice in enumerate(choices):
+        if choice.place is Place.AFTER:
+            continue
+        if choice.place is Place.BEFORE:
+            back = joints[i].offset
+        else:
+            back = -joints[i + 1].offset if _direction(joints[i + 1]) > 0 else joints[i + 1].offset
+        joints[i] = replace(joints[i], offset=joints[i].offset - back)
+        lever, body = (chain.zero, chain.zero, back), bodies[i]
+        moment = add(body.first_moment, scale(body.mass, lever))
+        bodies[i] = Body(body.mass, moment, shift(body.mass, body.first_moment, body.inertia, lever))
+        if i + 1 < chain.n:
+            fixed = joints[i + 1].fixed
+            joints[i + 1] = replace(joints[i + 1], fixed=Frame(fixed.rotation, add(fixed.position, lever)))
+    return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
+
+
+@dataclass(frozen=True, slots=True)
+class _Lag:
+    """The turn of a link from the axes in which it is held, or from those before its joint."""
+
+    turns: tuple[Turn, ...]
+    cosine: Value
+    sine: Value
+
+    def turned(self, v: Vector[Value]) -> Vector[Value]:
+        """A vector of the link in those axes.
+
+        Args:
+            v: Its coordinates in the link's own axes.
+
+        Returns:
+            Those in the axes that stay behind.
+        """
+        return about_z(self.cosine, self.sine, v)
+
+
+def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns) -> Chain[Value]:
+    """Links held in the axes before their joints; K lets their turn through, as it leaves z where it is."""
+    joints: list[ChainJoint[Value]] = []
+    bodies: list[Body[Value]] = []
+    before: _Lag | None = None
+    for i, (joint, body, choice) in enumerate(zip(chain.joints, chain.bodies, choices, strict=True)):
+        turns = (Turn(i, 1),) if joint.revolute else ()
+        if before is None:
+            lag = _Lag(turns, joint.cosine, joint.sine)
+        else:
+            direction = _direction(joint)
+            turns = (*(Turn(k, sign * direction) for k, sign in before.turns), *turns)
+            lag = _Lag(turns, *total(turns))
+        fixed = Frame(joint.fixed.rotation, before.turned(joint.fixed.position)) if before else joint.fixed
+        c, s = (chain.one, chain.zero) if choice.held else (lag.cosine, lag.sine)
+        joints.append(replace(joint, fixed=fixed, cosine=c, sine=s))
+        if choice.held:
+            moment = lag.turned(body.first_moment)
+            body = Body(body.mass, moment, turn_about_z(lag.cosine, lag.sine, body.inertia))
+        bodies.append(body)
+        before = lag if choice.held else None
+    return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
+
+
+Outputs = tuple[Ref, ...]
+Trial = Callable[[FrameChoices], Outputs]
+"""Traces a function with some choices."""
+
+Price = Callable[[Outputs], Cost]
+"""What some outputs cost."""
+
+
+class FrameChoiceSearch:
+    """Searches the cheapest frame choices for one function of one chain.
+
+    It may stop anywhere: from the best of some starts it changes one choice of one joint after another to what makes
+    the traced graph cheapest, until nothing gets cheaper or the work is spent. Work is counted in nodes.
+
+    Args:
+        chain: The arm as built.
+        choices: Names of the choices that make a difference to the function.
+        trial: Traces the function.
+        price: What that costs.
+    """
+
+    def __init__(self, chain: Chain[Value], choices: Sequence[str], trial: Trial, price: Price) -> None:
+        self._chain = chain
+        self._choices = choices
+        self._trial = trial
+        self._price = price
+        self._traced: dict[FrameChoices, Outputs] = {}
+        self._costs: dict[Outputs, int] = {}
+        self._work_left = POLICY.frame_choice_work
+
+    def best(self, starts: Sequence[FrameChoices], count: int = 1) -> tuple[FrameChoices, ...]:
+        """The cheapest choices found, and others that come close.
+
+        Args:
+            starts: Where the search starts.
+            count: How many at most.
+
+        Returns:
+            The cheapest first, the first found of equals; each has another graph.
+        """
+        if self._chain.n > POLICY.frame_choice_joints:
+            return (starts[0],)
+        best = starts[0]
+        self._cost(best)
+        for start in starts[1:]:
+            best = min(best, start, key=self._cost) if self._work_left > 0 else best
+        while self._work_left > 0:
+            better = self._swept(best)
+            if better == best:
+                break
+            best = better
+        first: dict[Outputs, FrameChoices] = {}
+        for choices, outputs in self._traced.items():
+            first.setdefault(outputs, choices)
+        ranked = sorted(first, key=self._costs.__getitem__)[:count]
+        limit = POLICY.frame_choice_margin * self._costs[ranked[0]]
+        return tuple(first[outputs] for outputs in ranked if self._costs[outputs] <= limit)
+
+    def _swept(self, best: FrameChoices) -> FrameChoices:
+        """Every choice of every joint once."""
+        for i in range(len(best)):
+            for name in self._choices:
+                for change in self._changes(i, best[i], name):
+                    if self._work_left <= 0:
+                        return best
+                    best = min(best, (*best[:i], change, *best[i + 1 :]), key=self._cost)
+        return best
+
+    def _changes(self, i: int, choice: FrameChoice, name: str) -> Sequence[FrameChoice]:
+        """What is chosen at a joint with one thing chosen otherwise, if that matters there."""
+        turns = self._chain.joints[i].revolute
+        match name:
+            case "place":
+                return [replace(choice, place=place) for place in places(self._chain, i) if place is not choice.place]
+            case "held" if holdable(self._chain, i):
+                return [replace(choice, held=not choice.held)]
+            case "second_moments" if turns:
+                return [replace(choice, second_moments=not choice.second_moments)]
+            case "column":
+                return [replace(choice, column=not choice.column)]
+            case "squares" if turns and choice.column:
+                return [replace(choice, squares=not choice.squares)]
+            case "grown" if turns and choice.held and choice.column and choice.squares:
+                return [replace(choice, grown=not choice.grown)]
+        return []
+
+    def _cost(self, choices: FrameChoices) -> int:
+        outputs = self._traced.get(choices)
+        if outputs is None:
+            outputs = self._traced[choices] = self._trial(choices)
+        if outputs not in self._costs:
+            cost = self._price(outputs)
+            self._costs[outputs] = cost.body
+            self._work_left -= cost.nodes
+        return self._costs[outputs]
+
+
+def starting_choices(chain: Chain[Value]) -> tuple[FrameChoices, ...]:
+    """Where the search for frame choices starts.
+
+    Args:
+        chain: The arm as built.
+
+    Returns:
+        All links held that can be, the last alone, none.
+    """
+    n = chain.n
+    can = [holdable(chain, i) for i in range(n)]
+    held = (can, [can[i] and i == n - 1 for i in range(n)], [False] * n)
+    return tuple(tuple(FrameChoice(held=h, second_moments=True) for h in row) for row in held)

@@ -1,0 +1,215 @@
+"""One robot's graph, and what all functions that are traced on it start from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import cached_property
+
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.vectors import Frame
+from derive.programs.formulations.cheapest_kinematics import Stations, cheapest_jacobian, cheapest_pose
+from derive.programs.formulations.choice import FormulationChoice
+from derive.programs.formulations.closed_form import ClosedForm
+from derive.programs.formulations.frame_choice import (
+    CHAIN_CHOICES,
+    FrameChoices,
+    FrameChoiceSearch,
+    arrange,
+    starting_choices,
+)
+from derive.programs.formulations.parallel_axes import Run, Turn, parallel_runs
+from derive.programs.optimise.search_policy import POLICY, Effort
+from derive.programs.tape.graph import Graph, Ref
+from derive.programs.tape.scalars import QD, TapeDomain
+from derive.programs.tape.value import Value
+from derive.robot.description import Matrix
+from derive.robot.evaluate import evaluate
+from derive.robot.names import free_symbols, number_of, robot_symbols
+from derive.robot.robot import Robot
+
+_TOLERANCE = 1e-14
+_TRIALS = (0.37, 0.83)
+"""Values of the first free symbol; the others are spread above."""
+
+
+def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
+    """Whether base and tool are rotations to rounding, whatever the values of free symbols.
+
+    A file may write them in decimals with six places; then identities of rotations hold to six places only.
+
+    Args:
+        robot: The robot.
+        tolerance: By so much columns may differ from orthonormal ones.
+
+    Returns:
+        True where identities of rotations hold.
+    """
+    numbers = number_of(robot)
+    fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
+    for first in _TRIALS:
+        values = fixed | {name: first + 0.071 * k for k, name in enumerate(free_symbols(robot))}
+        if not all(_is_rotation(frame, values, tolerance) for frame in (robot.base, robot.tool)):
+            return False
+    return True
+
+
+def _is_rotation(matrix: Matrix, values: Mapping[str, float], tolerance: float) -> bool:
+    try:
+        rows = [[evaluate(cell, values) for cell in row[:3]] for row in matrix[:3]]
+    except ArithmeticError:
+        return False
+    products = ((i, j, sum(a * b for a, b in zip(rows[i], rows[j], strict=True))) for i in range(3) for j in range(3))
+    return all(abs(product - (i == j)) <= tolerance for i, j, product in products)
+
+
+class Trace:
+    """The graph of one robot and its chain of tape values, shared by all functions.
+
+    Args:
+        robot: The robot.
+        effort: How long the cheapest programs are looked for.
+
+    Attributes:
+        domain: Makes values of the robot's cells and of arguments.
+        chain: The arm as built.
+        choice: Chooses among formulations.
+        half: 1/2.
+    """
+
+    def __init__(self, robot: Robot, effort: Effort = Effort.FULL) -> None:
+        self.robot = robot
+        self.n = robot.n
+        self.effort = effort
+        self.graph = Graph()
+        self.domain = TapeDomain(robot, self.graph)
+        self.chain: Chain[Value] = build_chain(robot, self.domain)
+        self.choice = FormulationChoice(robot, self.graph, effort)
+        self._cheapest: dict[str, tuple[FrameChoices, ...]] = {}
+
+    @cached_property
+    def half(self) -> Value:
+        """1/2."""
+        return self.domain.number(Fraction(1, 2))
+
+    @cached_property
+    def runs(self) -> tuple[Run, ...]:
+        """The joints in runs of parallel axes, with the sums of their angles."""
+        return parallel_runs(self.chain, self.domain.cosine_sine_of_sum)
+
+    @cached_property
+    def stations(self) -> Stations | None:
+        """Where vectors come from on their way to the world; None where base or tool is a rotation only nearly."""
+        return Stations(self.chain, self.runs) if has_exact_rotations(self.robot) else None
+
+    @cached_property
+    def end_stations(self) -> Stations | None:
+        """The same on their way to the end effector; None where base or tool is a rotation only nearly."""
+        if self.stations is None:
+            return None
+        inverted = self.chain.inverted
+
+        def _total(turns: Sequence[Turn]) -> tuple[Value, Value]:
+            return self.domain.cosine_sine_of_sum([(self.n - 1 - k, -direction) for k, direction in turns])
+
+        return Stations(inverted, parallel_runs(inverted, _total))
+
+    @cached_property
+    def shortest_pose(self) -> Frame[Value] | None:
+        """T by the shortest ways to the world frame, where there are stations; several functions start from it."""
+        return None if self.stations is None else cheapest_pose(self.stations)
+
+    @cached_property
+    def shortest_jacobian(self) -> list[list[Value]] | None:
+        """J by the shortest ways to the world frame, rows first."""
+        return None if self.stations is None else cheapest_jacobian(self.stations)
+
+    @cached_property
+    def closed_forms(self) -> tuple[ClosedForm, ...]:
+        """Closed forms in each choice of angles."""
+        choices = (False, True) if any(len(run.placements) > 1 for run in self.runs) else (False,)
+        return tuple(ClosedForm(self.robot, self.domain, sums=sums) for sums in choices)
+
+    def arranged(self, choices: FrameChoices, *, axial: bool = False) -> Chain[Value]:
+        """The chain in base parameters, with frames as they are chosen.
+
+        Args:
+            choices: One for each joint.
+            axial: Whether the recursion knows axial masses.
+
+        Returns:
+            A chain for dynamics alone.
+        """
+        return arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
+
+    def cheapest_choices(
+        self,
+        name: str,
+        values: Callable[[FrameChoices], Sequence[Value]],
+        choices: Sequence[str] = CHAIN_CHOICES,
+        starts: Sequence[FrameChoices] = (),
+    ) -> tuple[FrameChoices, ...]:
+        """The frame choices with which a recursion takes the fewest operations, as far as a short search finds them.
+
+        Args:
+            name: Of the recursion; what is found for it once is remembered.
+            values: Its outputs with some choices.
+            choices: Names of those that are tried: those that make a difference to it.
+            starts: Where the search starts, if not where any does.
+
+        Returns:
+            The cheapest before improvement, and others that come close.
+        """
+        if self.effort is Effort.QUICK:
+            return starting_choices(self.chain)[:1]
+
+        def _trial(chosen: FrameChoices) -> tuple[Ref, ...]:
+            return tuple([value.ref for value in values(chosen)])
+
+        if name not in self._cheapest:
+            search = FrameChoiceSearch(self.chain, choices, _trial, self.choice.price)
+            starts = starts or starting_choices(self.chain)
+            self._cheapest[name] = search.best(starts, POLICY.frame_choice_finalists)
+        return self._cheapest[name]
+
+    def arguments(self, kind: str) -> list[Value]:
+        """An argument.
+
+        Args:
+            kind: ``q``, ``qd``, ``qdd`` or ``tau``.
+
+        Returns:
+            Its n entries.
+        """
+        return [self.domain.argument(kind, i) for i in range(self.n)]
+
+    def zeros(self) -> list[Value]:
+        """An argument that vanishes."""
+        return [self.chain.zero] * self.n
+
+    def with_friction(self, torques: Sequence[Value]) -> list[Value]:
+        """Torques and b*qd + f*sign(qd).
+
+        Args:
+            torques: Without friction, one for each joint [N m, N].
+
+        Returns:
+            With it.
+        """
+        friction = [
+            joint.viscous * rate + joint.coulomb * rate.sign()
+            for joint, rate in zip(self.chain.joints, self.arguments(QD), strict=True)
+        ]
+        return [torque + loss for torque, loss in zip(torques, friction, strict=True)]
+
+
+def flat(rows: Sequence[Sequence[Value]]) -> list[Value]:
+    """The entries of a matrix.
+
+    Args:
+        rows: The matrix.
+
+    Returns:
+        Row by row.
+    """
+    return [value for row in rows for value in row]

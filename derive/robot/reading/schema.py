@@ -1,0 +1,439 @@
+"""Structure of a robot file: which keys, which shapes; a violation becomes one message at its place in the file.
+
+What cells mean is read elsewhere. Every scalar arrives as text (see `document`), so the models hold texts;
+the JSON Schema, which editors use, says that numbers may be written as numbers. The names of the models stand in it.
+"""
+
+from __future__ import annotations
+
+from types import UnionType
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
+
+from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
+from derive.robot.options.handout import (
+    MOST_PAGES,
+    PARTS,
+    USUAL_PARTS,
+    AngleLetter,
+    Derivation,
+    FrameIndices,
+    Functions,
+    InertiaLetter,
+    PoseEntries,
+    SliderLetter,
+)
+from derive.robot.options.inverse import ROWS
+from derive.robot.options.style import (
+    DEFAULT_STYLE,
+    Brackets,
+    CommonFactors,
+    Contraction,
+    GravityPlace,
+    Grouping,
+    Kinetic,
+    LengthOrder,
+    Order,
+    Products,
+    Rates,
+    ShortSums,
+)
+from derive.robot.reading.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
+from derive.robot.reading.hints import choice_hint, key_hint, shape_hint
+from derive.robot.reading.size_limits import FILE_LIMITS
+from derive.robot.reading.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, fits, model_of
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"
+ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
+
+Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
+Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
+JointName = Annotated[str, WithJsonSchema({"type": "string", "minLength": 1, "maxLength": FILE_LIMITS.title_length})]
+Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
+Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
+Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": MOST_PAGES})]
+TaskName = Literal["pose", "position"]
+TaskRow = Annotated[str, WithJsonSchema({"type": "string", "enum": list(ROWS)})]
+StyleName = Literal["compact", "by-geometry", "expanded"]
+Vector3 = tuple[Cell, Cell, Cell]
+Row4 = tuple[Cell, Cell, Cell, Cell]
+Matrix4 = tuple[Row4, Row4, Row4, Row4]
+
+
+class Units(Strict):
+    """Units of plain numbers in joint cells, limits, centres of mass, base and tool; all else is SI."""
+
+    angle: Literal["rad", "deg"] = Field(default="rad", description="Unit of plain numbers in angle cells.")
+    length: Literal["m", "mm"] = Field(default="m", description="Unit of plain numbers in length cells.")
+    parameters: Literal["si", "file"] = Field(
+        default="si", description="Numbers of symbols: in SI units and radians, or in those of the cells they stand in."
+    )
+
+
+class JointRow(Strict):
+    """One row of the Denavit-Hartenberg table."""
+
+    type: Literal["revolute", "prismatic"] = Field(description="What the joint's variable is.")
+    q: Symbol | None = Field(default=None, description="Name of the joint variable; default q1, q2, ... by row.")
+    theta: Cell = Field(default="0", description="Angle about z; a revolute joint's default is its variable.")
+    d: Cell = Field(default="0", description="Offset along z; a prismatic joint's default is its variable.")
+    a: Cell = Field(default="0", description="Link length; in the modified convention a_{i-1}.")
+    alpha: Cell = Field(default="0", description="Link twist; in the modified convention alpha_{i-1}.")
+    limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
+    speed: Cell | None = Field(default=None, description="Largest speed of the variable, either way.")
+    torque: Cell | None = Field(default=None, description="Largest torque [N m] or force [N] of the joint, either way.")
+    name: JointName | None = Field(default=None, description="What others call the joint; default: as the variable.")
+
+
+class MotorRow(Strict):
+    """Rotor that drives this joint, carried by the link before."""
+
+    mass: Cell = Field(default="0", description="Mass of the rotor [kg].")
+    inertia: Cell = Field(default="0", description="Moment of inertia about the spin axis [kg m^2].")
+    ratio: Cell = Field(default="0", description="Gear ratio; the rotor spins at ratio times the joint's velocity.")
+
+
+class FrictionRow(Strict):
+    """Joint-side friction, part of tau only."""
+
+    viscous: Cell = Field(default="0", description="Coefficient b of b*qd.")
+    coulomb: Cell = Field(default="0", description="Coefficient f of f*sign(qd).")
+
+
+class InertiaRow(Strict):
+    """Inertia tensor about the centre of mass, axes of the link's own frame [kg m^2]."""
+
+    xx: Cell = "0"
+    yy: Cell = "0"
+    zz: Cell = "0"
+    xy: Cell = "0"
+    xz: Cell = "0"
+    yz: Cell = "0"
+
+
+class LinkRow(Strict):
+    """Inertial parameters of one link, in its own DH frame."""
+
+    mass: Cell = Field(default="0", description="Mass [kg].")
+    com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the link's own frame.")
+    inertia: InertiaRow = Field(default=InertiaRow(), description="Tensor about the centre of mass [kg m^2].")
+    motor: MotorRow | None = Field(default=None, description="Full model of the joint's motor.")
+    armature: Cell = Field(default="0", description="Reflected rotor inertia ratio^2*Jm, added to B[i,i] only.")
+    friction: FrictionRow = Field(default=FrictionRow(), description="Joint-side friction.")
+
+
+class NotationRow(Strict):
+    """How the handout writes symbols."""
+
+    angle: AngleLetter = Field(default=AngleLetter.NAME, description="Variables of revolute joints.")
+    prismatic: SliderLetter = Field(default=SliderLetter.NAME, description="Variables of prismatic joints.")
+    functions: Functions = Field(default=Functions.SHORT, description="c_12, or cos(q_1 + q_2) in full.")
+    frames: FrameIndices = Field(default=FrameIndices.RIGHT, description="A_1^0, or the frames on the left: ^0A_1.")
+    inertia: InertiaLetter = Field(default=InertiaLetter.B, description="Letter of the inertia matrix.")
+    pose: PoseEntries = Field(default=PoseEntries.ENTRIES, description="Rotation of a given pose: r_13, or a_x.")
+
+
+class HandoutRow(Strict):
+    """What the handout shows and how."""
+
+    parts: list[Part] = Field(
+        default=list(USUAL_PARTS),
+        description="Which parts; printed in their usual order.",
+        json_schema_extra={"minItems": 1, "uniqueItems": True},
+    )
+    derivation: Derivation = Field(default=Derivation.RESULT, description="Results only, or the steps to them.")
+    language: Language = Field(default="en", description="Language of the texts: en, it, pt, ...")
+    notation: NotationRow = Field(default=NotationRow(), description="How symbols are written.")
+    pages: Pages = Field(default="20", description="Most pages of the printed sheet; 0 for any number.")
+
+
+_NAME, _BLOCK = "<name>", "<block>"
+FORMS = (_NAME, "<list>", _BLOCK)
+"""The forms that a value may have; they stand in the paths of violations, where no key can be called so."""
+
+
+def _form_of_style(value: Any) -> str:
+    return _BLOCK if isinstance(value, dict) else _NAME
+
+
+class StyleRow(Strict):
+    """How books differ: what is grouped first in each kind of quantity. What is left out is as in the set `name`."""
+
+    name: StyleName = Field(default=DEFAULT_STYLE, description="The set of options from which the others are taken.")
+    rotations: Order | None = Field(default=None, description="Kinematic entries without a length: from base or tool.")
+    positions: LengthOrder | None = Field(default=None, description="Those with lengths: from base, tool, by length.")
+    short: ShortSums | None = Field(default=None, description="Whether kinematic sums of up to three terms are nested.")
+    inertia: Grouping | None = Field(default=None, description="What is grouped first in the inertia matrix.")
+    christoffel: Grouping | None = Field(default=None, description="What is grouped first in Christoffel symbols.")
+    gravity: Grouping | None = Field(default=None, description="What is grouped first in torques of gravity.")
+    torques: Grouping | None = Field(default=None, description="What is grouped first in the coefficients of torques.")
+    potential: Grouping | None = Field(default=None, description="What is grouped first in the potential energy.")
+    kinetic: Kinetic | None = Field(default=None, description="Kinetic energy by entries of B, or by bodies.")
+    products: Products | None = Field(default=None, description="Whether products of sums stay products.")
+    brackets: Brackets | None = Field(default=None, description="Which bodies' coefficients stand in brackets.")
+    factors: CommonFactors | None = Field(default=None, description="What is taken out of a body's bracket.")
+    g: GravityPlace | None = Field(default=None, description="Gravity in every term, or in front of more.")
+    coriolis: Rates | None = Field(default=None, description="How rates are collected in C, N and dB/dt.")
+    velocities: Rates | None = Field(default=None, description="How products of velocities are collected in torques.")
+    accelerations: Rates | None = Field(default=None, description="How accelerations are collected in torques.")
+    contraction: Contraction | None = Field(default=None, description="Which sums of joint angles are contracted.")
+
+
+class FigureRow(Strict):
+    """Which configuration is drawn and computed in numbers."""
+
+    q: list[Cell] | None = Field(
+        default=None, description="A number for every joint variable, in the units of the file as limits are."
+    )
+    values: dict[str, Cell] = Field(
+        default={},
+        description="Numbers, in SI units and radians, for symbols without one; for drawing and example only.",
+    )
+
+
+def _form_of_task(value: Any) -> str:
+    return _BLOCK if isinstance(value, list) else _NAME
+
+
+class InverseRow(Strict):
+    """What inverse kinematics is asked for."""
+
+    task: Annotated[
+        Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], Discriminator(_form_of_task)
+    ] = Field(default="pose", description="The whole pose, the position, or some rows of the pose.")
+    given: list[Symbol] | None = Field(
+        default=None, description="Joint variables that are arguments; default: the joints that are too many."
+    )
+
+
+class RobotFile(Strict):
+    """A serial arm: its Denavit-Hartenberg table and, if given, frames around it and its dynamics."""
+
+    name: str = Field(
+        description="Name of the robot, and of its output folder.", json_schema_extra={"pattern": ROBOT_NAME_PATTERN}
+    )
+    title: str | None = Field(
+        default=None,
+        description="Free text for people; default: the name.",
+        json_schema_extra={"maxLength": FILE_LIMITS.title_length},
+    )
+    convention: Literal["standard", "modified"] = Field(
+        description="standard: Rot z theta, Trans z d, Trans x a, Rot x alpha; modified (Craig): Rot x alpha, "
+        "Trans x a, Rot z theta, Trans z d with alpha_{i-1}, a_{i-1}."
+    )
+    units: Units = Field(default=Units(), description="Units of plain numbers; default rad and m.")
+    joints: list[JointRow] = Field(
+        description="One row per joint.", json_schema_extra={"minItems": 1, "maxItems": FILE_LIMITS.joints}
+    )
+    base: Matrix4 | None = Field(default=None, description="Constant transform before frame 0.")
+    tool: Matrix4 | None = Field(default=None, description="Constant transform after frame n.")
+    gravity: Vector3 | None = Field(
+        default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
+    )
+    links: list[LinkRow] | None = Field(default=None, description="One row per joint: dynamics.")
+    parameters: dict[str, Cell] = Field(
+        default={}, description="Numbers of symbols, in SI units and radians unless units say otherwise."
+    )
+    runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
+    style: Annotated[
+        Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], Discriminator(_form_of_style)
+    ] = Field(default=DEFAULT_STYLE, description="How printed expressions are grouped: a name, or a block of options.")
+    contraction: Literal["aligned", "opposed"] = Field(
+        default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
+    )
+    handout: HandoutRow = Field(default=HandoutRow(), description="Parts, language and notation of the handout.")
+    figure: FigureRow = Field(default=FigureRow(), description="The configuration that is drawn and computed.")
+    inverse: InverseRow = Field(default=InverseRow(), description="Task and given joints of the inverse kinematics.")
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
+    robot = without_null(model_of(RobotFile).model_json_schema(ref_template="#/$defs/{model}"))
+    definitions = robot.pop("$defs", {})
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "derive robot file",
+        "$defs": {**definitions, "RobotFile": robot},
+        "anyOf": [
+            {"$ref": "#/$defs/RobotFile"},
+            {
+                "type": "object",
+                "description": "A lecture corpus file: the robot in its own block, anything else beside it.",
+                "required": ["robot"],
+                "not": {"anyOf": [{"required": [key]} for key in ("joints", "convention", "links")]},
+                "properties": {"robot": {"$ref": "#/$defs/RobotFile"}},
+            },
+        ],
+    }
+
+
+def without_null(schema: Any) -> Any:
+    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other."""
+    if isinstance(schema, list):
+        return [without_null(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    plain = {key: without_null(value) for key, value in schema.items() if not (key == "default" and value is None)}
+    options = [option for option in plain.get("anyOf", []) if option != {"type": "null"}]
+    if len(options) == 1:
+        del plain["anyOf"]
+        plain = {**options[0], **plain}
+    return plain
+
+
+_MISSING = {
+    "convention": "write convention: standard (distal) or convention: modified (Craig); they give different robots",
+    "type": "write type: revolute or type: prismatic",
+    "name": "write name: my-robot",
+    "joints": "write one row per joint under joints:",
+}
+"""What to write for a key that is missing."""
+
+
+def check_structure(document: Document, model: type[Strict] = RobotFile) -> None:
+    """Refuse unknown keys, missing keys and wrong shapes."""
+    plain = _plain(document.root)
+    if fits(model, plain):
+        return
+    from pydantic import ValidationError
+
+    try:
+        model_of(model).model_validate(plain)
+    except ValidationError as error:
+        refusals = []
+        for violation in error.errors(include_url=False, include_input=False):
+            refusal = _refusal(document, model_of(model), violation)
+            place = refusal.location or Location("")
+            refusals.append(((violation["type"] != "extra_forbidden", place.line, place.column), refusal))
+        raise min(refusals, key=lambda pair: pair[0])[1] from None
+
+
+def _plain(node: Node) -> Any:
+    """The tree as dicts, lists and texts."""
+    match node:
+        case YamlScalar():
+            return node.text
+        case YamlSequence():
+            return [_plain(item) for item in node.items]
+        case YamlMapping():
+            return {key: _plain(value) for key, (_, value) in node.entries.items()}
+
+
+def _refusal(document: Document, model: type[BaseModel], violation: Any) -> RobotFileError:
+    """The message for one violation that pydantic found."""
+    path: KeyPath = tuple(part for part in violation["loc"] if part not in FORMS)
+    key, kind = str(path[-1]) if path else "", violation["type"]
+    node = document.find(path)
+    match kind:
+        case "extra_forbidden":
+            allowed = _fields(model, path[:-1])
+            hint = key_hint(key, str(path[0]), allowed) if model is model_of(RobotFile) else ""
+            return RobotFileError(
+                f"{path_text(path[:-1], document.what)}: unknown key {quoted(key)}",
+                allowed=f"allowed: {listed(allowed)}",
+                remedy=hint or near_miss(key, allowed) or "remove it",
+                location=document.key_location(path),
+            )
+        case "missing" if not (path and isinstance(path[-1], int)):
+            return document.error(path[:-1], f"key '{key}' is missing", remedy=_MISSING.get(key, "add it"))
+        case "missing" | "too_long" | "too_short":
+            where = path[:-1] if kind == "missing" else path
+            lengths = (len(get_args(found)) for found in _types(model, where) if get_origin(found) is tuple)
+            expected = next(lengths, 0)
+            count, block = document.length(where), document.find(where)
+            remedy = _shape_hint(model, str(where[-1]), block) if where else ""
+            remedy = remedy or "write zeros where nothing else is"
+            found = f"{count} entr{'y' if count == 1 else 'ies'}"
+            return document.error(where, found, f"allowed: exactly {expected}", remedy)
+        case "literal_error" | "enum":
+            text = node.text if isinstance(node, YamlScalar) else ""
+            allowed = violation["ctx"]["expected"]
+            choices = [word.strip(" '") for word in allowed.replace(" or ", ",").split(",")]
+            found = f"found {quoted(text)}" if isinstance(node, YamlScalar) else _found(node)
+            remedy = choice_hint(key, text) or near_miss(text, choices)
+            return document.error(path, found, f"allowed: {allowed}", remedy)
+    remedy = "check the indentation and the dashes"
+    if isinstance(node, YamlMapping):
+        remedy = "check the indentation; texts with ': ' or '{' need quotation marks"
+    hint = _shape_hint(model, "row" if isinstance(path[-1], int) else key, node)
+    return document.error(path, _found(node), _expected(model, path, kind), hint or remedy)
+
+
+def _shape_hint(model: type[BaseModel], key: str, node: Node | None) -> str:
+    """What is meant by a value of the wrong shape in a robot file."""
+    return shape_hint(key, _plain(node)) if node is not None and model is model_of(RobotFile) else ""
+
+
+def _found(node: Node | None) -> str:
+    match node:
+        case YamlScalar(text="") | None:
+            return "found nothing"
+        case YamlScalar():
+            return f"found the text {quoted(node.text)}"
+        case YamlSequence():
+            return "found a list"
+        case YamlMapping():
+            return "found a mapping"
+
+
+def _expected(model: type[BaseModel], path: KeyPath, kind: str) -> str:
+    """What is allowed where something of another kind was found."""
+    if path[-1:] in (("name",), ("title",), ("language",)) or (path[:1], path[-1:]) == (("joints",), ("q",)):
+        return "allowed: a text"
+    if path[:2] == ("handout", "parts") and kind == "string_type":
+        return "allowed: names of parts"
+    if path == ("handout", "pages"):
+        return "allowed: a whole number"
+    if kind == "string_type":
+        return "allowed: one number, name or expression"
+    if kind in ("list_type", "tuple_type"):
+        return "allowed: a list"
+    if kind == "union_tag_invalid":
+        return f"allowed: {' or '.join(dict.fromkeys(map(_said, _types(model, path))))}"
+    fields = _fields(model, path)
+    return f"allowed: a mapping with the keys {listed(fields)}" if fields else "allowed: a mapping"
+
+
+def _is_model(kind: Any) -> bool:
+    return hasattr(kind, "model_fields")
+
+
+def _said(annotation: Any) -> str:
+    """A kind of value in words."""
+    if _is_model(annotation):
+        return f"a mapping with the keys {listed(annotation.model_fields)}"
+    words = {str: "one number, name or expression", dict: "a mapping"}
+    return words.get(get_origin(annotation) or annotation, "a list")
+
+
+def _fields(model: type[BaseModel], path: KeyPath) -> tuple[str, ...]:
+    """Allowed keys of the mapping at a path; none where any key is allowed."""
+    models = filter(_is_model, _types(model, path))
+    return tuple(key for kind in models for key in kind.model_fields)
+
+
+def _types(model: type[BaseModel], path: KeyPath) -> list[Any]:
+    """What may stand at a path: models, and types of lists, mappings and texts."""
+    found = _choices(model)
+    for part in path:
+        inner: list[Any] = []
+        for kind in found:
+            if _is_model(kind):
+                inner += [kind.model_fields[str(part)].annotation] if str(part) in kind.model_fields else []
+            elif get_origin(kind) is dict:
+                inner.append(get_args(kind)[1])
+            elif get_origin(kind) in (list, tuple):
+                inner.append(get_args(kind)[0])
+        found = [choice for kind in inner for choice in _choices(kind)]
+    return found
+
+
+def _choices(annotation: Any) -> list[Any]:
+    """The alternatives of a type, bare."""
+    if get_origin(annotation) is Annotated:
+        return _choices(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        return [choice for kind in get_args(annotation) for choice in _choices(kind)]
+    return [] if annotation is type(None) else [annotation]

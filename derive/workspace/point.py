@@ -1,0 +1,374 @@
+"""A point of an arm as a function of the joint variables, seen from the axis about which the workspace is symmetric.
+
+The pictures of a workspace are maps of joint variables into a plane: a section (distance from the axis and height), a
+top view or a side view. Each map has positions and derivatives at many configurations at once, and finds the
+configurations that bring the point nearest to given places of the plane.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.workspace.poses import RobotPoses
+
+TURN = 2.0 * math.pi
+
+_DEPENDS = 1e-9
+"""A joint that moves the point less than this part of the arm's size does not move it."""
+
+_PROBES = 12
+"""Random configurations at which it is seen which joints move the point."""
+
+_STEPS = 60
+"""Most steps of the search for the nearest configuration."""
+
+_SETTLED = 1e-8
+"""A step that makes the squared distance smaller by less than this part is the last one."""
+
+_SOFT, _STIFF = 1e-12, 1e3
+"""Least damping, and that with which a step is too short to go on, in squares of the arm's size."""
+
+
+class Picture(StrEnum):
+    """What a map into a plane shows.
+
+    Attributes:
+        SECTION: Distance from the axis of symmetry, and height along it.
+        TOP: Seen along the axis.
+        SIDE: Seen across the axis, for an arm without symmetry.
+        SPACE: All three coordinates.
+    """
+
+    SECTION = "section"
+    TOP = "top view"
+    SIDE = "side view"
+    SPACE = "space"
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """The way of a joint.
+
+    Attributes:
+        variable: Its variable.
+        lower: Lower limit [rad or m].
+        upper: Upper limit [rad or m].
+        revolute: Whether it turns.
+        assumed: Whether the file gives no limits.
+    """
+
+    variable: str
+    lower: float
+    upper: float
+    revolute: bool
+    assumed: bool = False
+
+    @property
+    def full(self) -> bool:
+        """Whether it turns all around."""
+        return self.revolute and self.upper - self.lower >= TURN - 1e-9
+
+    @property
+    def interval(self) -> str:
+        """Its limits in words."""
+        return f"from {self.lower:.4g} to {self.upper:.4g} {'rad' if self.revolute else 'm'}"
+
+
+def joint_ranges(poses: RobotPoses) -> tuple[Range, ...]:
+    """The way of every joint; without limits a joint turns from -pi to pi, or slides from 0 to the longest length.
+
+    Args:
+        poses: The robot in numbers.
+    """
+    found = []
+    for joint, limits in zip(poses.robot.joints, poses.limits, strict=True):
+        free = (-math.pi, math.pi) if joint.is_revolute else (0.0, poses.longest)
+        found.append(Range(joint.variable, *(limits or free), joint.is_revolute, limits is None))
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class ArmPoint:
+    """A point that is fixed in the end effector, and the axis from which it is seen.
+
+    Attributes:
+        poses: The robot in numbers.
+        ranges: The way of every joint.
+        place: The point in the axes of the end effector [m]; its origin is (0, 0, 0).
+    """
+
+    poses: RobotPoses
+    ranges: tuple[Range, ...]
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @cached_property
+    def axis(self) -> tuple[Array, Array]:
+        """Rotation and origin in the world of a frame whose z is the axis of symmetry: the first joint that turns."""
+        joint = next((i for i, way in enumerate(self.ranges) if way.revolute), 0)
+        frame = self.poses.frame_of_axis(joint)
+        return np.array(frame.rotation, dtype=float), np.array(frame.position, dtype=float)
+
+    @cached_property
+    def turn(self) -> int | None:
+        """The joint that turns the workspace as a whole about the axis; None if a joint before it shifts the axis."""
+        for index, way in enumerate(self.ranges):
+            if way.revolute:
+                return index
+            along = self.poses.frame_of_axis(index).rotation
+            if abs(sum(along[k][2] * self.axis[0][k, 2] for k in range(3))) < 1.0 - _DEPENDS:
+                return None
+        return None
+
+    @cached_property
+    def size(self) -> float:
+        """How far the point is from the axis frame at most, of some configurations [m]; 1 for a point that rests."""
+        everything = tuple(range(len(self.ranges)))
+        reach = float(np.linalg.norm(self.motion(self.random(256, everything), everything)[0], axis=0).max())
+        return reach or 1.0
+
+    @cached_property
+    def moving(self) -> tuple[int, ...]:
+        """The joints that move the point at all."""
+        everything = tuple(range(len(self.ranges)))
+        _, columns = self.motion(self.random(_PROBES, everything), everything)
+        strength = np.abs(columns).max(axis=(0, 2))
+        return tuple(int(k) for k in np.flatnonzero(strength > _DEPENDS * self.size))
+
+    def random(self, count: int, joints: Sequence[int], seed: int = 0, limits: float = 0.0) -> Array:
+        """Configurations between the limits, the same for the same seed.
+
+        Args:
+            count: How many.
+            joints: The joints.
+            seed: Of the random numbers.
+            limits: Part of the values of each joint that lie at one of its limits.
+
+        Returns:
+            (joints, count) [rad or m].
+        """
+        rng = np.random.default_rng(seed)
+        rows = []
+        for way in (self.ranges[j] for j in joints):
+            values = rng.uniform(way.lower, way.upper, count)
+            if limits:
+                ends = np.where(rng.random(count) < 0.5, way.lower, way.upper)
+                values = np.where(rng.random(count) < limits, ends, values)
+            rows.append(values)
+        return np.reshape(rows, (len(rows), count))
+
+    def position(self, q: Array, joints: Sequence[int]) -> Array:
+        """Where the point is; joints that are not given are at zero.
+
+        Args:
+            q: (joints, samples) [rad or m].
+            joints: The joints that are moved.
+
+        Returns:
+            (3, samples) [m], in the frame of the axis.
+        """
+        (point,) = self.poses.end_point(self._all(q, joints), self.place)
+        return self._seen(_array(point, q.shape[1]))
+
+    def _all(self, q: Array, joints: Sequence[int]) -> list[float | Array]:
+        """Values of all joints."""
+        values: list[float | Array] = [0.0] * len(self.ranges)
+        for row, joint in enumerate(joints):
+            values[joint] = q[row]
+        return values
+
+    def _seen(self, point: Array) -> Array:
+        """A point of the world in the frame of the axis."""
+        rotation, origin = self.axis
+        seen: Array = rotation.T @ (point - origin[:, None])
+        return seen
+
+    def motion(self, q: Array, joints: Sequence[int]) -> tuple[Array, Array]:
+        """Where the point is, and its derivatives with respect to some joints; the others are at zero.
+
+        Args:
+            q: (joints, samples) [rad or m].
+            joints: The joints that are moved.
+
+        Returns:
+            (3, samples) positions [m] and (3, joints, samples) derivatives, in the frame of the axis.
+        """
+        count = q.shape[1]
+        point, *columns = (_array(v, count) for v in self.poses.end_point(self._all(q, joints), self.place, joints))
+        derivatives = np.stack(columns, axis=1) if columns else np.zeros((3, 0, count))
+        turned = self.axis[0].T @ derivatives.reshape(3, -1)
+        return self._seen(point), turned.reshape(derivatives.shape)
+
+
+def _array(vector: Sequence[object], count: int) -> Array:
+    """A vector of numbers and arrays as (3, samples)."""
+    return np.stack([np.broadcast_to(np.asarray(x, dtype=float), (count,)) for x in vector])
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneMap:
+    """A picture of the workspace as a map of joint variables into a plane.
+
+    Attributes:
+        point: The point of the arm.
+        picture: What is shown.
+        joints: The joints that are variables of the map.
+    """
+
+    point: ArmPoint
+    picture: Picture
+    joints: tuple[int, ...]
+
+    @classmethod
+    def of(cls, point: ArmPoint, picture: Picture) -> PlaneMap:
+        """The map with the joints that change a picture.
+
+        Args:
+            point: The point of the arm.
+            picture: What is shown.
+        """
+        joints = tuple(j for j in point.moving if picture is not Picture.SECTION or j != point.turn)
+        slopes = cls(point, picture, joints).values(point.random(_PROBES, joints))[1]
+        strong = np.abs(slopes).max(axis=(0, 2), initial=0.0) > _DEPENDS * point.size
+        return cls(point, picture, tuple(j for j, moves in zip(joints, strong, strict=True) if moves))
+
+    @property
+    def has_exact_curves(self) -> bool:
+        """Whether its critical curves are those of a map of two variables, besides a joint that turns the picture."""
+        return len([j for j in self.joints if self.picture is not Picture.TOP or j != self.point.turn]) <= 2
+
+    @property
+    def ranges(self) -> tuple[Range, ...]:
+        """The ways of the map's joints."""
+        return tuple(self.point.ranges[j] for j in self.joints)
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """Lower and upper limits, (joints, 1) each."""
+        low, high = ([getattr(way, end) for way in self.ranges] for end in ("lower", "upper"))
+        return np.array(low, dtype=float)[:, None], np.array(high, dtype=float)[:, None]
+
+    @cached_property
+    def unit(self) -> Array:
+        """What counts as much as a radian in each variable, (joints, 1): the arm's size for one that slides."""
+        return np.array([1.0 if way.revolute else self.point.size for way in self.ranges])[:, None]
+
+    def places(self, q: Array) -> Array:
+        """Places in the plane alone, which takes a fraction of the time of `values`.
+
+        Args:
+            q: (joints, samples) [rad or m].
+
+        Returns:
+            (2, samples) [m]; three rows in space.
+        """
+        x, y, z = self.point.position(q, self.joints)
+        match self.picture:
+            case Picture.TOP:
+                return np.stack([x, y])
+            case Picture.SIDE:
+                return np.stack([x, z])
+            case Picture.SPACE:
+                return np.stack([x, y, z])
+            case _:
+                return np.stack([np.hypot(x, y), z])
+
+    def values(self, q: Array) -> tuple[Array, Array]:
+        """Places in the plane and derivatives.
+
+        Args:
+            q: (joints, samples) [rad or m].
+
+        Returns:
+            (2, samples) [m] and (2, joints, samples); three rows in space.
+        """
+        (x, y, z), (dx, dy, dz) = self.point.motion(q, self.joints)
+        if self.picture is Picture.TOP:
+            return np.stack([x, y]), np.stack([dx, dy])
+        if self.picture is Picture.SIDE:
+            return np.stack([x, z]), np.stack([dx, dz])
+        if self.picture is Picture.SPACE:
+            return np.stack([x, y, z]), np.stack([dx, dy, dz])
+        rho = np.hypot(x, y)
+        safe = np.maximum(rho, 1e-12 * self.point.size)
+        return np.stack([rho, z]), np.stack([(x * dx + y * dy) / safe, dz])
+
+    def inside(self, q: Array) -> Array:
+        """Configurations brought into the limits; angles of joints that turn all around are free.
+
+        Args:
+            q: (joints, samples).
+        """
+        low, high = self.box
+        free = np.array([way.full for way in self.ranges])[:, None]
+        brought: Array = np.where(free, q, np.clip(q, low, high))
+        return brought
+
+    def nearest(self, targets: Array, starts: Array) -> tuple[Array, Array, Array]:
+        """Configurations within the limits that bring the point nearest to targets, each from a start nearby.
+
+        A damped Gauss-Newton step in the joints that are not held by a limit, with the damping of Levenberg and
+        Marquardt for each target (Nocedal and Wright, Numerical Optimization, sec. 10.3 and 18.5).
+
+        Args:
+            targets: (2, samples) places in the plane [m].
+            starts: (joints, samples) configurations.
+
+        Returns:
+            Configurations (joints, samples), places (2, samples), distances (samples,) [m].
+        """
+        low, high = self.box
+        free = np.array([way.full for way in self.ranges])[:, None]
+        q = self.inside(starts)
+        place, derivative = self.values(q)
+        miss = targets - place
+        error = np.sum(miss**2, axis=0)
+        damping = np.full(q.shape[1], 1e-3 * self.point.size**2)
+        active = np.arange(q.shape[1])
+        for _ in range(_STEPS):
+            active = active[
+                (error[active] > (1e-12 * self.point.size) ** 2) & (damping[active] < _STIFF * self.point.size**2)
+            ]
+            if not len(active):
+                break
+            at, missing = q[:, active], miss[:, active]
+            scaled = derivative[:, :, active] * self.unit
+            pull = np.einsum("kjn,kn->jn", scaled, missing)
+            held = ~free & (((at <= low) & (pull < 0)) | ((at >= high) & (pull > 0)))
+            scaled = np.where(held, 0.0, scaled)
+            step = self.unit * np.einsum("kjn,kn->jn", scaled, _solved(scaled, missing, damping[active]))
+            tried = self.inside(at + step)
+            there, slope = self.values(tried)
+            left = targets[:, active] - there
+            squared = np.sum(left**2, axis=0)
+            better = squared < error[active]
+            settled = better & (squared > (1.0 - _SETTLED) * error[active])
+            chosen = active[better]
+            q[:, chosen], place[:, chosen], miss[:, chosen] = tried[:, better], there[:, better], left[:, better]
+            derivative[:, :, chosen], error[chosen] = slope[:, :, better], squared[better]
+            damping[active] = np.maximum(damping[active] * np.where(better, 0.2, 8.0), _SOFT * self.point.size**2)
+            damping[active[settled]] = np.inf
+        return q, place, np.sqrt(error)
+
+
+def _solved(columns: Array, right: Array, damping: Array) -> Array:
+    """(J J^T + damping)^-1 right for many J of two or three rows at once: (rows, samples)."""
+    if len(right) == 3:  # Cramer's rule
+        first, second, third = np.einsum("ajn,bjn->abn", columns, columns) + damping * np.eye(3)[:, :, None]
+        normal = np.cross(second, third, axis=0)
+        parts = [normal, np.cross(third, first, axis=0), np.cross(first, second, axis=0)]
+        inverse = np.sum([part * r for part, r in zip(parts, right, strict=True)], axis=0)
+        solution: Array = inverse / np.sum(first * normal, axis=0)
+        return solution
+    a = np.sum(columns[0] ** 2, axis=0) + damping
+    b = np.sum(columns[0] * columns[1], axis=0)
+    c = np.sum(columns[1] ** 2, axis=0) + damping
+    determinant = a * c - b * b
+    found: Array = np.stack([c * right[0] - b * right[1], a * right[1] - b * right[0]]) / determinant
+    return found

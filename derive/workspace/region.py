@@ -1,0 +1,362 @@
+"""Areas of the plane: from curves among which a boundary lies to the cells that an arm reaches, and their measures.
+
+The curves cut the plane into cells. Within a cell the number of configurations that reach a place does not change, so
+one place inside decides for all of it. Cutting and joining areas is Shapely's work: decision 15 in docs/decisions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.arrays import Array
+from derive.errors import DeriveError, install_extra
+from derive.workspace.critical import boundary_candidates
+from derive.workspace.point import TURN, Picture, PlaneMap
+
+Region: TypeAlias = Any
+"""An area of Shapely: polygons with holes, or nothing."""
+
+CELLS = 400
+"""Parts into which the range of a joint is cut where critical curves are followed."""
+
+_GRID = 1e-8
+"""Corners are rounded to this part of the arm's size, so that curves that meet share a corner; with a hundredth of it
+straight curves that run back on themselves are cut at wrong places, and cells beside them run into one."""
+
+_THIN = 2e-5
+"""Cells thinner than this part of the arm's size lie between two approximations of one curve."""
+
+_SLIVER = 1e-3
+"""Of cells thinner than this part of the arm's size nothing is said for themselves."""
+
+_ROUND = 128
+"""Corners of a quarter of a circle."""
+
+_SEEDS = 40_000
+_SAMPLES = 200_000
+_AT_A_LIMIT = 0.25
+"""Part of the samples of a joint that lie at one of its limits."""
+
+_STARTS, _FIRST = 12, 2
+"""Configurations from which it is tried to reach a place."""
+
+_REACHED = 1e-8
+"""A place nearer than this part of the arm's size is reached."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """An area or a volume.
+
+    Attributes:
+        value: In m^2 or m^3.
+        error: How much it may be off.
+    """
+
+    value: float
+    error: float
+
+    @classmethod
+    def of(cls, fine: float, coarse: float) -> Measure:
+        """The limit of two approximations, and their difference as its error.
+
+        Args:
+            fine: With all points; its error is a quarter of that of the other.
+            coarse: With half of them.
+        """
+        return cls(fine + (fine - coarse) / 3.0, abs(fine - coarse))
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """An area whose boundary is known in points.
+
+    Attributes:
+        region: With all points.
+        coarse: With half of the points of every curve, which tells how exact the area is.
+        margin: How far the points themselves may be off [m].
+        cells: The cells of which it is made, within each of which the number of postures is the same.
+    """
+
+    region: Region
+    coarse: Region
+    margin: float = 0.0
+    cells: tuple[Region, ...] = ()
+
+    def changed(self, change: Callable[[Region], Region]) -> Area:
+        """Another area, found in the same way.
+
+        Args:
+            change: What becomes of a region.
+        """
+        return Area(change(self.region), change(self.coarse), self.margin)
+
+    def measured(self, measure: Callable[[Region], float]) -> Measure:
+        """A measure of it with its error.
+
+        Args:
+            measure: Of a region.
+        """
+        found = Measure.of(measure(self.region), measure(self.coarse))
+        doubt = measure(self.region.buffer(self.margin)) - measure(self.region) if self.margin else 0.0
+        return Measure(found.value, found.error + abs(doubt))
+
+    @property
+    def size(self) -> Measure:
+        """Its size [m^2]."""
+        return self.measured(lambda region: float(region.area))
+
+    @property
+    def volume(self) -> Measure:
+        """Of the solid of which it is a section, turned once around the axis [m^3]."""
+        return self.measured(_revolved)
+
+
+def shapely() -> Any:
+    """The package that cuts and joins areas.
+
+    Raises:
+        DeriveError: It is not installed.
+    """
+    try:
+        import shapely as package
+    except ImportError as error:
+        raise DeriveError("workspaces need Shapely, which is not installed", remedy=install_extra("handout")) from error
+    return package
+
+
+def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
+    """The area that a map covers, from its critical curves.
+
+    Args:
+        plane: The map, of at most two variables and one that turns the picture.
+        cells: Parts into which the range of a joint is cut where critical curves are followed.
+    """
+    if len(plane.joints) < 2:  # a line, which may close and yet covers nothing
+        return Area(shapely().Polygon(), shapely().Polygon())
+    fine, coarse = (_reached_cells(plane, boundary_candidates(plane, parts), parts) for parts in (cells, cells // 2))
+    return _area(plane, fine, coarse)
+
+
+def formula_area(plane: PlaneMap, curves: Callable[[int], Array], holds: Callable[[Array], Array]) -> Area:
+    """The area that a map covers, where formulas say so.
+
+    Args:
+        plane: The map.
+        curves: Segments among which the boundary lies, for a number of parts into which the plane is cut.
+        holds: Whether places of the plane are reached.
+    """
+    found = []
+    for parts in (CELLS, CELLS // 2):
+        faces = _cells(plane, curves(parts))
+        found.append(faces[holds(_places_inside(faces))] if len(faces) else faces)
+    return _area(plane, *found)
+
+
+def _area(plane: PlaneMap, fine: Any, coarse: Any) -> Area:
+    """The area of cells, whose corners are off by a rounding."""
+    size = plane.point.size
+    return Area(joined(fine, size), joined(coarse, size), _GRID * size, tuple(fine))
+
+
+def _cells(plane: PlaneMap, segments: Array) -> Any:
+    """The cells into which segments cut the plane."""
+    package, size = shapely(), plane.point.size
+    if plane.picture is Picture.SECTION and len(segments):
+        low, high = segments[..., 1].min() - 0.1 * size, segments[..., 1].max() + 0.1 * size
+        segments = np.concatenate([segments, [[[0.0, low], [0.0, high]]]])
+    segments = np.round(segments / (_GRID * size)) * (_GRID * size)
+    segments = segments[np.any(segments[:, 0] != segments[:, 1], axis=1)]
+    if not len(segments):
+        return np.array([], dtype=object)
+    lines = package.unary_union(package.linestrings(segments), grid_size=_GRID * size)
+    faces = package.get_parts(package.polygonize([lines]))
+    return faces[2.0 * package.area(faces) > _THIN * size * package.length(faces)]
+
+
+def _places_inside(faces: Any) -> Array:
+    """A place inside of each cell, (2, k)."""
+    inside = shapely().point_on_surface(faces)
+    return np.stack([shapely().get_x(inside), shapely().get_y(inside)])
+
+
+def _reached_cells(plane: PlaneMap, segments: Array, parts: int) -> Any:
+    """The cells that the map covers, with the range of each variable cut into so many parts."""
+    faces = _cells(plane, segments)
+    if not len(faces):
+        return faces
+    reached = is_reached(plane, _places_inside(faces))
+    reached[~reached] = _hold_samples(plane, faces[~reached], plane.point.size * (TURN / parts) ** 2 / 2.0)
+    return faces[reached]
+
+
+def joined(cells: Any, size: float) -> Region:
+    """Cells joined to one area.
+
+    Args:
+        cells: The cells.
+        size: Of the arm [m].
+    """
+    if not len(cells):
+        return shapely().Polygon()
+    return closed(shapely().unary_union(cells), 2.0 * _THIN * size)
+
+
+def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tuple[tuple[int, Region], ...]:
+    """The parts of an area whose places are reached in different numbers of postures, the fewest first.
+
+    Slivers between two approximations of one curve belong to the part beside them.
+
+    Args:
+        area: The area.
+        numbers: In how many postures places are reached.
+        size: Of the arm [m].
+    """
+    if not area.cells:
+        return ()
+    cells = np.array(area.cells, dtype=object)
+    package, found = shapely(), numbers(_places_inside(cells))
+    thin = 2.0 * package.area(cells) < _SLIVER * size * package.length(cells)
+    parts = {int(number): joined(cells[(found == number) & ~thin], size) for number in np.unique(found[~thin])}
+    beside: dict[int, list[Region]] = {number: [part] for number, part in parts.items()}
+    for cell in cells[thin] if parts else ():
+        around = cell.buffer(_SLIVER * size)
+        beside[max(parts, key=lambda number: around.intersection(parts[number]).area)].append(cell)
+    return tuple((number, joined(members, size)) for number, members in beside.items())
+
+
+def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.bool_]:
+    """Whether positions of many configurations lie in cells that no search has reached.
+
+    The margin is what a curve may be off between two of its points, and more.
+    """
+    package = shapely()
+    if not len(faces):
+        return np.zeros(0, dtype=bool)
+    x, y = plane.places(plane.inside(plane.point.random(_SAMPLES, plane.joints, limits=_AT_A_LIMIT)))
+    found = np.zeros(len(faces), dtype=bool)
+    for k, face in enumerate(faces):
+        left, low, right, high = face.bounds
+        near = (x > left) & (x < right) & (y > low) & (y < high)
+        found[k] = package.contains_xy(face.buffer(-margin), x[near], y[near]).any()
+    return found
+
+
+def closed(region: Region, gap: float) -> Region:
+    """An area without gaps and slits as thin as the approximation of a curve by segments.
+
+    Args:
+        region: The area.
+        gap: The width of what is closed [m].
+    """
+    return region.buffer(gap, quad_segs=2).buffer(-gap, quad_segs=2)
+
+
+def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> npt.NDArray[np.bool_]:
+    """Whether the point gets to places of the plane.
+
+    Args:
+        plane: The map.
+        places: (2, k) [m]; three rows in space.
+        seeds: Configurations among which those are chosen from which it is tried.
+
+    Returns:
+        (k,) of truth values.
+    """
+    if not places.shape[1]:
+        return np.zeros(0, dtype=bool)
+    configurations = plane.point.random(seeds, plane.joints)
+    known = plane.places(configurations)
+    starts = np.stack([_closest(known, place) for place in places.T])
+    reached = np.zeros(len(starts), dtype=bool)
+    for some in (slice(0, _FIRST), slice(_FIRST, None)):  # most places are reached from the nearest ones
+        left = np.flatnonzero(~reached)
+        chosen = starts[left, some]
+        targets = np.repeat(places[:, left], chosen.shape[1], axis=1)
+        distances = plane.nearest(targets, configurations[:, chosen.ravel()])[2].reshape(chosen.shape)
+        reached[left] = distances.min(axis=1) <= _REACHED * plane.point.size
+    return reached
+
+
+def _closest(known: Array, place: Array) -> npt.NDArray[np.intp]:
+    """Indices of the samples that come closest to a place, the closest first."""
+    squared = np.sum((known - place[:, None]) ** 2, axis=0)
+    found = np.argpartition(squared, _STARTS)[:_STARTS]
+    return found[np.argsort(squared[found], kind="stable")]
+
+
+def dexterous(region: Region, radius: float, revolves: bool) -> Region:
+    """Places around which a whole circle, or sphere, lies in what a wrist centre reaches.
+
+    A sphere does not meet a part of the outside if that part is farther away than its radius, or lies inside of it as a
+    whole. The outermost part lies inside of none.
+
+    Args:
+        region: Where the wrist centre gets to; of a section the half on one side of the axis.
+        radius: From the wrist centre to the end effector's origin [m].
+        revolves: Whether the area is a section of a solid of revolution, and the hand turns in space.
+    """
+    package = shapely()
+    whole = package.unary_union([region, _mirrored(region)]) if revolves else region
+    if radius <= 0.0 or whole.is_empty:
+        return region
+    parts = [package.Polygon(polygon.exterior) for polygon in package.get_parts(whole)]
+    left = package.unary_union(parts).buffer(-radius, quad_segs=_ROUND)
+    for polygon in package.get_parts(whole):
+        for ring in polygon.interiors:
+            hole = package.Polygon(ring)
+            ring_in_space = package.unary_union([hole, _mirrored(hole)]) if revolves else hole
+            near = ring_in_space.buffer(radius, quad_segs=_ROUND)
+            left = left.difference(near.difference(enclosing(ring_in_space, radius)))
+    return left.intersection(package.box(0.0, -1e9, 1e9, 1e9)) if revolves else left
+
+
+def enlarged(region: Region, radius: float, revolves: bool) -> Region:
+    """Places at a given distance from some place of an area.
+
+    Args:
+        region: Where the wrist centre gets to.
+        radius: The distance [m].
+        revolves: Whether the area is a section of a solid of revolution.
+    """
+    package = shapely()
+    whole = package.unary_union([region, _mirrored(region)]) if revolves else region
+    around = whole.buffer(radius, quad_segs=_ROUND).difference(enclosing(whole, radius))
+    return around.intersection(package.box(0.0, -1e9, 1e9, 1e9)) if revolves else around
+
+
+def enclosing(region: Region, radius: float) -> Region:
+    """Centres of circles that hold all of an area.
+
+    Args:
+        region: The area.
+        radius: Of the circles [m].
+    """
+    package = shapely()
+    hull = region.convex_hull
+    if package.minimum_bounding_radius(hull) >= radius:
+        return package.Polygon()
+    discs = [package.Point(corner).buffer(radius, quad_segs=_ROUND) for corner in package.get_coordinates(hull)]
+    return package.intersection_all(discs)
+
+
+def _mirrored(region: Region) -> Region:
+    """On the other side of the axis."""
+    return shapely().transform(region, lambda points: points * (-1.0, 1.0))
+
+
+def _revolved(region: Region) -> float:
+    """The volume of an area beside the axis that turns once around it, by the theorem of Pappus [m^3]."""
+    total = 0.0
+    for polygon in shapely().get_parts(region):
+        for ring, sign in ((polygon.exterior, 1.0), *((hole, -1.0) for hole in polygon.interiors)):
+            x, y = np.reshape(ring.coords, (-1, 2)).T
+            cross = x[:-1] * y[1:] - x[1:] * y[:-1]
+            total += sign * abs(float(np.sum((x[:-1] + x[1:]) * cross))) / 6.0
+    return 2.0 * math.pi * total

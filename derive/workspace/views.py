@@ -1,0 +1,353 @@
+"""The workspace of a robot: the places that its end effector reaches, and those that it reaches in every orientation.
+
+What is reachable, and what is dexterous: Siciliano et al., Robotics: Modelling, Planning and Control, sec. 2.10;
+Kumar and Waldron, The workspaces of a mechanical manipulator, 1981.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.workspace.point import TURN, ArmPoint, Picture, PlaneMap, Range, joint_ranges
+from derive.workspace.poses import RobotPoses
+from derive.workspace.postures import Postures
+from derive.workspace.refinement import refined_area
+from derive.workspace.region import (
+    Area,
+    Measure,
+    Region,
+    by_number,
+    dexterous,
+    enlarged,
+    exact_area,
+    formula_area,
+    is_reached,
+    shapely,
+)
+
+_SAME = 1e-9
+_CONFIGURATIONS = 4
+"""Configurations at which it is seen whether axes meet."""
+
+_PLACES = 2_500
+"""Places in space for one estimate of a volume."""
+
+_SEEDS = 8_000
+"""Configurations among which those are chosen from which it is tried to reach a place in space."""
+
+_ESTIMATES = 8
+"""Estimates of a volume; their spread is its error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wrist:
+    """The last joints, which turn the hand about one point.
+
+    Attributes:
+        centre: The point in the axes of the end effector [m].
+        hand: Its distance from the end effector's origin [m].
+        joints: Its joints, from 0.
+        complete: Whether its joints turn the hand into every orientation.
+        planar: Whether it is one joint, and all orientations are those about the axis.
+    """
+
+    centre: tuple[float, float, float]
+    hand: float
+    joints: tuple[int, ...]
+    complete: bool
+    planar: bool
+
+
+@dataclass(frozen=True, eq=False)
+class WorkspaceView:
+    """A picture of the workspace.
+
+    Attributes:
+        picture: Section, top view or side view.
+        reachable: The area that is reached.
+        dexterous: The area that is reached in every orientation; None where that is not known.
+        exact: Whether the boundary follows the exact critical curves.
+        path: (k, 2) positions where these are but a line or a point [m].
+        by_number: The parts that are reached in different numbers of postures, the fewest first; empty where the joints
+            behind the arm move the end effector too.
+        by_formula: Whether the boundary is that of formulas, the square roots of the inverse kinematics.
+    """
+
+    picture: Picture
+    reachable: Area
+    dexterous: Area | None
+    exact: bool
+    path: Array
+    by_number: tuple[tuple[int, Region], ...] = ()
+    by_formula: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """The workspace of the origin of the end effector's frame.
+
+    Attributes:
+        views: Section and top view; side and top view of an arm without an axis of symmetry; one view of a flat one.
+        volume: Of what is reached; None for a flat workspace.
+        dexterous_volume: Of what is dexterous; None where that is not known.
+        wrist: The last joints, where they turn the hand about one point.
+        ranges: The ways of the joints that move it, and of the wrist where something is said about orientations.
+    """
+
+    views: tuple[WorkspaceView, ...]
+    volume: Measure | None
+    dexterous_volume: Measure | None
+    wrist: Wrist | None
+    ranges: tuple[Range, ...]
+
+    @property
+    def assumed(self) -> tuple[Range, ...]:
+        """Limits that the file does not give."""
+        return tuple(way for way in self.ranges if way.assumed)
+
+
+def find_workspace(poses: RobotPoses, tell: Callable[[str], None] | None = None) -> Workspace:
+    """The workspace of a robot.
+
+    Args:
+        poses: The robot in numbers.
+        tell: Told what is looked for, for many joints take seconds.
+
+    Raises:
+        DeriveError: Shapely is not installed.
+    """
+    point = ArmPoint(poses, joint_ranges(poses))
+    wrist = find_wrist(point)
+    search = _Search(point, wrist, tell or (lambda stage: None))
+    turned = wrist.joints if wrist is not None and wrist.complete else ()
+    ranges = tuple(point.ranges[j] for j in sorted({*point.moving, *turned}))
+    return Workspace(search.views, *search.volumes, wrist, ranges)
+
+
+def find_wrist(point: ArmPoint) -> Wrist | None:
+    """The wrist of an arm: three last joints whose axes meet, or the last one of an arm whose axes are parallel.
+
+    Args:
+        point: The end effector's origin.
+    """
+    revolute = [j for j, way in enumerate(point.ranges) if way.revolute]
+    q = point.random(_CONFIGURATIONS, range(len(point.ranges)), seed=3)
+    frames = [point.poses.joint_frames(list(column)) for column in q.T]
+    axes = np.array([[[row[2] for row in frame.rotation] for frame in arm[:-1]] for arm in frames], dtype=float)
+    origins = np.array([[frame.position for frame in arm] for arm in frames], dtype=float)
+    hands = np.array([arm[-1].rotation for arm in frames], dtype=float)
+    if len(revolute) > 1 and np.abs(np.cross(axes[:, revolute], axes[:, revolute[:1]])).max() < _SAME:
+        last = revolute[-1]
+        lever = origins[:, last] - origins[:, -1]
+        lever = lever - axes[:, last] * np.sum(lever * axes[:, last], axis=1)[:, None]
+        places = np.einsum("nji,nj->ni", hands, lever)
+        if np.ptp(places, axis=0).max() > 1e-7 * point.size:  # a joint that slides makes the hand longer and shorter
+            return None
+        return _wrist(places, point, (last,), point.ranges[last].full, planar=True)
+    n = len(point.ranges)
+    if n < 3 or revolute[-3:] != [n - 3, n - 2, n - 1]:
+        return None
+    centres = [_meeting(arm[-4:-1], axis[-3:]) for arm, axis in zip(origins, axes, strict=True)]
+    places = np.einsum("nji,nj->ni", hands, np.array([c for c, _ in centres]) - origins[:, -1])
+    if max(miss for _, miss in centres) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
+        return None
+    return _wrist(places, point, (n - 3, n - 2, n - 1), _turns_everywhere(point), planar=False)
+
+
+def _wrist(places: Array, point: ArmPoint, joints: tuple[int, ...], complete: bool, planar: bool) -> Wrist:
+    """The wrist whose centre has been seen at several configurations, in the axes of the end effector."""
+    centre = np.where(np.abs(places[0]) < _SAME * point.size, 0.0, places[0])
+    x, y, z = (float(part) for part in centre)
+    return Wrist((x, y, z), float(np.linalg.norm(centre)), joints, complete, planar)
+
+
+def _meeting(origins: Array, axes: Array) -> tuple[Array, float]:
+    """The point nearest to some lines, and how far it is from them."""
+    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
+    centre = np.linalg.lstsq(across.reshape(-1, 3), np.einsum("kij,kj->ki", across, origins).ravel(), rcond=None)[0]
+    return centre, float(np.abs(np.einsum("kij,kj->ki", across, centre - origins)).max())
+
+
+def _turns_everywhere(point: ArmPoint) -> bool:
+    """Whether the last three joints reach every orientation.
+
+    (q4, q5, q6) and (q4 + pi, -q5, q6 + pi) are one orientation: the outer joints turn all around and the middle one
+    half, or the middle one and an outer one turn all around and the other one half.
+    """
+    first, middle, last = range(len(point.ranges) - 3, len(point.ranges))
+    low, high = point.ranges[middle].lower, point.ranges[middle].upper
+    angles = []
+    for value in np.append(np.linspace(low, min(high, low + TURN), 721), high):
+        frames = point.poses.joint_frames([value if j == middle else 0.0 for j in range(len(point.ranges))])
+        axes = [np.array([row[2] for row in frames[j].rotation], dtype=float) for j in (first, middle, last)]
+        angles.append(float(axes[0] @ axes[2]))
+        if abs(axes[0] @ axes[1]) > _SAME or abs(axes[1] @ axes[2]) > _SAME:
+            return False
+    covered = max(angles) > 1.0 - 1e-4 and min(angles) < 1e-4 - 1.0
+    outer = (point.ranges[first], point.ranges[last])
+    if all(way.full for way in outer):
+        return covered
+    half = all(way.upper - way.lower >= math.pi - _SAME for way in outer)
+    return half and point.ranges[middle].full and any(way.full for way in outer)
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The search for the workspace of a point, by way of the wrist's centre where that is simpler."""
+
+    point: ArmPoint
+    wrist: Wrist | None
+    tell: Callable[[str], None]
+    centres: dict[Picture, Area] = field(default_factory=dict)
+    followed: dict[Picture, Area] = field(default_factory=dict)
+    solved: dict[tuple[float, float, float], Postures | None] = field(default_factory=dict)
+
+    @property
+    def pictures(self) -> tuple[Picture, ...]:
+        """What is drawn of the arm; a flat workspace is seen along its axis alone."""
+        _, _, height = self.point.motion(self.point.random(64, self.point.moving), self.point.moving)[0]
+        if np.ptp(height) < 1e-9 * self.point.size:
+            return (Picture.TOP,)
+        return (Picture.SIDE if self.point.turn is None else Picture.SECTION, Picture.TOP)
+
+    @cached_property
+    def views(self) -> tuple[WorkspaceView, ...]:
+        """The pictures with what is reached and what is dexterous."""
+        return tuple(self._view(picture) for picture in self.pictures)
+
+    @property
+    def revolves(self) -> bool:
+        """Whether the workspace is a solid of revolution."""
+        return self.point.turn is not None and self.point.ranges[self.point.turn].full
+
+    def _view(self, picture: Picture) -> WorkspaceView:
+        self.tell(str(picture))
+        plane = PlaneMap.of(self.point, picture)
+        reachable, exact = self._reachable(plane)
+        if reachable.region.is_empty:
+            low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
+            line = low + (high - low) * np.linspace(0.0, 1.0, 721)
+            return WorkspaceView(picture, reachable, None, exact, plane.values(line)[0].T)
+        postures, numbers = self._postures(plane), tuple[tuple[int, Region], ...]()
+        if reachable.cells and postures is not None and postures.are_counted:
+            numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
+        dexterous = self._dexterous(picture, reachable)
+        by_formula = bool(reachable.cells) and self._follows_formulas(plane)
+        return WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula)
+
+    def _postures(self, plane: PlaneMap) -> Postures | None:
+        """In how many postures places of a picture are reached; None where it does not show places of the point."""
+        place = plane.point.place
+        if not (self.revolves if plane.picture is Picture.SECTION else self.pictures == (Picture.TOP,)):
+            return None
+        if place not in self.solved:
+            self.solved[place] = Postures.of(plane.point)
+        return self.solved[place]
+
+    def _follows_formulas(self, plane: PlaneMap) -> bool:
+        postures = self._postures(plane) if plane.has_exact_curves else None
+        return postures is not None and postures.has_formulas
+
+    def _area(self, plane: PlaneMap) -> Area:
+        """What a map covers: by formulas, where they say it, by critical curves, or by search."""
+        postures = self._postures(plane) if self._follows_formulas(plane) else None
+        if postures is not None:
+            return formula_area(plane, partial(postures.curves, plane), partial(postures.within, plane))
+        return exact_area(plane) if plane.has_exact_curves else refined_area(plane)
+
+    def _reachable(self, plane: PlaneMap) -> tuple[Area, bool]:
+        """What is reached in a picture, and whether its boundary is exact."""
+        wrist, picture = self.wrist, plane.picture
+        if plane.has_exact_curves:
+            return self._area(plane), True
+        centre = plane
+        if wrist is not None and wrist.complete and not wrist.planar:
+            centre = PlaneMap.of(replace(self.point, place=wrist.centre), picture)
+        exact = centre.has_exact_curves
+        if picture is Picture.TOP and not exact and self.revolves and Picture.SECTION in self.pictures:
+            section, _ = self._reachable(PlaneMap.of(self.point, Picture.SECTION))
+            return section.changed(_seen_along_axis), False
+        if wrist is not None and centre is not plane:
+            hand, in_space = wrist.hand, picture is Picture.SECTION
+            return self._around(wrist, picture).changed(lambda region: enlarged(region, hand, in_space)), exact
+        if picture not in self.followed:
+            self.followed[picture] = self._area(plane)
+        return self.followed[picture], False
+
+    def _around(self, wrist: Wrist, picture: Picture) -> Area:
+        """Where the wrist's centre gets to."""
+        if picture not in self.centres:
+            self.centres[picture] = self._area(PlaneMap.of(replace(self.point, place=wrist.centre), picture))
+        return self.centres[picture]
+
+    def _dexterous(self, picture: Picture, reachable: Area) -> Area | None:
+        """What is dexterous in a picture; None where it is not known."""
+        wrist = self.wrist
+        if wrist is None or not wrist.complete:
+            return None
+        if wrist.hand == 0.0:
+            return reachable
+        hand, in_space = wrist.hand, not wrist.planar
+        if wrist.planar:
+            flat = picture is Picture.TOP
+            return self._around(wrist, picture).changed(lambda area: dexterous(area, hand, False)) if flat else None
+        if not self.revolves:
+            return None
+        section = self._around(wrist, Picture.SECTION).changed(lambda area: dexterous(area, hand, in_space))
+        return section if picture is Picture.SECTION else section.changed(_seen_along_axis)
+
+    @cached_property
+    def volumes(self) -> tuple[Measure | None, Measure | None]:
+        """Of what is reached, and of what is dexterous."""
+        if len(self.views) < 2:
+            return None, None
+        first = self.views[0]
+        if self.revolves:
+            return first.reachable.volume, None if first.dexterous is None else first.dexterous.volume
+        if any(view.reachable.region.is_empty for view in self.views):
+            return Measure(0.0, 0.0), None
+        self.tell("volume")
+        whole = _counted_volume(self.point, self.views)
+        return whole, whole if first.dexterous is first.reachable else None
+
+
+def _seen_along_axis(section: Region) -> Region:
+    """The rings that a solid of revolution covers, seen along its axis."""
+    package = shapely()
+    rings = []
+    for part in package.get_parts(section):
+        if part.is_empty:
+            continue
+        inner, _, outer, _ = part.bounds
+        ring = package.Point(0.0, 0.0).buffer(outer, quad_segs=512)
+        rings.append(ring.difference(package.Point(0.0, 0.0).buffer(inner, quad_segs=512)) if inner > 0.0 else ring)
+    return package.unary_union(rings)
+
+
+def _counted_volume(point: ArmPoint, views: Sequence[WorkspaceView]) -> Measure:
+    """A volume from the places of a box that are reached, spread evenly (Kronecker's sequence), several times."""
+    package = shapely()
+    front, top = views
+    left, near, right, far = top.reachable.region.bounds
+    _, low, _, high = front.reachable.region.bounds
+    corner, sides = np.array([[left], [near], [low]]), np.array([[right - left], [far - near], [high - low]])
+    steps = np.array([[0.8191725133961645], [0.6710436067037893], [0.5497004779019703]])  # powers of 1/1.2207440846
+    space = PlaneMap(point, Picture.SPACE, point.moving)
+    shares: list[float] = []
+    for k in range(_ESTIMATES):
+        shift = np.random.default_rng(k).random((3, 1))
+        places = corner + sides * ((shift + steps * np.arange(1, _PLACES + 1)) % 1.0)
+        x, y, z = places
+        across = np.hypot(x, y) if front.picture is Picture.SECTION else x
+        inside = package.contains_xy(front.reachable.region, across, z) & package.contains_xy(
+            top.reachable.region, x, y
+        )
+        shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
+    box = float(np.prod(sides))
+    return Measure(box * float(np.mean(shares)), 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5)

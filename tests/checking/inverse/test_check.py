@@ -1,0 +1,240 @@
+"""Printed inverse solutions: what is right passes in any writing, what is not is named with what repairs it."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from derive.api.robots import load
+from derive.checking.formulas.findings import Finding, Outcome, Role, judge
+from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.check import KINDS, shown
+from derive.checking.inverse.solutions import check_inverse, inverse_text
+from derive.errors import CheckError, Location
+from derive.model.model import Model
+
+PLANAR = """\
+D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2)
+theta2 = atan2(+-sqrt(1 - D**2), D)
+theta1 = atan2(y, x) - atan2(a2*s2, a1 + a2*c2)
+"""
+
+
+@cache
+def model(robot: str) -> Model:
+    return Model(load(robot))
+
+
+def checked(robot: str, text: str, *, latex: bool = False) -> tuple[Finding, ...]:
+    return check_inverse(model(robot), inverse_text(text, Asked(Location("notes")), latex=latex))[0]
+
+
+def outcomes(findings: tuple[Finding, ...]) -> dict[str, Outcome]:
+    return {finding.quantity: judge(finding).outcome for finding in findings}
+
+
+def change(findings: tuple[Finding, ...]) -> str:
+    wrong = [judge(finding) for finding in findings if not finding.verdict.equal and finding.role is Role.SOLUTION]
+    (verdict,) = wrong
+    assert verdict.repair is not None
+    return verdict.repair.text
+
+
+def test_all_branches_are_right_and_in_our_form() -> None:
+    found = checked("planar-2r-perugia", PLANAR)
+    assert outcomes(found) == {"q2": Outcome.SAME_FORM, "q1": Outcome.SAME_FORM, "inverse": Outcome.EQUAL}
+    assert found[-1].text == "all 2 solutions"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "theta1 = atan2(y, x) - atan2(a2*s2, a1 + a2*c2); D = (x**2 + y**2 - a1**2 - a2**2)/2/a1/a2; "
+        "theta2 = atan2(±sqrt(1 - D**2), D)",
+        "c2 = (px**2 + py**2 - a1**2 - a2**2)/(2*a1*a2); s2 = +-sqrt(1 - c2**2); q2 = atan2(s2, c2)\n"
+        "q1 = atan2((a1 + a2*c2)*py - a2*s2*px, (a1 + a2*c2)*px + a2*s2*py)",
+        "r = sqrt(x**2 + y**2); beta = arccos((a1**2 + a2**2 - r**2)/(2*a1*a2))\n"
+        "alpha = acos((r**2 + a1**2 - a2**2)/(2*a1*r)); theta1 = atan2(y, x) -+ alpha; theta2 = +-(pi - beta)",
+        "q2 = 2*atan(+-sqrt(((a1 + a2)**2 - x**2 - y**2)/(x**2 + y**2 - (a1 - a2)**2)))\n"
+        "q1 = atan2(y, x) - atan2(a2*sin(q2), a1 + a2*cos(q2))",
+        "c2 = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2), s2 = sqrt(1 - c2**2) or -sqrt(1 - c2**2)\n"
+        "theta2 = arctan2(s2, c2)\ns1 = ((a1 + a2*c2)*y - a2*s2*x)/(x**2 + y**2)\n"
+        "c1 = ((a1 + a2*c2)*x + a2*s2*y)/(x**2 + y**2)\ntheta1 = arctan2(s1, c1)",
+        "theta2 = +-acos((x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2))\ntheta1 = atan2(y, x) - atan2(a2*s2, a1 + a2*c2)",
+        "K = x**2 + y**2 - a1**2 - a2**2; theta2 = atan2(sgn*sqrt(4*a1**2*a2**2 - K**2), K)\n"
+        "theta1 = atan2(y, x) - atan2(a2*sin(theta2), a1 + a2*cos(theta2))",
+    ],
+)
+def test_other_writings_are_equal(text: str) -> None:
+    found = checked("planar-2r-perugia", text)
+    assert all(finding.verdict.equal for finding in found)
+    assert found[-1].text == "all 2 solutions"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        r"D = \frac{x^2 + y^2 - a_1^2 - a_2^2}{2 a_1 a_2}, \quad"
+        r"\theta_2 = \operatorname{atan2}\left(\pm\sqrt{1 - D^2}, D\right) \\"
+        r"\theta_1 = \operatorname{atan2}(y, x) - \operatorname{atan2}(a_2 s_2, a_1 + a_2 c_2)",
+        r"\cos\theta_2 = \frac{p_x^2 + p_y^2 - a_1^2 - a_2^2}{2 a_1 a_2} \\"
+        r"\sin\theta_2 = \pm\sqrt{1 - \cos^2\theta_2} \\"
+        r"\theta_2 = \text{Atan2}(\sin\theta_2, \cos\theta_2) \\"
+        r"\theta_1 = \text{Atan2}(p_y, p_x) - \text{Atan2}(a_2 \sin\theta_2, a_1 + a_2\cos\theta_2)",
+        r"\begin{align} \theta_2 &= \pm\cos^{-1}\frac{x^2 + y^2 - a_1^2 - a_2^2}{2 a_1 a_2} \\"
+        r"\theta_1 &= \mathrm{atan2}(y, x) - \mathrm{atan2}(a_2 \sin\theta_2, a_1 + a_2\cos\theta_2) \end{align}",
+        r"c_2 = \frac{x^2 + y^2 - a_1^2 - a_2^2}{2 a_1 a_2} \\ \theta_2 = A\tan(c_2, \pm\sqrt{1 - c_2^2}) \\"
+        r"\theta_1 = A\tan(x, y) - A\tan(a_1 + a_2 c_2, a_2 s_2)",
+    ],
+)
+def test_latex_is_read_as_books_set_it(text: str) -> None:
+    found = checked("planar-2r-perugia", text, latex=True)
+    assert all(finding.verdict.equal for finding in found)
+    assert found[-1].text.startswith("all 2 solutions")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("1 - D**2", "1 - D", "exponent: D**2 instead of D"),
+        ("atan2(y, x)", "atan2(x, y)", "order of the arguments: atan2(y, x)"),
+        (" - atan2", " + atan2", "sign of the 2nd term"),
+        ("a2*s2", "a1*s2", "index: a2 instead of a1"),
+        ("x**2 + y**2", "x**2 + y", "exponent: y**2 instead of y"),
+        ("a1 + a2*c2", "a1 + a2*c1", "index: c2 instead of c1"),
+        ("/(2*a1*a2)", "/(a1*a2)", "number"),
+        ("- a2**2)", ")", "missing term: a2**2"),
+    ],
+)
+def test_a_slip_is_named_with_what_repairs_it(old: str, new: str, said: str) -> None:
+    assert old in PLANAR
+    found = checked("planar-2r-perugia", PLANAR.replace(old, new))
+    assert said in change(found)
+    assert all(f.role is not Role.BRANCHES for f in found)
+
+
+def test_a_lost_plus_minus_loses_a_branch_that_has_its_name() -> None:
+    found = checked("planar-2r-perugia", PLANAR.replace("+-", ""))
+    assert outcomes(found)["q2"] is Outcome.SOME
+    assert change(found) == "+- missing: +-sqrt(1 - D**2) instead of sqrt(1 - D**2)"
+    assert found[-1].missing == ("elbow up",)
+    assert found[-1].text == "1 of 2 solutions"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("atan2(y, x)", "atan(y/x)", "atan2: atan2(y, x) instead of atan(y/x)"),
+        ("atan2(+-sqrt(1 - D**2), D)", "atan(+-sqrt(1 - D**2)/D)", "atan2: atan2(+-sqrt(1 - D**2), D)"),
+        ("atan2(+-sqrt(1 - D**2), D)", "asin(sqrt(1 - D**2))", "atan2"),
+    ],
+)
+def test_an_arc_function_that_is_not_enough_is_shown_where_it_fails(old: str, new: str, said: str) -> None:
+    found = checked("planar-2r-perugia", PLANAR.replace(old, new))
+    wrong = next(finding for finding in found if not finding.verdict.equal)
+    example = wrong.verdict.counter_example
+    assert example is not None
+    assert example.values
+    if "asin" not in new:
+        assert said in change(found)
+
+
+def test_signs_that_belong_together_are_judged_together() -> None:
+    text = "r = +-sqrt(px**2 + py**2 - d2**2); theta1 = atan2(py, px) - atan2(d2, {0}); theta2 = atan2({1}, pz)"
+    right = "c1*px + s1*py"
+    assert all(
+        f.verdict.equal for f in checked("spherical-arm", text.format("r", right) + "; d3 = s2*(c1*px + s1*py) + c2*pz")
+    )
+
+
+def test_what_is_given_by_itself_is_refused() -> None:
+    with pytest.raises(CheckError, match="given by each other"):
+        checked(
+            "planar-2r-perugia", "theta1 = atan2(y - a2*s12, x - a2*c12); theta2 = atan2(y - a1*s1, x - a1*c1) - theta1"
+        )
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [("theta1 = atan2(y, zz)", "notes:1:19"), ("theta2 = +-sqrt(1 - ", "notes:1:20"), ("theta1 + 2", "notes:1:1")],
+)
+def test_what_cannot_be_read_has_its_place(text: str, place: str) -> None:
+    with pytest.raises(CheckError) as caught:
+        checked("planar-2r-perugia", text)
+    assert str(caught.value).startswith(f"{place}: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("c2 = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); c2 = +-sqrt(1 - c2**2)", "left side: s2 instead of c2"),
+        (PLANAR.splitlines()[0] + "; theta1 = atan2(+-sqrt(1 - D**2), D)", "left side: q2 instead of q1"),
+    ],
+)
+def test_another_left_side_may_be_meant(text: str, said: str) -> None:
+    assert change(checked("planar-2r-perugia", text)) == said
+
+
+def test_an_alternative_that_never_holds_is_wrong_by_itself() -> None:
+    found = checked("planar-2r-perugia", PLANAR.replace("+-sqrt(1 - D**2), D)", "sqrt(1 - D**2), D) or q2 + 1"))
+    assert outcomes(found)["q2"] is Outcome.SOME
+    right, wrong = checked("planar-2r-perugia", "theta2 = atan2(r21, r11) - theta1 or atan2(r21, r11) + theta1")
+    assert (right.verdict.equal, wrong.verdict.equal) == (True, False)
+
+
+def test_a_plus_minus_of_which_one_sign_never_holds_is_wrong() -> None:
+    text = "theta2 = atan2(r21, r11) - theta1"
+    assert change(checked("planar-2r-perugia", text.replace("= atan2", "= +-atan2"))) == (
+        "+- that is not needed: atan2(r21, r11) - q1"
+    )
+    assert "+- that is not needed" in change(checked("planar-2r-perugia", PLANAR.replace("atan2(y", "+-atan2(y")))
+    assert all(finding.verdict.equal for finding in checked("planar-2r-perugia", PLANAR.replace("a1 + a2", "a1 - -a2")))
+
+
+WRIST = """\
+theta5 = atan2(sqrt(1 - r33**2), r33)
+theta4 = atan2(r23, r13)
+theta6 = atan2(r32, -r31)
+theta4' = theta4 + pi
+theta5' = -theta5
+theta6' = theta6 + pi
+"""
+
+
+def test_a_second_solution_may_be_given_by_primes() -> None:
+    found = checked("spherical-wrist", WRIST)
+    assert all(finding.verdict.equal for finding in found)
+    assert [finding.quantity for finding in found] == ["q5", "q4", "q6", "q4'", "q5'", "q6'", "inverse"]
+    assert found[-1].text == "all 2 solutions"
+    latex = r"\theta_4' = \theta_4 + 180^\circ, \quad \theta_5^\prime = -\theta_5 \\ \theta_6' = \theta_6 + \pi"
+    first = r"\theta_5 = \arccos r_{33} \\ \theta_4 = \operatorname{atan2}(r_{23}, r_{13}) \\"
+    last = r"\theta_6 = \operatorname{atan2}(r_{32}, -r_{31}) \\"
+    assert all(finding.verdict.equal for finding in checked("spherical-wrist", first + last + latex, latex=True))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("= -theta5", "= theta5", "sign"),
+        ("theta6 + pi", "theta6", "missing term: pi"),
+        ("theta4 + pi", "theta6 + pi", "index"),
+    ],
+)
+def test_a_slip_in_a_primed_line_is_named(old: str, new: str, said: str) -> None:
+    found = checked("spherical-wrist", WRIST.replace(old, new))
+    primed = [finding for finding in found if finding.quantity.endswith("'") and not finding.verdict.equal]
+    (wrong,) = map(judge, primed)
+    assert wrong.repair is not None
+    assert said in wrong.repair.text
+
+
+def test_the_prime_of_a_name_is_refused() -> None:
+    with pytest.raises(CheckError, match="prime"):
+        checked("spherical-wrist", "D' = r33; theta5 = +-acos(r33)")
+
+
+def test_signs_are_written_as_in_notes() -> None:
+    assert KINDS
+    assert shown("a + ±1*sqrt(b)") == "a +- sqrt(b)"
+    assert shown("±1*sqrt(b)") == "+-sqrt(b)"

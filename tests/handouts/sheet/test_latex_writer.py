@@ -1,0 +1,189 @@
+"""The sheet compiles without an error or an overfull box, and leaves nothing out in silence."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from derive.handouts.assemble import context_of, document
+from derive.handouts.layout.quantity import POLICY, SheetPolicy
+from derive.handouts.sheet.document import Block, Document, Formula, Paragraph, Rows, Section, Steps, Table
+from derive.handouts.sheet.language import Text
+from derive.handouts.sheet.latex_writer import latex
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
+from derive.robot.robot import Robot
+from tests.handouts.latex_runner import run_latex
+
+WORST_OVERFULL = 1.0
+MOST_PAGES = 40
+
+DISPLAY = Rows(("a = b",))
+TITLES = [
+    r"\input{/etc/passwd} \write18{touch x} \end{document}",
+    r"$ & % # _ { } ~ ^ \ \\ \par \csname x\endcsname ^^41",
+    "\"\"\" ''' ``quotes'' */ /* -- <b>html</b> {{ 7*7 }} {% raw %} {# #}",
+    "two\nlines\n\nand a paragraph\ttab",
+    "\N{GREEK SMALL LETTER ALPHA} \N{CJK UNIFIED IDEOGRAPH-4E2D} \N{LATIN SMALL LETTER E WITH ACUTE} \N{PILE OF POO} ß",
+    "W" * 500,
+]
+
+
+def section_source(blocks: tuple[Block, ...]) -> str:
+    """A section as it stands in a sheet."""
+    document = Document("Bar", "", "bar", "en", "0", "0", "", (Section("table", "Table", blocks),))
+    return latex(document, Text()).partition("\\section*")[2]
+
+
+def sheet(robot: Robot, policy: SheetPolicy = POLICY) -> str:
+    """The document."""
+    context = replace(context_of(robot), policy=policy)
+    return latex(document(context), context.text)
+
+
+def assert_is_clean(text: str, folder: Path) -> None:
+    """No error, nothing outside of the margins, no more pages than anybody prints."""
+    log = run_latex(text, folder)
+    assert not log.errors
+    assert log.status == 0
+    assert log.overfull <= WORST_OVERFULL
+    assert 1 <= log.pages <= MOST_PAGES
+
+
+@pytest.mark.parametrize("title", TITLES, ids=range(len(TITLES)))
+def test_titles_are_text_and_nothing_else(title: str, tmp_path: Path) -> None:
+    """The document ends where it should, and nothing is read or run."""
+    quoted = "".join(f"\\U{ord(char):08X}" for char in title)
+    robot = Robot.from_text(f'name: arm\ntitle: "{quoted}"\nconvention: standard\njoints: [{{type: revolute}}]\n')
+    assert robot.title == title
+    text = sheet(robot)
+    assert_is_clean(text, tmp_path)
+    assert text.rstrip().endswith(r"\end{document}")
+    assert {path.name for path in tmp_path.iterdir()} <= {"sheet.tex", "sheet.log", "sheet.aux", "sheet.pdf"}
+
+
+def long_names(i: int) -> str:
+    """A row whose every symbol has 64 characters."""
+
+    def name(stem: str) -> str:
+        return f"{stem}{i}_".ljust(64, "x")
+
+    return (
+        f"  - {{type: revolute, q: {name('joint')}, a: {name('A')}, "
+        f"d: '2*{name('D')} + 1/({name('E')} + {name('F')}) + sqrt({name('G')} + 1)', "
+        f"alpha: '{name('b')} + pi/7', limits: ['-pi + {name('lo')}', '{name('hi')}/7']}}\n"
+    )
+
+
+def test_the_longest_names_fit(tmp_path: Path) -> None:
+    """Products and brackets are broken wherever a line ends."""
+    robot = Robot.from_text("name: arm\nconvention: standard\njoints:\n" + long_names(1) + long_names(2))
+    assert_is_clean(sheet(robot), tmp_path)
+
+
+def chain(n: int) -> Robot:
+    """An arm of n joints in all directions, with links."""
+    rows = "".join(f"  - {{type: revolute, a: a{i}, alpha: pi/{2 if i % 2 else 3}}}\n" for i in range(1, n + 1))
+    links = "".join(f"  - {{mass: m{i}, com: [x{i}, y{i}, z{i}], inertia: {{xx: I{i}}}}}\n" for i in range(1, n + 1))
+    return Robot.from_text(f"name: arm\nconvention: modified\njoints:\n{rows}links:\n{links}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [6, 9, 20])
+def test_long_arms_have_a_clean_sheet(n: int, tmp_path: Path) -> None:
+    """What is too long is given in named terms or by its number of terms."""
+    text = sheet(chain(n))
+    assert "terms" in text
+    assert_is_clean(text, tmp_path)
+
+
+ENTRY = re.compile(r"(b|C|N|J|t|g|\\tau )_\{(\d),?(\d?)\}(?: = | \\colon)")
+
+
+def test_no_entry_is_left_out_in_silence() -> None:
+    """With a budget of next to nothing every entry that is not zero appears with its number of terms."""
+    robot = chain(4)
+    entries = ModelEntries(Model(robot))
+    policy = SheetPolicy(flat_terms=3, grouped_terms=3, matrix_terms=0, compact_terms=0)
+    text = sheet(robot, policy)
+    listed = {match.groups() for match in ENTRY.finditer(text)}
+    for letter, name, columns in (("t", "T", 4), ("J", "J", 4), ("b", "B", 4)):
+        quantity = getattr(entries, name)
+        for i in range(1, quantity.shape[0] + 1):
+            for j in range(1, columns + 1):
+                wanted = quantity.terms(i, j) and (letter != "b" or i <= j)
+                assert not wanted or (letter, str(i), str(j)) in listed, (name, i, j)
+    triples = [(i, j, k) for i in range(1, 5) for j in range(1, 5) for k in range(j, 5)]
+    for i, j, k in triples:
+        assert bool(entries.christoffel(i, j, k).terms(1, 1)) == (
+            f"c_{{{i},{j}{k}}} \\colon" in text or (f"c_{{{i},{j}{k}}} = " in text)
+        )
+
+
+def test_the_whole_matrix_is_printed_where_it_fits() -> None:
+    """And entries share brackets by name where it does not."""
+    assert r"\mathbf{T} = \begin{bmatrix} c_{12}c_{4} + s_{12}s_{4} & " in sheet(Robot.load("scara-perugia"))
+    assert "With the abbreviations" in sheet(Robot.load("puma560-laschi"))
+
+
+NOTED = Formula((DISPLAY,), note="They end.")
+
+
+@pytest.mark.parametrize(
+    "blocks",
+    [
+        (Paragraph("They end."), Paragraph("Others begin.")),
+        (NOTED, Paragraph("Others begin.")),
+        (Paragraph("Before."), NOTED, Paragraph("Others begin.")),
+        (DISPLAY, NOTED, Paragraph("Others begin.")),
+        (NOTED, Formula((DISPLAY,), named=("c = d",), note="Others begin.")),
+        (Steps("Steps", (NOTED,)), Paragraph("Others begin.")),
+        (Steps("Steps", (Paragraph("They end."), NOTED)), Paragraph("Others begin.")),
+    ],
+)
+def test_what_follows_a_sentence_is_a_paragraph_of_its_own(blocks: tuple[Block, ...]) -> None:
+    """Wherever the sentence stands: an unfinished line would run into the next one."""
+    text = section_source(blocks)
+    *_, behind = text.split("They end.")
+    assert re.match(r"%?\n(\\endgroup\n)?\\par\n", behind), text
+    assert text.count("\\begingroup") == text.count("\\endgroup")
+
+
+def test_code_has_spaces_of_one_width() -> None:
+    """TeX would stretch the one behind a colon."""
+    text = section_source((Paragraph("Under `figure: values:`."),))
+    assert "\\texttt{figure:\\ values:}" in text
+
+
+def test_short_displays_stay_on_one_page_and_fractions_off_the_rules() -> None:
+    short, long = (section_source((Rows(("a = b",) * rows),)) for rows in (14, 15))
+    assert short.count("\\\\*") == 13
+    assert "\\\\*" not in long
+    table = section_source((Table(("$i$",), (("$\\tfrac{\\pi}{2}$",), ("$0$",))),))
+    assert table.count("\\rule[") == 1
+
+
+def page_of(mark: str) -> str:
+    """LaTeX that writes into the log on which page it is printed."""
+    return f"x \\write16{{{mark} on \\the\\count0}}"
+
+
+@pytest.mark.slow
+def test_a_section_of_one_sentence_does_not_stand_alone_on_a_page(tmp_path: Path) -> None:
+    """However far the page before it is filled: the display before it goes with it."""
+    pages = set()
+    for rows in (38, 40, 42):
+        filling = Rows(tuple(f"a_{{{k}}} = b" for k in range(rows)))
+        last = Rows((page_of("display"),))
+        ending = Section("example", "Example", (Paragraph(f"A sentence ${page_of('sentence')}$."),))
+        sections = (Section("table", "Table", (filling, Paragraph("Then:"), last)), ending)
+        log = run_latex(latex(Document("Bar", "", "bar", "en", "0", "0", "", sections), Text()), tmp_path)
+        display, sentence = (re.search(rf"{mark} on (\d)", log.text) for mark in ("display", "sentence"))
+        assert display is not None
+        assert sentence is not None
+        assert display[1] == sentence[1]
+        pages.add(sentence[1])
+    assert pages == {"1", "2"}

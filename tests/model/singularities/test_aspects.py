@@ -1,0 +1,145 @@
+"""Aspects of arms whose type is known, and paths between solutions that meet no singularity."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from derive.model.model import Model
+from derive.model.singularities.aspects import Aspects, connected
+from derive.robot.robot import Robot
+from derive.verification.oracle.frames import forward_kinematics, jacobian, numeric_arm
+from tests.inverse.arms import PUBLISHED
+
+ORTHOGONAL = """name: arm
+convention: standard
+joints:
+  - {{type: revolute, a: 1, alpha: -pi/2}}
+  - {{type: revolute, d: {r2}, a: {d3}, alpha: pi/2}}
+  - {{type: revolute, a: {d4}}}
+"""
+"""Three orthogonal axes with d2 = 1 and r3 = 0."""
+
+
+@cache
+def aspects(name: str) -> Aspects:
+    """The aspects of an arm of the catalogue."""
+    return Model(Robot.load(name)).aspects
+
+
+def orthogonal(d3: float, d4: float, r2: float) -> Robot:
+    """An arm of three orthogonal axes."""
+    return Robot.from_text(ORTHOGONAL.format(d3=d3, d4=d4, r2=r2))
+
+
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [("planar-3r", 2), ("scara-perugia", 2), ("anthropomorphic-arm", 4), ("puma560-corke", 8)],
+)
+def test_arms_of_textbooks_have_as_many_aspects_as_solutions_each_in_its_own(name: str, count: int) -> None:
+    found = aspects(name)
+    assert (found.count, found.inverse.count, found.shared, found.is_cuspidal) == (count, count, 0, False)
+    assert len(set(found.signs)) == count
+    assert None not in found.signs
+
+
+def test_signs_of_the_factors_are_the_words_of_the_branches() -> None:
+    found = aspects("puma560-corke")
+    elbow = [str(factor.posture) for factor in found.factors].index("elbow")
+    wrist = [str(factor.posture) for factor in found.factors].index("wrist")
+    for solution, signs in zip(found.inverse.solutions, found.signs, strict=True):
+        assert signs is not None
+        assert (signs[wrist] > 0) == ("not flipped" in solution.name)
+        left, up = "left" in solution.name, "elbow up" in solution.name
+        assert (signs[elbow] > 0) == (left == up)
+
+
+def assert_is_a_path(robot: Robot, found: Aspects, rows: slice) -> None:
+    """The oracle's det J keeps its sign along the path, and its ends are two configurations of one pose."""
+    assert found.crossing is not None
+    path, arm = found.crossing.path, numeric_arm(robot, {})
+    ends = [forward_kinematics(arm, q) for q in (path[0], path[-1])]
+    place = (slice(0, 3), 3) if rows == slice(0, 3) else (slice(None), slice(None))
+    assert np.abs(ends[0][place] - ends[1][place]).max() < 1e-9
+    assert np.abs(np.exp(1j * path[0]) - np.exp(1j * path[-1])).max() > 1e-2
+    values = [
+        np.linalg.det(jacobian(arm, a + s * (b - a))[rows])
+        for a, b in pairwise(path)
+        for s in np.linspace(0.0, 1.0, 200)
+    ]
+    assert min(values) > 0.0 or max(values) < 0.0
+
+
+def test_the_orthogonal_arm_of_the_literature_is_cuspidal() -> None:
+    robot = orthogonal(2, 1.5, 1)  # Wenger: four cusps, two aspects
+    found = Model(robot).aspects
+    assert found.count == 2
+    assert {2, 4} == set(found.solutions)
+    assert_is_a_path(robot, found, slice(0, 3))
+    assert found.inverse.solutions == ()  # no words for its branches
+
+
+def test_an_orthogonal_arm_that_cannot_fold_over_is_not_cuspidal() -> None:
+    found = Model(orthogonal(1, 3, 0)).aspects  # r2 = r3 = 0: quadratics, not cuspidal (Wenger 2007)
+    assert not found.is_cuspidal
+
+
+@pytest.mark.sweep
+def baili_bounds(d3: float, r2: float) -> tuple[float, float]:
+    """Of orthogonal arms with d2 = 1, r3 = 0: below the first d4 none is cuspidal, from there to the second all are.
+
+    Baili, Wenger and Chablat, A classification of 3R orthogonal manipulators by the topology of their workspace, 2004.
+    """
+    a, b, square = math.hypot(d3 + 1, r2), math.hypot(d3 - 1, r2), d3**2 + r2**2
+    return math.sqrt((square - (square**2 - d3**2 + r2**2) / (a * b)) / 2), d3 * a / (1 + d3)
+
+
+@pytest.mark.parametrize(
+    ("d3", "r2"),
+    [
+        pytest.param(2.33, 1.02, marks=pytest.mark.sweep),
+        pytest.param(0.9, 0.39, marks=pytest.mark.sweep),
+        pytest.param(1.23, 0.44, marks=pytest.mark.sweep),
+        pytest.param(0.54, 0.66, marks=pytest.mark.sweep),
+        pytest.param(1.53, 0.55, marks=pytest.mark.sweep),
+        pytest.param(0.85, 1.13, marks=pytest.mark.sweep),
+        pytest.param(2.08, 0.47, marks=pytest.mark.sweep),
+    ],
+)
+def test_orthogonal_arms_are_cuspidal_where_the_literature_says_so(d3: float, r2: float) -> None:
+    first, second = baili_bounds(d3, r2)
+    assert not Model(orthogonal(d3, round(0.8 * first, 3), r2)).aspects.is_cuspidal
+    robot = orthogonal(d3, round((first + second) / 2, 3), r2)
+    found = Model(robot).aspects
+    assert found.is_cuspidal
+    assert_is_a_path(robot, found, slice(0, 3))
+
+
+@pytest.mark.sweep
+def test_a_crx_is_cuspidal() -> None:
+    case = next(case for case in PUBLISHED if case.name == "crx-10ia")
+    robot = case.robot()
+    found = Model(robot).aspects
+    assert found.shared > 0
+    assert found.count is None
+    assert_is_a_path(robot, found, slice(0, 6))
+
+
+@pytest.mark.parametrize(
+    ("name", "why"), [("thumb", "no determinant"), ("kuka-lwr4", "more joints"), ("skeleton-root", "more joints")]
+)
+def test_arms_without_a_determinant_say_so(name: str, why: str) -> None:
+    found = aspects(name)
+    assert (found.count, found.is_cuspidal) == (None, False)
+    assert why in found.why_not
+
+
+def test_cells_hang_together_around_the_ends_of_an_angle() -> None:
+    code = np.array([[1, 1, 0, 1], [0, 0, 0, 1], [1, 1, 0, 1]])
+    assert len(np.unique(connected(code, (False, False)))) == 4
+    assert len(np.unique(connected(code, (True, False)))) == 3
+    assert len(np.unique(connected(code, (True, True)))) == 2

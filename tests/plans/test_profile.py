@@ -1,0 +1,184 @@
+"""Profiles from point to point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from sympy import Expr, Float, Integer, Rational, nsimplify, pi, sqrt
+
+from derive.motion.curves.extremes import peak
+from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.plans.hermite import TIME, Piece
+from derive.plans.profile import (
+    UNIT_PEAKS,
+    Cosine,
+    Curve,
+    Profile,
+    rest_to_rest,
+    spline,
+    trapezoid,
+    via_velocities,
+)
+
+ZERO = Integer(0)
+
+
+def one_joint(pieces: tuple, duration: object) -> Trajectory:
+    return Trajectory((Segment("a -> b", ZERO, duration, (pieces,)),))
+
+
+@pytest.mark.parametrize("profile", list(UNIT_PEAKS))
+def test_peaks_of_a_unit_motion_are_those_of_books(profile: Profile) -> None:
+    pieces = rest_to_rest(profile, ZERO, Integer(1), ZERO, Integer(1))
+    for order, expected in zip((1, 2), UNIT_PEAKS[profile], strict=True):
+        found = peak(pieces, order)
+        assert found.is_exact
+        assert (found.value - expected).simplify() == 0
+
+
+@pytest.mark.parametrize("profile", list(UNIT_PEAKS))
+def test_a_profile_stands_at_both_ends_and_passes_the_middle_half_way(profile: Profile) -> None:
+    motion = one_joint(rest_to_rest(profile, ZERO, Integer(3), Integer(1), pi), Integer(3))
+    q, qd, _ = motion(np.array([0.0, 1.5, 3.0]))
+    assert q[[0, 2], 0].tolist() == [1.0, float(pi)]
+    assert qd[[0, 2], 0].tolist() == [0.0, 0.0]
+    assert q[1, 0] == pytest.approx((1 + float(pi)) / 2, rel=1e-15)
+
+
+def test_harmonic_motion_is_a_cosine() -> None:
+    motion = one_joint((Cosine(ZERO, Integer(2), ((Integer(1),), (Integer(4),))),), Integer(2))
+    t = np.linspace(0, 2, 41)
+    q, qd, qdd = (value[:, 0] for value in motion(t))
+    assert q == pytest.approx(1 + 1.5 * (1 - np.cos(np.pi * t / 2)), abs=1e-14)
+    assert qd == pytest.approx(1.5 * np.pi / 2 * np.sin(np.pi * t / 2), abs=1e-14)
+    assert qdd == pytest.approx(1.5 * (np.pi / 2) ** 2 * np.cos(np.pi * t / 2), abs=1e-14)
+
+
+@pytest.mark.parametrize("cruise", [Rational(11, 10), Rational(3, 2), Integer(2)])
+@pytest.mark.parametrize("way", [pi / 2, Integer(-3)])
+def test_a_trapezoid_reaches_its_speed_and_its_end(cruise: object, way: object) -> None:
+    speed = cruise * abs(way) / 3
+    pieces = trapezoid(ZERO, Integer(3), Integer(1), 1 + way, speed)
+    assert len(pieces) == (2 if cruise == 2 else 3)
+    assert (abs(peak(pieces, 1).value) - speed).simplify() == 0
+    q, qd, qdd = one_joint(pieces, Integer(3))(np.linspace(0, 3, 3001))
+    assert q[-1, 0] == pytest.approx(float(1 + way), abs=1e-15)
+    assert qd[-1, 0] == 0
+    assert np.trapezoid(qd[:, 0], dx=1e-3) == pytest.approx(float(way), rel=1e-6)
+    assert np.unique(np.round(np.abs(qdd), 9)).size == len(set(map(abs, np.round(qdd[[0, 1500], 0], 9))))
+
+
+def test_a_joint_that_does_not_move_stands() -> None:
+    (piece,) = trapezoid(ZERO, Integer(3), Integer(1), Integer(1), ZERO)
+    assert peak((piece,), 1).value == 0
+
+
+def test_velocities_at_via_points_are_means_and_zero_where_the_way_turns_back() -> None:
+    times = [Integer(t) for t in (0, 1, 3, 4)]
+    assert via_velocities(times, [ZERO, Integer(2), Integer(4), Integer(1)]) == (0, Rational(3, 2), 0, 0)
+
+
+def test_the_spline_is_scipys_clamped_one_and_exact() -> None:
+    times, positions = [0, 1, 3, Rational(7, 2)], [Integer(0), pi / 2, Integer(1), sqrt(2)]
+    pieces = spline([Integer(0) + t for t in times], positions)
+    theirs = CubicSpline([float(t) for t in times], [float(p) for p in positions], bc_type="clamped")
+    t = np.linspace(0, 3.5, 71)
+    ours = Trajectory(tuple(Segment("", piece.start, piece.duration, ((piece,),)) for piece in pieces))(t)
+    for order in range(3):
+        assert ours[order][:, 0] == pytest.approx(theirs(t, order), abs=1e-12)
+    accelerations = [
+        [piece.in_unit_time().diff().diff().eval(u) / piece.duration**2 for u in (0, 1)] for piece in pieces
+    ]
+    for before, after in pairwise(accelerations):
+        assert (before[1] - after[0]).simplify() == 0
+
+
+def test_a_curve_is_its_formula() -> None:
+    formula = TIME**2 / 10 - 1
+    curve = Curve(ZERO, Integer(5), (formula, formula.diff(TIME), formula.diff(TIME, 2)))
+    t = np.linspace(0, 5, 11)
+    assert curve.sampled(t, 0) == pytest.approx(t**2 / 10 - 1)
+    assert curve.sampled(t, 1) == pytest.approx(t / 5)
+    assert curve.sampled(t, 2).tolist() == [0.2] * 11
+
+
+class TestToolbox:
+    """Formulas of roboticstoolbox 1.5 (`jtraj`, `quintic`, `trapezoidal`, `mtraj`) called with a time vector."""
+
+    START, END = np.array([0.3, -1.2, 2.0]), np.array([1.7, 0.4, -0.5])
+
+    def ours(self, pieces: Callable[[Expr, Expr], tuple], duration: Expr, t: np.ndarray) -> np.ndarray:
+        """Positions, velocities and accelerations of three joints, (3, times, 3)."""
+        ends = zip(self.START, self.END, strict=True)
+        joints = tuple(pieces(nsimplify(q0), nsimplify(q1)) for q0, q1 in ends)
+        return np.array(Trajectory((Segment("", ZERO, duration, joints),))(t))
+
+    @pytest.mark.parametrize("duration", [Integer(3), Rational(1, 7)])
+    def test_jtraj(self, duration: Expr) -> None:
+        """A t^5 + B t^4 + C t^3 + E t + F with t from 0 to 1, and velocities at both ends."""
+        random = np.random.default_rng(2)
+        v0, v1 = random.normal(size=(2, 3))
+        tf = float(duration)
+        t = np.linspace(0, tf, 301)
+        a = 6 * (self.END - self.START) - 3 * (v1 + v0) * tf
+        b = -15 * (self.END - self.START) + (8 * v0 + 7 * v1) * tf
+        c = 10 * (self.END - self.START) - (6 * v0 + 4 * v1) * tf
+        s = (t / tf)[:, None]
+        q = a * s**5 + b * s**4 + c * s**3 + v0 * tf * s + self.START
+        qd = (5 * a * s**4 + 4 * b * s**3 + 3 * c * s**2 + v0 * tf) / tf
+        qdd = (20 * a * s**3 + 12 * b * s**2 + 6 * c * s) / tf**2
+        ends = zip(self.START, v0, self.END, v1, strict=True)
+        joints = tuple(
+            (Piece(ZERO, duration, ((Float(p), Float(v), ZERO), (Float(r), Float(w), ZERO))),) for p, v, r, w in ends
+        )
+        found = np.array(Trajectory((Segment("", ZERO, duration, joints),))(t))
+        for order, theirs in enumerate((q, qd, qdd)):
+            assert np.abs(found[order] - theirs).max() <= 1e-12 * np.abs(theirs).max()
+
+    def test_quintic_and_mtraj(self) -> None:
+        """Six coefficients by what holds at both ends, joint by joint."""
+        t, tf = np.linspace(0, 2.5, 251), 2.5
+        system = np.array(
+            [
+                [0, 0, 0, 0, 0, 1],
+                [1, 1, 1, 1, 1, 1],
+                [0, 0, 0, 0, 1, 0],
+                [5, 4, 3, 2, 1, 0],
+                [0, 0, 0, 2, 0, 0],
+                [20, 12, 6, 2, 0, 0],
+            ],
+            dtype=float,
+        )
+        found = self.ours(lambda a, b: rest_to_rest(Profile.QUINTIC, ZERO, Rational(5, 2), a, b), Rational(5, 2), t)
+        for j in range(3):
+            coefficients = np.linalg.solve(system, [self.START[j], self.END[j], 0, 0, 0, 0])
+            for order in range(3):
+                theirs = np.polyval(np.polyder(coefficients, order), t / tf) / tf**order
+                assert found[order, :, j] == pytest.approx(theirs, abs=1e-12 * np.abs(theirs).max())
+
+    @pytest.mark.parametrize("cruise", [Rational(3, 2), Rational(11, 10), Integer(2)])
+    def test_trapezoidal_and_mtraj(self, cruise: Expr) -> None:
+        """Three parabolas and lines with V = cruise D/T, by default 3/2, and tb = (q0 - qf + V T)/V."""
+        t, tf = np.linspace(0, 2, 401), 2.0
+        found = self.ours(
+            lambda a, b: trapezoid(ZERO, Integer(2), a, b, cruise * abs(b - a) / 2),
+            Integer(2),
+            t,
+        )
+        for j, (q0, qf) in enumerate(zip(self.START, self.END, strict=True)):
+            speed = float(cruise) * (qf - q0) / tf
+            blend = (q0 - qf + speed * tf) / speed
+            a = speed / blend
+            up, flat = t <= blend, t <= tf - blend
+            down = qf - a / 2 * tf**2 + a * tf * t - a / 2 * t**2
+            q = np.where(up, q0 + a / 2 * t**2, np.where(flat, (qf + q0 - speed * tf) / 2 + speed * t, down))
+            qd = np.where(up, a * t, np.where(flat, speed, a * tf - a * t))
+            qdd = np.where(up, a, np.where(flat, 0.0, -a))
+            assert found[0, :, j] == pytest.approx(q, abs=1e-12)
+            assert found[1, :, j] == pytest.approx(qd, abs=1e-12)
+            inside = (np.abs(t - blend) > 1e-9) & (np.abs(t - tf + blend) > 1e-9)
+            assert found[2, inside, j] == pytest.approx(qdd[inside], abs=1e-12 * abs(a))

@@ -1,0 +1,58 @@
+"""A document knows the place of every text in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from derive.errors import RobotFileError
+from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.reading.document import KeyPath, Node, YamlMapping, YamlScalar, YamlSequence, read_document, read_tree
+
+
+def scalars(node: Node, path: KeyPath = ()) -> Iterator[tuple[KeyPath, YamlScalar]]:
+    """Every text of a tree and the way to it."""
+    match node:
+        case YamlScalar():
+            yield path, node
+        case YamlSequence():
+            for index, item in enumerate(node.items):
+                yield from scalars(item, (*path, index))
+        case YamlMapping():
+            for key, (_, value) in node.entries.items():
+                yield from scalars(value, (*path, key))
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_every_text_stands_where_it_is_said_to_stand(name: str) -> None:
+    text = catalogue_text(name)
+    document = read_document(text.encode() if isinstance(text, str) else text, name)
+    lines = (text if isinstance(text, str) else text.decode()).splitlines()
+    found = list(scalars(document.root))
+    assert len(found) > 5
+    for path, scalar in found:
+        assert document.find(path) is scalar
+        assert document.text(*path) == scalar.text
+        assert document.location(path) == scalar.location
+        if scalar.verbatim:
+            place = scalar.inner
+            assert lines[place.line - 1][place.column - 1 :].startswith(scalar.text)
+
+
+def test_texts_keep_what_other_readers_of_yaml_change() -> None:
+    root = read_tree(b"a: 0.10\nb: 1e3\nc: no\nd: 0o17\ne: 2001-01-01\nf: 'it''s'\n", "x")
+    assert isinstance(root, YamlMapping)
+    assert [scalar.text for _, scalar in scalars(root)] == ["0.10", "1e3", "no", "0o17", "2001-01-01", "it's"]
+
+
+def test_of_a_corpus_file_only_the_robot_is_kept_at_its_places() -> None:
+    document = read_document(b"notes: long\nrobot:\n  name: arm\nexpected: [x]\n", "notes.yaml")
+    assert list(document.root.entries) == ["name"]
+    assert (document.location(("name",)).line, document.location(("name",)).column) == (3, 9)
+
+
+@pytest.mark.parametrize("text", [b"a: [1", b"a: 1\na: 2\n", b"- 1\n", b"a: &x 1\nb: *x\n", b"\xff\xfe", b""])
+def test_what_is_no_document_is_refused_with_its_file(text: bytes) -> None:
+    with pytest.raises(RobotFileError, match=r"x\.yaml"):
+        read_document(text, "x.yaml")

@@ -1,0 +1,80 @@
+"""The JSON Schema and the loader agree on the structure of robot files."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import jsonschema
+import pytest
+import yaml
+
+from derive.cli.new import new_robot_text
+from derive.errors import DeriveError
+from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.reading.schema import json_schema
+from derive.robot.robot import Robot
+from tests.robot.hostile import GOOD, HOSTILE
+
+STRUCTURAL = [
+    *("unknown-key", "unknown-cell", "unknown-link-key", "unknown-inertia-key", "missing-convention", "missing-name"),
+    *(
+        "missing-type",
+        "missing-joints",
+        "wrong-convention",
+        "wrong-type",
+        "wrong-unit",
+        "joints-mapping",
+        "joints-empty",
+    ),
+    *("joint-text", "cell-list", "cell-mapping", "com-two", "com-four", "com-text", "limits-three", "gravity-two"),
+    *("tool-three-rows", "tool-short-row", "name-path", "name-capital", "title-list", "thousand-joints"),
+    *("robot-is-text", "list", "text", "null"),
+]
+
+
+def validator() -> jsonschema.Draft202012Validator:
+    schema = json_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_the_catalogue_satisfies_the_schema(name: str) -> None:
+    validator().validate(yaml.safe_load(catalogue_text(name)))
+
+
+def test_a_robot_in_its_own_block_and_a_new_robot_satisfy_the_schema() -> None:
+    validator().validate({"robot": yaml.safe_load(GOOD), "expected": []})
+    validator().validate(yaml.safe_load(new_robot_text("my-arm")))
+
+
+@pytest.mark.parametrize("name", STRUCTURAL)
+def test_what_the_loader_refuses_for_its_structure_the_schema_refuses_too(name: str) -> None:
+    data = HOSTILE[name][0]
+    assert not validator().is_valid(yaml.safe_load(data))
+    with pytest.raises(DeriveError):
+        Robot.from_text(data.decode())
+
+
+def test_every_key_of_the_schema_is_described() -> None:
+    robot = json_schema()["$defs"]["RobotFile"]
+    assert all("description" in value for value in robot["properties"].values())
+
+
+def test_the_schema_is_the_same_under_any_hash_seed() -> None:
+    code = "import json; from derive.robot.reading.schema import json_schema; print(json.dumps(json_schema()))"
+    outputs = {
+        subprocess.run(
+            [sys.executable, "-c", code], env={"PYTHONHASHSEED": seed}, capture_output=True, check=True, text=True
+        ).stdout
+        for seed in ("1", "2")
+    }
+    assert outputs == {json.dumps(json_schema()) + "\n"}
+
+
+def test_importing_the_package_does_not_import_pydantic() -> None:
+    code = "import sys, derive; print({'pydantic', 'yaml', 'sympy'} & set(sys.modules))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    assert result.stdout == "set()\n"

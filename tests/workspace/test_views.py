@@ -1,0 +1,107 @@
+"""The workspace of a robot: its views, its wrist, what is dexterous, and its plot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from derive.robot.robot import Robot
+from derive.workspace.point import ArmPoint, Picture, PlaneMap, joint_ranges
+from derive.workspace.poses import RobotPoses
+from derive.workspace.views import Workspace, find_workspace, find_wrist
+from tests.random_robots import swept_catalogue
+from tests.workspace.arms import GANTRY, arm
+
+shapely = pytest.importorskip("shapely")
+pytest.importorskip("matplotlib")
+
+
+def workspace(robot: Robot) -> Workspace:
+    """The workspace of a robot."""
+    return find_workspace(RobotPoses(robot))
+
+
+def test_a_complete_wrist_keeps_the_hand_off_the_outside_and_the_hole() -> None:
+    found = workspace(
+        Robot.load("anthropomorphic-wrist")
+    )  # a2 = 1, d4 = 0.8, d6 = 0.6: the hand is longer than the hole
+    assert [view.picture for view in found.views] == [Picture.SECTION, Picture.TOP]
+    section, top = found.views
+    assert abs(top.reachable.size.value - math.pi * 2.4**2) <= top.reachable.size.error
+    assert section.dexterous is not None
+    assert section.exact
+    assert abs(section.reachable.size.value - math.pi / 2 * 2.4**2) <= section.reachable.size.error
+    wanted = math.pi / 2 * (1.2**2 - 0.8**2 + 0.4**2)
+    assert abs(section.dexterous.size.value - wanted) <= section.dexterous.size.error
+    assert found.dexterous_volume is not None
+    assert (
+        abs(found.dexterous_volume.value - 4 / 3 * math.pi * (1.2**3 - 0.8**3 + 0.4**3)) <= found.dexterous_volume.error
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "hand", "complete", "planar"),
+    [
+        ("puma560-usp", 0.6, False, False),
+        ("stanford-deluca", 0.6, True, False),
+        ("spherical-wrist", 1.0, True, False),
+        ("scara-perugia", 0.0, True, True),
+        ("planar-3r", 0.6, True, True),
+    ],
+)
+def test_wrists_are_found(name: str, hand: float, complete: bool, planar: bool) -> None:
+    poses = RobotPoses(Robot.load(name))
+    wrist = find_wrist(ArmPoint(poses, joint_ranges(poses)))
+    assert wrist is not None
+    assert (wrist.complete, wrist.planar) == (complete, planar)
+    assert name.startswith("puma") or wrist.hand == pytest.approx(hand)
+
+
+def test_an_arm_whose_last_axes_do_not_meet_has_no_wrist() -> None:
+    poses = RobotPoses(Robot.load("anthropomorphic-arm"))
+    assert find_wrist(ArmPoint(poses, joint_ranges(poses))) is None
+
+
+def test_a_flat_workspace_has_one_view_and_no_volume() -> None:
+    found = workspace(Robot.load("planar-2r-perugia"))
+    (view,) = found.views
+    assert (view.picture, found.volume) == (Picture.TOP, None)
+    assert view.dexterous is not None
+    assert view.dexterous.region.is_empty  # no place is reached in every orientation by two links
+    assert [way.variable for way in found.assumed] == ["q1", "q2"]
+
+
+@pytest.mark.sweep
+def test_a_gantry_fills_its_box() -> None:
+    found = workspace(arm(GANTRY))
+    assert [view.picture for view in found.views] == [Picture.SIDE, Picture.TOP]
+    assert found.volume is not None
+    assert found.volume.value == pytest.approx(1.0 * 2.0 * 0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", swept_catalogue())
+def test_millions_of_poses_lie_in_the_workspace_and_fill_it(name: str) -> None:
+    poses = RobotPoses(Robot.load(name))
+    found = find_workspace(poses)
+    point = ArmPoint(poses, joint_ranges(poses))
+    for view in found.views:
+        region = view.reachable.region
+        if region.is_empty:
+            continue
+        seen = PlaneMap.of(point, view.picture)
+        width, hit = point.size / 40, set[tuple[int, int]]()
+        for seed in range(8):
+            x, y = seen.values(point.random(250_000, seen.joints, seed + 1))[0]
+            outside = ~shapely.contains_xy(region, x, y)
+            away = shapely.distance(region, shapely.points(x[outside], y[outside]))
+            assert away.max(initial=0.0) <= (1e-3 if view.exact else 5e-3) * point.size
+            hit |= set(
+                zip(np.rint(x / width).astype(int).tolist(), np.rint(y / width).astype(int).tolist(), strict=True)
+            )
+        if len(seen.joints) <= 3:  # more joints leave the border without samples
+            left, low, right, high = (round(bound / width) for bound in region.bounds)
+            nodes = np.array([(i, j) for i in range(left, right + 1) for j in range(low, high + 1)])
+            deep = shapely.contains_xy(region.buffer(-2.0 * width), *(width * nodes.T))
+            assert {tuple(node) for node in nodes[deep].tolist()} <= hit
