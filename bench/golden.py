@@ -73,6 +73,8 @@ def jobs() -> Iterator[Job]:
             yield plan, f"move {options}", ("move", plan, *options.split())
         for option, file in FILES_OF_MOVE.items():
             yield plan, f"move {option}", ("move", plan, option, f"{{out}}{file}", "--quiet")
+    yield "schema", "robot", ("schema",)
+    yield "schema", "plan", ("schema", "--plan")
     for command in re.findall(r"^    (\w+) ", _said(("--help",)), re.MULTILINE):
         yield command, "help", (command, "--help")
 

@@ -69,6 +69,7 @@ __all__ = [
     "verify_import",
 ]
 
+# Where a public name is defined; none is also the name of a subpackage, which would take its place when imported.
 _HOMES = {
     "DeriveError": "derive.errors",
     "Model": "derive.notebook",
@@ -98,7 +99,6 @@ _HOMES = {
     "verify": "derive.api.build",
     "verify_import": "derive.api.importing",
 }
-"""Where a public name is defined; none is also the name of a subpackage, which would take its place when imported."""
 
 
 def __getattr__(name: str) -> Any:

@@ -16,17 +16,11 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """A place in a text file; line and column are 1-based.
+    """A place in a text file; line and column are 1-based."""
 
-    Attributes:
-        source: File name as the user gave it, or a name such as ``<expression>``.
-        line: Line number, counted from 1.
-        column: Column number, counted from 1.
-    """
-
-    source: str
-    line: int = 1
-    column: int = 1
+    source: str  # file name as the user gave it, or a name such as ``<expression>``
+    line: int = 1  # line number, counted from 1
+    column: int = 1  # column number, counted from 1
 
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}"
@@ -34,12 +28,6 @@ class Location:
 
 class DeriveError(Exception):
     """Base of all errors of this package.
-
-    Args:
-        found: What was found, in the user's words.
-        allowed: What is allowed there.
-        remedy: What to do about it.
-        location: Where it was found, if it has a place in a file.
 
     The message is one line: ``file:line:column: found; allowed; remedy``.
     """
@@ -62,14 +50,7 @@ class DeriveError(Exception):
         super().__init__(f"{location}: {text}" if location else text)
 
     def at(self, location: Location) -> DeriveError:
-        """The same error with a place.
-
-        Args:
-            location: Where it was found.
-
-        Returns:
-            The error itself where it has a place already, else one of its kind with this place.
-        """
+        """The same error with a place."""
         if self.location is not None:
             return self
         return type(self)(self.found, allowed=self.allowed, remedy=self.remedy, location=location)
@@ -118,12 +99,7 @@ class VerificationError(DeriveError):
 
 
 class RobotFileWarning(UserWarning):
-    """A remark on a robot file that is accepted, such as degrees in a file whose angles are in radians.
-
-    Args:
-        text: What is said.
-        location: Where in the file, if it has a place there.
-    """
+    """A remark on a robot file that is accepted, such as degrees in a file whose angles are in radians."""
 
     def __init__(self, text: str, location: Location | None = None) -> None:
         self.location = location
@@ -134,15 +110,7 @@ _LISTS_OF_ROWS = ("joints", "links", "base", "tool")
 
 
 def quoted(text: str, length: int = 40) -> str:
-    """A user's text in quotes, on one line, with control characters escaped.
-
-    Args:
-        text: Any text.
-        length: Characters to which it is cut.
-
-    Returns:
-        The text as it may stand in a message.
-    """
+    """A user's text in quotes, on one line, with control characters escaped."""
     shown = text if len(text) <= length else text[: length - 3] + "..."
     return "'" + "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in shown) + "'"
 
@@ -151,9 +119,6 @@ def install_extra(extra: str) -> str:
     """The command that installs an optional part of derive where it runs.
 
     It names packages, which every index has: derive itself may come from a checkout or from the file of a wheel.
-
-    Args:
-        extra: Such as ``handout``.
     """
     from importlib.metadata import PackageNotFoundError, requires  # nobody else pays for it
 
@@ -170,42 +135,19 @@ def pip_install(*packages: str) -> str:
 
 
 def near_miss(word: str, allowed: Iterable[str]) -> str:
-    """A hint at what was meant.
-
-    Args:
-        word: What was found.
-        allowed: What might have been meant.
-
-    Returns:
-        ``did you mean 'alpha'?`` when one of them is close, else an empty string.
-    """
+    """A hint at what was meant."""
     by_fold = {candidate.casefold(): candidate for candidate in allowed}
     close = difflib.get_close_matches(word.casefold()[:80], by_fold, n=1, cutoff=0.6)
     return f"did you mean '{by_fold[close[0]]}'?" if close else ""
 
 
 def listed(words: Iterable[str]) -> str:
-    """Words separated by commas.
-
-    Args:
-        words: The words.
-
-    Returns:
-        One text.
-    """
+    """Words separated by commas."""
     return ", ".join(words)
 
 
 def path_text(path: tuple[str | int, ...], whole: str = "the robot file") -> str:
-    """A place in a robot file, or in a motion plan, as a reader says it.
-
-    Args:
-        path: Keys, and positions from 0.
-        whole: What the file is, said where the path is empty.
-
-    Returns:
-        Text such as ``joints row 2, alpha`` or ``gravity entry 3``.
-    """
+    """A place in a robot file, or in a motion plan, as a reader says it."""
     text = ""
     for before, part in zip(("", *path), path, strict=False):
         if isinstance(part, int):

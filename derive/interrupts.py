@@ -21,11 +21,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Self
 
-_PATIENCE = 0.2
-"""Seconds after which an interrupt that has not arrived is raised once more."""
-
+_PATIENCE = 0.2  # seconds after which an interrupt that has not arrived is raised once more
+# Whether the main thread must not be interrupted: a signal that it has blocked reaches it through other threads.
 _HELD_BACK = ContextVar("_HELD_BACK", default=False)
-"""Whether the main thread must not be interrupted: a signal that it has blocked reaches it through other threads."""
 
 
 @contextmanager
@@ -47,12 +45,6 @@ def interruptible(number: signal.Signals = signal.SIGINT) -> Iterator[None]:
     """Make sure that an interrupt ends the body: it is raised again until it is under way, and then no more.
 
     Who ignores interrupts goes on ignoring them; only the main thread can do otherwise.
-
-    Args:
-        number: The signal that interrupts.
-
-    Raises:
-        KeyboardInterrupt: There was one.
     """
     main = threading.main_thread()
     if threading.current_thread() is not main or signal.getsignal(number) is signal.SIG_IGN:

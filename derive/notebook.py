@@ -24,8 +24,7 @@ from derive.robot.options.style import Style
 from derive.robot.robot import Robot
 from derive.version import __version__
 
-MOST_LINES = 40
-"""A quantity with more lines is left to be asked for by name."""
+MOST_LINES = 40  # a quantity with more lines is left to be asked for by name
 
 
 class Model(ClosedForms):

@@ -25,24 +25,16 @@ Terms = tuple[tuple[Expression, Fraction], ...]
 
 @dataclass(frozen=True, slots=True)
 class ExactAngle:
-    """``pi_multiple*pi + sum coefficient*unit``.
+    """``pi_multiple*pi + sum coefficient*unit``."""
 
-    Attributes:
-        pi_multiple: Factor of pi.
-        terms: Pairs (unit, coefficient), coefficient not zero, in order of first appearance. A plain number of
-            radians r appears as the unit ``Number(1)`` with coefficient r.
-    """
-
-    pi_multiple: Fraction
+    pi_multiple: Fraction  # factor of pi
+    # Pairs (unit, coefficient), coefficient not zero, in order of first appearance. A plain number of radians r
+    # appears as the unit ``Number(1)`` with coefficient r.
     terms: Terms
 
 
 def decompose(angle: Expression) -> ExactAngle:
-    """An angle as a multiple of pi and multiples of its units.
-
-    Args:
-        angle: Any tree [rad].
-    """
+    """An angle as a multiple of pi and multiples of its units."""
     parts: dict[Expression | None, Fraction] = {}
     _collect(angle, Fraction(1), parts)
     pi_multiple = parts.pop(None, Fraction(0))
@@ -51,11 +43,7 @@ def decompose(angle: Expression) -> ExactAngle:
 
 
 def composed(angle: ExactAngle) -> Expression:
-    """The expression of an angle, its units first.
-
-    Args:
-        angle: The angle, as `decompose` makes it.
-    """
+    """The expression of an angle, its units first."""
     terms = [multiply(Number(k), unit) for unit, k in angle.terms]
     return add(*terms, multiply(Number(angle.pi_multiple), Pi()))
 
@@ -96,8 +84,7 @@ def _split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
 Axis = tuple[float, float, float]
 Groups = tuple[tuple[int, ...], ...]
 
-_UNIT_STEP = 0.737_912
-"""Stand-in for the first symbolic angle; any value that is no multiple of pi will do."""
+_UNIT_STEP = 0.737_912  # stand-in for the first symbolic angle; any value that is no multiple of pi will do
 
 
 def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, tuple[int, ...]]:
@@ -105,14 +92,6 @@ def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, t
 
     The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta:
     q`` on one that points up. Prismatic joints may stand between the joints of a group.
-
-    Args:
-        robot: The robot.
-        contraction: With `Contraction.OPPOSED` axes that point opposite ways belong to one group too, and their angles
-            are subtracted.
-
-    Returns:
-        The groups as joint indices from 0, and for every joint its direction (+1 or -1) within its group.
     """
     groups: list[list[int]] = []
     directions = [1] * robot.n
@@ -166,11 +145,6 @@ def printed_offsets(robot: Robot, groups: Groups, directions: tuple[int, ...]) -
     That is the constant of its cell where it is no multiple of pi/2, sine and cosine of which are numbers that vanish.
     Where constants of a group add up to such a multiple, as two of pi/4 do, the sums of the group are turned by right
     angles until none does: then ``q1 + q2`` has no constant.
-
-    Args:
-        robot: The robot.
-        groups: Its groups of revolute joints with parallel axes.
-        directions: For every joint its direction within its group, see `contracted_groups`.
 
     Returns:
         For every joint the angle that is added to its variable [rad].

@@ -22,27 +22,16 @@ from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, P
 _CONTEXT = mpmath.MPContext()
 _CONTEXT.prec = 256
 _COMPARED_BITS = 160
+# A 256-bit number with so few bits is taken for the rational that it looks like: (sqrt(2)/2)**2 for 1/2.
 _RATIONAL_BITS = 64
-"""A 256-bit number with so few bits is taken for the rational that it looks like: (sqrt(2)/2)**2 for 1/2."""
-
-_MAX_RATIONAL_SIZE = 8192
-"""Bits of a rational; beyond them exactness costs more than it is worth."""
-
+_MAX_RATIONAL_SIZE = 8192  # bits of a rational; beyond them exactness costs more than it is worth
+# A Fraction, or an mpmath number of the private context; zero and rationals are always Fractions.
 Constant = Fraction | Any
-"""A Fraction, or an mpmath number of the private context; zero and rationals are always Fractions."""
-
 Key = tuple[int, int, int]
 
 
 def key_of(value: Constant) -> Key:
-    """What tells two constants apart.
-
-    Args:
-        value: A constant.
-
-    Returns:
-        Equal for constants that agree in the compared bits.
-    """
+    """What tells two constants apart."""
     if isinstance(value, Fraction):
         return (0, value.numerator, value.denominator)
     sign, mantissa, exponent, _ = _rounded(value)
@@ -50,14 +39,7 @@ def key_of(value: Constant) -> Key:
 
 
 def to_float(value: Constant) -> float:
-    """The nearest double.
-
-    Args:
-        value: A constant.
-
-    Raises:
-        QuantityError: The number is too large for a double.
-    """
+    """The nearest double."""
     try:
         number = float(value)
     except OverflowError:
@@ -73,12 +55,7 @@ def pi() -> Constant:
 
 
 def add(a: Constant, b: Constant) -> Constant:
-    """The sum of two constants.
-
-    Args:
-        a: A constant.
-        b: Another; a sum that cancels but for the last bits is zero.
-    """
+    """The sum of two constants."""
     if isinstance(a, Fraction) and isinstance(b, Fraction):
         return _bounded(a + b)
     x, y = _real(a), _real(b)
@@ -86,26 +63,14 @@ def add(a: Constant, b: Constant) -> Constant:
 
 
 def multiply(a: Constant, b: Constant) -> Constant:
-    """The product of two constants.
-
-    Args:
-        a: A constant.
-        b: Another.
-    """
+    """The product of two constants."""
     if isinstance(a, Fraction) and isinstance(b, Fraction):
         return _bounded(a * b)
     return _settle(_real(a) * _real(b), 0)
 
 
 def reciprocal(a: Constant) -> Constant:
-    """The reciprocal, 1/a.
-
-    Args:
-        a: A constant.
-
-    Raises:
-        QuantityError: a is zero.
-    """
+    """The reciprocal, 1/a."""
     if a == 0:
         raise QuantityError(
             "division by zero in a cell once the parameters have their numbers",
@@ -117,14 +82,7 @@ def reciprocal(a: Constant) -> Constant:
 
 
 def square_root(a: Constant) -> Constant:
-    """The square root.
-
-    Args:
-        a: A constant that is not negative.
-
-    Raises:
-        QuantityError: a is negative.
-    """
+    """The square root."""
     if a < 0:
         raise QuantityError(
             "square root of a negative number in a cell once the parameters have their numbers",
@@ -138,40 +96,22 @@ def square_root(a: Constant) -> Constant:
 
 
 def sine(a: Constant) -> Constant:
-    """The sine.
-
-    Args:
-        a: The angle [rad].
-    """
+    """The sine."""
     return _settle(_CONTEXT.sin(_real(a)), _uncertainty(a))
 
 
 def cosine(a: Constant) -> Constant:
-    """The cosine.
-
-    Args:
-        a: The angle [rad].
-    """
+    """The cosine."""
     return _settle(_CONTEXT.cos(_real(a)), _uncertainty(a))
 
 
 def arctangent(y: Constant, x: Constant) -> Constant:
-    """The angle of a point of the plane [rad].
-
-    Args:
-        y: Its ordinate.
-        x: Its abscissa.
-    """
+    """The angle of a point of the plane [rad]."""
     return _settle(_CONTEXT.atan2(_real(y), _real(x)), 0)
 
 
 def less(a: Constant, b: Constant) -> bool:
-    """Whether one constant is less than another.
-
-    Args:
-        a: A constant.
-        b: Another.
-    """
+    """Whether one constant is less than another."""
     return bool(_real(a) < _real(b))
 
 
@@ -226,15 +166,8 @@ def _rounded(value: Any) -> tuple[int, int, int, int]:
 def exact_number(expression: Expression, numbers: Mapping[str, Expression]) -> Constant | None:
     """The number behind a cell of the robot file.
 
-    Args:
-        expression: The cell.
-        numbers: What its names stand for.
-
     Returns:
         The number, or None if a name in the cell has none.
-
-    Raises:
-        QuantityError: Division by zero, or the square root of a negative number.
     """
     if not all(name in numbers and not any(True for _ in names(numbers[name])) for name in names(expression)):
         return None

@@ -16,16 +16,11 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from derive.algebra.ring import fraction
 
-Edge = tuple[int, int]
-"""Nodes lo < hi: the sum of the angles lo+1 .. hi, counted within the group."""
-
+Edge = tuple[int, int]  # nodes lo < hi: the sum of the angles lo+1 .. hi, counted within the group
 Tree = tuple[Edge, ...]
+# Terms (exponents of s_1..s_k, c_1..c_k; numerator; denominator) in the generators of the ring.
 Items = tuple[tuple[tuple[int, ...], int, int], ...]
-"""Terms (exponents of s_1..s_k, c_1..c_k; numerator; denominator) in the generators of the ring."""
-
-MAX_ENUMERATED = 3
-"""Largest group whose spanning trees are all tried; 16 trees for 3 joints, 125 for 4."""
-
+MAX_ENUMERATED = 3  # largest group whose spanning trees are all tried; 16 trees for 3 joints, 125 for 4
 MAX_STARS = 8
 """Largest number of sums for which each of them is tried as the common reference: every further one costs a rewriting
 of the polynomial."""
@@ -52,16 +47,7 @@ class Contracted(NamedTuple):
 
 
 def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
-    """The shortest form of a polynomial in the angles of a group.
-
-    Args:
-        size: Number of joints in the group.
-        sums: Whether the generators are the sums q_1, q_1 + q_2, ... (else the angles themselves).
-        items: The polynomial.
-
-    Returns:
-        Its terms, in sines and cosines of sums of neighbouring angles.
-    """
+    """The shortest form of a polynomial in the angles of a group."""
     if not sums or size == 1:
         return _shortest(size, sums, items)
     # sums that do not occur are left out, and the nodes of the others numbered as in the whole group afterwards
@@ -99,10 +85,6 @@ def trees(size: int, sums: bool) -> tuple[Tree, ...]:
 
     In a large group only those in which every generator is a sum of two angles at most: a longer sum has exponentially
     many terms.
-
-    Args:
-        size: Number of joints in the group.
-        sums: Whether the generators are the sums q_1, q_1 + q_2, ... (else the angles themselves).
     """
     nodes = range(size + 1)
     own = tuple((0 if sums else i, i + 1) for i in range(size))
@@ -116,15 +98,7 @@ def trees(size: int, sums: bool) -> tuple[Tree, ...]:
 
 
 def paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
-    """The ways from one node to all others along the edges of a tree.
-
-    Args:
-        tree: Edges; it need not reach every node.
-        root: Where the paths begin.
-
-    Returns:
-        For every node that the tree reaches: the index of each edge on the way, with the sign of its direction.
-    """
+    """The ways from one node to all others along the edges of a tree."""
     found: dict[int, dict[int, int]] = {root: {}}
     queue = [root]
     while queue:

@@ -32,18 +32,6 @@ from derive.robot.robot import Robot
 class PolynomialDomain:
     """Exact polynomials as scalars of the mechanics (a `derive.mechanics.chain.Domain`).
 
-    Args:
-        robot: The robot whose symbols are the generators.
-        extra: Further expressions that the ring must be able to hold, for instance a printed formula; names that the
-            robot does not know become parameters.
-        sums: For which groups of aligned joints the sums of the angles are the generators; for the others each angle
-            by itself. Any choice is exact; it decides how many terms a polynomial has.
-        contraction: Which parallel axes form a group.
-        rates: Whether velocities and accelerations are generators too.
-        offsets: Whether the generators are sines and cosines of joint angles with their constants, ``cos(q1 + pi/4)``,
-            as `derive.algebra.angles.printed_offsets` says; else of the joint variables.
-        max_terms: A product with more terms raises `TooManyTerms`.
-
     Attributes:
         groups: Revolute joints with parallel axes, see `derive.algebra.angles`.
         with_offsets: Whether sines and cosines add the constants of their cells to the variables.
@@ -131,79 +119,44 @@ class PolynomialDomain:
                 self.ring.relate_inverse(g.name, self.constant(g.argument))
 
     def angle_sum(self, members: tuple[int, ...]) -> Expression:
-        """The sum of some joint variables of a group, the first of them positive.
-
-        Args:
-            members: Indices of the joints.
-        """
+        """The sum of some joint variables of a group, the first of them positive."""
         first = self.directions[members[0]]
         terms = [scaled(Name(self.robot.joints[m].variable), Fraction(first * self.directions[m])) for m in members]
         return terms[0] if len(terms) == 1 else Sum(tuple(terms))
 
     def offset_sum(self, members: tuple[int, ...]) -> Expression:
-        """What sines and cosines add to `angle_sum`.
-
-        Args:
-            members: Indices of the joints.
-        """
+        """What sines and cosines add to `angle_sum`."""
         first = self.directions[members[0]]
         terms = (multiply(Number(Fraction(first * self.directions[m])), self.offsets[m]) for m in members)
         return composed(decompose(add(*terms)))
 
     def printed_angle(self, members: tuple[int, ...]) -> Expression:
-        """The angle of a printed sine or cosine: `angle_sum` with `offset_sum`.
-
-        Args:
-            members: Indices of the joints.
-        """
+        """The angle of a printed sine or cosine: `angle_sum` with `offset_sum`."""
         return add(self.angle_sum(members), self.offset_sum(members))
 
     def adds_angles(self, group: tuple[int, ...]) -> bool:
-        """Whether the generators of a group are sums of angles, not the angles themselves.
-
-        Args:
-            group: One of `groups`.
-        """
+        """Whether the generators of a group are sums of angles, not the angles themselves."""
         return len(group) > 1 and len(self.angles[group[1]]) > 1
 
     # -- scalars of the mechanics
 
     def number(self, value: int | Fraction) -> Polynomial:
-        """A rational as a constant polynomial.
-
-        Args:
-            value: The rational.
-        """
+        """A rational as a constant polynomial."""
         return self.ring.number(value)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Polynomial, Polynomial]:
-        """Cosine and sine of the angle of a revolute joint, ``sign*q + theta``.
-
-        Args:
-            index: Index of the joint.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of the angle of a revolute joint, ``sign*q + theta``."""
         c, s = self.cosine_sine_of(index, offset=True)
         turned = (c, s) if joint.sign > 0 else (c, -s)
         rest = add(joint.theta, multiply(Number(Fraction(-joint.sign)), self.offsets[index]))
         return _add_angles(turned, self.cosine_sine(rest))
 
     def joint_offset(self, index: int, joint: Joint) -> Polynomial:
-        """The displacement of a prismatic joint, ``sign*q + d`` [m].
-
-        Args:
-            index: Index of the joint.
-            joint: Its row of the table.
-        """
+        """The displacement of a prismatic joint, ``sign*q + d`` [m]."""
         return joint.sign * self.ring.generator(joint.variable) + self.constant(joint.d)
 
     def cosine_sine_of(self, index: int, *, offset: bool = False) -> tuple[Polynomial, Polynomial]:
-        """Cosine and sine of the variable of a revolute joint itself.
-
-        Args:
-            index: Index of the joint.
-            offset: Whether with what `offsets` adds to the variable.
-        """
+        """Cosine and sine of the variable of a revolute joint itself."""
         pair = self._generator_pair(index)
         if len(self.angles[index]) > 1:
             cosine, sine = self._generator_pair(self.angles[index][-2])
@@ -221,30 +174,15 @@ class PolynomialDomain:
         return self.ring.generator(cosine.name), self.ring.generator(cosine.partner)
 
     def rate(self, index: int) -> Polynomial:
-        """The velocity of a joint [rad/s or m/s].
-
-        Args:
-            index: Index of the joint.
-        """
+        """The velocity of a joint [rad/s or m/s]."""
         return self.ring.generator(velocity_name(self.robot.joints[index].variable))
 
     def acceleration(self, index: int) -> Polynomial:
-        """The acceleration of a joint [rad/s^2 or m/s^2].
-
-        Args:
-            index: Index of the joint.
-        """
+        """The acceleration of a joint [rad/s^2 or m/s^2]."""
         return self.ring.generator(acceleration_name(self.robot.joints[index].variable))
 
     def constant(self, expression: Expression) -> Polynomial:
-        """The polynomial of an expression.
-
-        Args:
-            expression: One of those that the ring was made for, or a part of one.
-
-        Raises:
-            ExpressionError: Not algebraic, the root of a negative number, or an angle that the ring does not hold.
-        """
+        """The polynomial of an expression."""
         match expression:
             case Number(value):
                 return self.ring.number(value)
@@ -296,14 +234,7 @@ class PolynomialDomain:
     # -- angles
 
     def cosine_sine(self, angle: Expression) -> tuple[Polynomial, Polynomial]:
-        """Cosine and sine of an angle made of constants and joint variables.
-
-        Args:
-            angle: The angle [rad].
-
-        Raises:
-            ExpressionError: A multiple of an angle that the ring does not hold.
-        """
+        """Cosine and sine of an angle made of constants and joint variables."""
         exact = bundled(decompose(canonical(angle)), frozenset(self._revolute))
         pair = self._pi_multiple(exact.pi_multiple)
         for unit, k in exact.terms:
@@ -357,12 +288,7 @@ class PolynomialDomain:
     # -- calculus
 
     def derivative(self, p: Polynomial, joint: int) -> Polynomial:
-        """The partial derivative with respect to the variable of a joint.
-
-        Args:
-            p: A polynomial of this domain.
-            joint: Index of the joint.
-        """
+        """The partial derivative with respect to the variable of a joint."""
         if not self.robot.joints[joint].is_revolute:
             return p.partial(self.places[Kind.VARIABLE, joint])
         total = self.ring.zero
@@ -376,12 +302,7 @@ class PolynomialDomain:
 
 
 def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression:
-    """The polynomial as an expression tree, term by term.
-
-    Args:
-        p: An element of the ring of ``domain``.
-        domain: Says what the generators stand for.
-    """
+    """The polynomial as an expression tree, term by term."""
     generators = domain.generators
     terms = []
     for exponents, coefficient in p.terms():

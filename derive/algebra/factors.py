@@ -26,36 +26,23 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 
+# Polynomials with more terms are not factored beyond their sines and cosines: nobody would read the factors.
 MAX_TERMS = 400
-"""Polynomials with more terms are not factored beyond their sines and cosines: nobody would read the factors."""
-
-MAX_TANGENT_TERMS = 1_500
-"""Polynomials with more terms in the tangents are not factored: it would take too long."""
+MAX_TANGENT_TERMS = 1_500  # polynomials with more terms in the tangents are not factored: it would take too long
 
 
 @dataclass(frozen=True)
 class Factor:
-    """A power in a product.
+    """A power in a product."""
 
-    Attributes:
-        value: What is raised.
-        exponent: At least 1.
-        kind: `Kind.SINE` or `Kind.COSINE` of a sum of joint angles, None for anything else.
-        joints: The joints (from 0) of that sum.
-    """
-
-    value: Polynomial
-    exponent: int
-    kind: Kind | None = None
-    joints: tuple[int, ...] = ()
+    value: Polynomial  # what is raised
+    exponent: int  # at least 1
+    kind: Kind | None = None  # `Kind.SINE` or `Kind.COSINE` of a sum of joint angles, None for anything else
+    joints: tuple[int, ...] = ()  # the joints (from 0) of that sum
 
 
 class Factoring:
-    """Factors the polynomials of one domain.
-
-    Args:
-        domain: The domain.
-    """
+    """Factors the polynomials of one domain."""
 
     def __init__(self, domain: PolynomialDomain) -> None:
         self._domain = domain
@@ -68,9 +55,6 @@ class Factoring:
         """Factors whose product is exactly a polynomial: a constant, sines and cosines, then the others.
 
         A factor that is a rational number stands first, where it is not 1.
-
-        Args:
-            p: A polynomial of the domain.
         """
         if not p:
             return (Factor(p, 1),)

@@ -46,21 +46,13 @@ _FUNCTIONS = {
 
 @dataclass(frozen=True, slots=True)
 class Generator:
-    """One generator of the ring.
+    """One generator of the ring."""
 
-    Attributes:
-        kind: What it stands for.
-        name: Unique name in the ring.
-        argument: The expression that it is a function of (the symbol itself for names).
-        joint: Index of the joint it belongs to, or -1.
-        partner: Name of the cosine of the angle whose sine it is, and the other way round; else empty.
-    """
-
-    kind: Kind
-    name: str
-    argument: Expression
-    joint: int = -1
-    partner: str = ""
+    kind: Kind  # what it stands for
+    name: str  # unique name in the ring
+    argument: Expression  # the expression that it is a function of (the symbol itself for names)
+    joint: int = -1  # index of the joint it belongs to, or -1
+    partner: str = ""  # name of the cosine of the angle whose sine it is, and the other way round; else empty
 
     @property
     def expression(self) -> Expression:
@@ -72,41 +64,29 @@ class Generator:
 
 
 def sine_and_cosine(angle: Expression, key: str, joint: int = -1) -> tuple[Generator, Generator]:
-    """The generators for the sine and the cosine of one angle, partners of each other.
-
-    Args:
-        angle: The angle [rad].
-        key: What tells it apart from the other angles of the ring.
-        joint: Index of the joint it belongs to, -1 for a constant angle.
-    """
+    """The generators for the sine and the cosine of one angle, partners of each other."""
     kinds = (Kind.SINE, Kind.COSINE) if joint >= 0 else (Kind.CONSTANT_SINE, Kind.CONSTANT_COSINE)
     sine, cosine = f"sin {key}", f"cos {key}"
     return Generator(kinds[0], sine, angle, joint, cosine), Generator(kinds[1], cosine, angle, joint, sine)
 
 
+# Largest multiple of one angle unit that is expanded by the addition theorem: cos(24 a) has 13 terms in cos(a).
 MAX_MULTIPLE = 24
-"""Largest multiple of one angle unit that is expanded by the addition theorem: cos(24 a) has 13 terms in cos(a)."""
-
 MAX_UNITS = 4
 """Most constant units of one angle that are told apart; the addition theorem for k units has 2^(k-1) terms, so a longer
 sum is one unit."""
 
+# Angles (multiples of pi, up to sign and right angles) whose cosine and sine are square roots of these primes.
 SPECIAL: dict[Fraction, tuple[int, ...]] = {
     Fraction(0): (),
     Fraction(1, 4): (2,),
     Fraction(1, 6): (3,),
     Fraction(1, 12): (2, 3),
 }
-"""Angles (multiples of pi, up to sign and right angles) whose cosine and sine are square roots of these primes."""
 
 
 def mapped(e: Expression, change: Callable[[Expression], Expression]) -> Expression:
-    """A node with changed children and nothing flattened or folded.
-
-    Args:
-        e: The node.
-        change: What becomes of each child.
-    """
+    """A node with changed children and nothing flattened or folded."""
     match e:
         case Sum(terms):
             return Sum(tuple(change(t) for t in terms))
@@ -121,11 +101,7 @@ def mapped(e: Expression, change: Callable[[Expression], Expression]) -> Express
 
 
 def canonical(e: Expression) -> Expression:
-    """The tree with the terms of sums and the factors of products in a fixed order.
-
-    Args:
-        e: Any tree.
-    """
+    """The tree with the terms of sums and the factors of products in a fixed order."""
     ordered = mapped(e, canonical)
     match ordered:
         case Sum(terms):
@@ -137,24 +113,12 @@ def canonical(e: Expression) -> Expression:
 
 
 def scaled(unit: Expression, k: Fraction) -> Expression:
-    """A multiple of an angle unit, in the form in which it names a generator.
-
-    Args:
-        unit: The angle unit.
-        k: The factor.
-    """
+    """A multiple of an angle unit, in the form in which it names a generator."""
     return unit if k == 1 else Product((Number(k), unit))
 
 
 def split_pi(multiple: Fraction) -> tuple[int, Fraction]:
-    """A multiple of pi as right angles and a rest of at most half of one: multiple = quarter/2 + rest.
-
-    Args:
-        multiple: The angle divided by pi.
-
-    Returns:
-        The number of right angles, 0 to 3, and the rest in (-1/4, 1/4].
-    """
+    """A multiple of pi as right angles and a rest of at most half of one: multiple = quarter/2 + rest."""
     quarter = round(multiple * 2)
     rest = multiple - Fraction(quarter, 2)
     if rest == Fraction(-1, 4):
@@ -163,14 +127,7 @@ def split_pi(multiple: Fraction) -> tuple[int, Fraction]:
 
 
 def square_free(value: Fraction) -> tuple[Fraction, tuple[int, ...]]:
-    """The square root of a positive rational as factor * product of sqrt(p).
-
-    Args:
-        value: The radicand.
-
-    Returns:
-        The rational factor and the primes p; found by trial division, a large cofactor counts as prime.
-    """
+    """The square root of a positive rational as factor * product of sqrt(p)."""
     number = value.numerator * value.denominator
     factor, primes = Fraction(1, value.denominator), []
     p = 2
@@ -190,44 +147,27 @@ def square_free(value: Fraction) -> tuple[Fraction, tuple[int, ...]]:
 
 @dataclass
 class Atoms:
-    """What a set of expressions needs beyond rational numbers, in order of first appearance.
+    """What a set of expressions needs beyond rational numbers, in order of first appearance."""
 
-    Attributes:
-        joints: Names of joint angles, given.
-        names: Plain symbols.
-        units: Angle units, each with the common denominator of its coefficients.
-        multiples: The absolute coefficients that occur of each unit.
-        pi_rests: Constant angles rest*pi in (0, 1/4) that are not special.
-        primes: Primes whose square roots are needed.
-        roots: Radicands of the other square roots, innermost first.
-        inverses: Denominators, innermost first.
-        has_pi: Whether pi occurs outside of angles.
-    """
-
-    joints: frozenset[str] = frozenset()
-    names: dict[str, None] = field(default_factory=dict)
+    joints: frozenset[str] = frozenset()  # names of joint angles, given
+    names: dict[str, None] = field(default_factory=dict)  # plain symbols
+    # Angle units, each with the common denominator of its coefficients.
     units: dict[Expression, int] = field(default_factory=dict)
+    # The absolute coefficients that occur of each unit.
     multiples: dict[Expression, dict[Fraction, None]] = field(default_factory=dict)
+    # Constant angles rest*pi in (0, 1/4) that are not special.
     pi_rests: dict[Fraction, None] = field(default_factory=dict)
-    primes: dict[int, None] = field(default_factory=dict)
-    roots: dict[Expression, None] = field(default_factory=dict)
-    inverses: dict[Expression, None] = field(default_factory=dict)
-    has_pi: bool = False
+    primes: dict[int, None] = field(default_factory=dict)  # primes whose square roots are needed
+    roots: dict[Expression, None] = field(default_factory=dict)  # radicands of the other square roots, innermost first
+    inverses: dict[Expression, None] = field(default_factory=dict)  # denominators, innermost first
+    has_pi: bool = False  # whether pi occurs outside of angles
 
     def is_common(self, unit: Expression) -> bool:
-        """Whether all multiples of a unit are expanded by the addition theorem from one common part.
-
-        Args:
-            unit: One of `units`.
-        """
+        """Whether all multiples of a unit are expanded by the addition theorem from one common part."""
         return max(self.multiples[unit]) * self.units[unit] <= MAX_MULTIPLE
 
     def add_angle(self, e: Expression) -> None:
-        """Record what the sine and cosine of an angle need.
-
-        Args:
-            e: The angle [rad].
-        """
+        """Record what the sine and cosine of an angle need."""
         exact = bundled(decompose(canonical(e)), self.joints)
         rest = abs(split_pi(exact.pi_multiple)[1])
         if rest in SPECIAL:
@@ -241,11 +181,7 @@ class Atoms:
             self.multiples.setdefault(unit, {})[abs(k)] = None
 
     def add_value(self, e: Expression) -> None:
-        """Record what an expression needs.
-
-        Args:
-            e: Any tree.
-        """
+        """Record what an expression needs."""
         match e:
             case Pi():
                 self.has_pi = True
@@ -271,12 +207,7 @@ class Atoms:
 
 
 def bundled(exact: ExactAngle, joints: frozenset[str]) -> ExactAngle:
-    """The angle with its constant units as one, where there are so many that their addition theorem explodes.
-
-    Args:
-        exact: The angle.
-        joints: Names of joint angles, which are no constants.
-    """
+    """The angle with its constant units as one, where there are so many that their addition theorem explodes."""
     constant = [(u, k) for u, k in exact.terms if not (isinstance(u, Name) and u.name in joints)]
     if len(constant) <= MAX_UNITS:
         return exact
@@ -289,9 +220,7 @@ def collect(values: Iterable[Expression], angles: Iterable[Expression], joints: 
     """What some expressions need of a ring.
 
     Args:
-        values: Expressions that become polynomials.
         angles: Constant angles [rad] whose sines and cosines are needed.
-        joints: Names of the joint angles of the ring.
     """
     atoms = Atoms(joints)
     for e in angles:
@@ -303,9 +232,6 @@ def collect(values: Iterable[Expression], angles: Iterable[Expression], joints: 
 
 def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
     """Every expression of a robot that its ring must be able to hold.
-
-    Args:
-        robot: The robot.
 
     Returns:
         The cells that are values, and the constant angles of the table [rad].

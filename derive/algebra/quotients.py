@@ -16,12 +16,10 @@ from derive.errors import CheckError
 from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, substitute, to_text
 from derive.robot.robot import Robot
 
+# Budget of one product, which keeps a comparison to seconds; beyond it formulas are compared at points.
 MAX_TERMS = 50_000
-"""Budget of one product, which keeps a comparison to seconds; beyond it formulas are compared at points."""
-
+# Different denominators are all multiplied together; with more of them formulas are compared at points.
 MAX_DENOMINATORS = 64
-"""Different denominators are all multiplied together; with more of them formulas are compared at points."""
-
 NOT_ALGEBRAIC = frozenset({"atan2", "sign"})
 
 
@@ -45,18 +43,9 @@ class Quotient:
 class QuotientRing:
     """A ring that can hold some formulas of one robot, and the way of a formula into it.
 
-    Args:
-        robot: The robot.
-        formulas: Every expression that will be asked for.
-
     Attributes:
         faithful: Whether different polynomials are certainly different functions: no roots, nothing that is not
             algebraic, no constant angles but multiples of pi/4 and pi/6.
-
-    Raises:
-        CheckError: A root of an expression that divides by zero.
-        ExpressionError: An angle outside what the ring can hold.
-        TooManyTerms: A polynomial beyond the budget.
     """
 
     def __init__(self, robot: Robot, formulas: Iterable[Expression]) -> None:
@@ -81,15 +70,7 @@ class QuotientRing:
                 raise _division_by_zero(generator.argument)
 
     def difference(self, ours: Expression, theirs: Expression) -> Polynomial:
-        """A polynomial that is zero exactly where two formulas are equal wherever both are defined.
-
-        Args:
-            ours: One of the formulas that the ring was made for.
-            theirs: Another.
-
-        Raises:
-            CheckError: A denominator is zero.
-        """
+        """A polynomial that is zero exactly where two formulas are equal wherever both are defined."""
         a, b = (self._quotient(opaque(substitute(formula, self._renamed))) for formula in (ours, theirs))
         if a.denominator == b.denominator:
             difference = a.numerator - b.numerator
@@ -136,12 +117,7 @@ def _division_by_zero(e: Expression) -> CheckError:
 
 
 def opaque(e: Expression, meanings: dict[str, Expression] | None = None) -> Expression:
-    """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets.
-
-    Args:
-        e: Any tree.
-        meanings: Receives for each such symbol what it stands for.
-    """
+    """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets."""
     if isinstance(e, Call) and e.function in NOT_ALGEBRAIC:
         name = to_text(mapped(e, canonical))
         if meanings is not None:

@@ -25,14 +25,10 @@ from derive.robot.expression import Expression, Number
 
 Array = npt.NDArray[np.int64]
 
-_LARGEST = 2**31 - 1
-"""Products of two residues fit into 64 bits."""
-
+_LARGEST = 2**31 - 1  # products of two residues fit into 64 bits
+# Points that are tried: every root has a value at half of them, so a ring with seven roots needs some 130.
 _ATTEMPTS = 200
-"""Points that are tried: every root has a value at half of them, so a ring with seven roots needs some 130."""
-
-_SOLVED = (Kind.ROOT, Kind.PRIME_ROOT, Kind.INVERSE)
-"""Generators whose value follows from that of others."""
+_SOLVED = (Kind.ROOT, Kind.PRIME_ROOT, Kind.INVERSE)  # generators whose value follows from that of others
 
 
 class NoPointError(DeriveError):
@@ -44,10 +40,6 @@ class Residue:
 
     Products with one and sums with zero are the other operand itself, and a product with zero is that zero: half of the
     numbers in the frames of an arm are of this kind. So shapes are those of broadcasting, but for what does not vary.
-
-    Args:
-        prime: The modulus.
-        values: Integers of any shape.
     """
 
     __slots__ = ("_single", "prime", "values")
@@ -98,12 +90,7 @@ class ResidueDomain:
     """A `derive.mechanics.chain.Domain` of residues: the image of a polynomial domain at random points.
 
     Args:
-        domain: The domain; its constants get one value each, its joint variables one per sample.
         samples: Number of configurations, the first axis of every array (samples, 1).
-        seed: Seed of the points.
-
-    Raises:
-        NoPointError: Some root has no value modulo any of the primes and points tried.
     """
 
     def __init__(self, domain: PolynomialDomain, samples: int, seed: int = 0) -> None:
@@ -120,11 +107,7 @@ class ResidueDomain:
         self._cache: dict[str, Residue] = {}
 
     def value(self, p: Polynomial) -> Residue:
-        """A polynomial at the points.
-
-        Args:
-            p: A polynomial of the domain.
-        """
+        """A polynomial at the points."""
         key = p.key()
         if key not in self._cache:
             self._cache[key] = Residue(self.prime, self._value(p, self._point))
@@ -137,47 +120,25 @@ class ResidueDomain:
     # -- scalars of the mechanics
 
     def number(self, value: int | Fraction) -> Residue:
-        """A rational modulo the prime.
-
-        Args:
-            value: The rational.
-        """
+        """A rational modulo the prime."""
         return Residue(self.prime, [[fraction_residue(Fraction(value), self.prime)]])
 
     def constant(self, expression: Expression) -> Residue:
-        """The value of a cell without joint variables.
-
-        Args:
-            expression: The cell.
-        """
+        """The value of a cell without joint variables."""
         return self.value(self.domain.constant(expression))
 
     def cosine_sine(self, angle: Expression) -> tuple[Residue, Residue]:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle."""
         cosine, sine = self.domain.cosine_sine(angle)
         return self.value(cosine), self.value(sine)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Residue, Residue]:
-        """Cosine and sine of the angle of a revolute joint, ``sign*q + theta``.
-
-        Args:
-            index: Index of the joint.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of the angle of a revolute joint, ``sign*q + theta``."""
         cosine, sine = self.domain.joint_cosine_sine(index, joint)
         return self.value(cosine), self.value(sine)
 
     def joint_offset(self, index: int, joint: Joint) -> Residue:
-        """The displacement of a prismatic joint, ``sign*q + d``.
-
-        Args:
-            index: Index of the joint.
-            joint: Its row of the table.
-        """
+        """The displacement of a prismatic joint, ``sign*q + d``."""
         return self.value(self.domain.joint_offset(index, joint))
 
     # -- points
@@ -226,24 +187,14 @@ class ResidueDomain:
 
 
 def fraction_residue(value: Fraction, prime: int) -> int:
-    """A rational modulo a prime.
-
-    Args:
-        value: The rational; its denominator is no multiple of the prime.
-        prime: The modulus.
-    """
+    """A rational modulo a prime."""
     return value.numerator * pow(value.denominator, -1, prime) % prime
 
 
 def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
     """The reduced row echelon form modulo a prime.
 
-    Args:
-        matrix: (rows, columns).
-        prime: The modulus.
-
     Returns:
-        The pivot columns, the first independent ones from the left, and the rows of the form, (rank, columns): entry
         (k, j) is the coefficient of pivot column k in column j.
     """
     work = np.array(matrix, dtype=np.int64) % prime

@@ -18,16 +18,11 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from derive.errors import DeriveError
 
-UNBOUNDED = 10**9
-"""A budget of terms that no polynomial reaches."""
+UNBOUNDED = 10**9  # a budget of terms that no polynomial reaches
 
 
 class TooManyTerms(DeriveError):
-    """A closed form that would be longer than its budget.
-
-    Args:
-        budget: Number of terms that was allowed.
-    """
+    """A closed form that would be longer than its budget."""
 
     def __init__(self, budget: int) -> None:
         super().__init__(f"a closed form of more than {budget} terms", remedy="use the generated functions instead")
@@ -35,26 +30,16 @@ class TooManyTerms(DeriveError):
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A generator and the polynomial, led by it, that is zero.
+    """A generator and the polynomial, led by it, that is zero."""
 
-    Attributes:
-        generator: Index of the generator.
-        polynomial: ``s^2 + c^2 - 1``, ``w^2 - x`` or ``u*x - 1``.
-        always: Reduce whenever the generator occurs (inverses), not only when it occurs on both sides of a product.
-    """
-
-    generator: int
-    polynomial: fmpq_mpoly
+    generator: int  # index of the generator
+    polynomial: fmpq_mpoly  # ``s^2 + c^2 - 1``, ``w^2 - x`` or ``u*x - 1``
+    # Reduce whenever the generator occurs (inverses), not only when it occurs on both sides of a product.
     always: bool = False
 
 
 class Ring:
     """A polynomial ring modulo relations.
-
-    Args:
-        names: Generator names, highest in the lexicographic order first. A generator that a relation eliminates must
-            come before those that replace it.
-        max_terms: A product with more terms raises `TooManyTerms`.
 
     Attributes:
         context: FLINT's ring without the relations.
@@ -78,32 +63,17 @@ class Ring:
     # -- relations, added while the ring is set up
 
     def relate_angle(self, eliminated: str, kept: str) -> None:
-        """The Pythagorean identity s^2 + c^2 = 1: every square of the one becomes 1 less the square of the other.
-
-        Args:
-            eliminated: Name of the generator s, or c.
-            kept: Name of the other one of the same angle, lower in the order.
-        """
+        """The Pythagorean identity s^2 + c^2 = 1: every square of the one becomes 1 less the square of the other."""
         other = self.generator(kept)
         self.relate_root(eliminated, 1 - other * other)
 
     def relate_root(self, name: str, radicand: Polynomial) -> None:
-        """The square of a root, w^2 = x.
-
-        Args:
-            name: Name of the generator w.
-            radicand: x, in generators lower in the order.
-        """
+        """The square of a root, w^2 = x."""
         generator = self.generator(name)
         self._relate(Relation(self.index[name], generator.raw**2 - radicand.raw))
 
     def relate_inverse(self, name: str, value: Polynomial) -> None:
-        """An inverse, u*x = 1.
-
-        Args:
-            name: Name of the generator u.
-            value: x, in generators lower in the order.
-        """
+        """An inverse, u*x = 1."""
         generator = self.generator(name)
         self._relate(Relation(self.index[name], generator.raw * value.raw - 1, always=True))
 
@@ -130,11 +100,7 @@ class Ring:
         return raw
 
     def settle(self, raw: fmpq_mpoly) -> Polynomial:
-        """A raw polynomial reduced until nothing changes: a radicand may bring back what was reduced before.
-
-        Args:
-            raw: A polynomial over `context`.
-        """
+        """A raw polynomial reduced until nothing changes: a radicand may bring back what was reduced before."""
         while (reduced := self._reduce(raw, self._bits(raw))) != raw:
             raw = reduced
         return Polynomial(self, raw, self._bits(raw))
@@ -142,54 +108,30 @@ class Ring:
     # -- elements
 
     def generator(self, name: str) -> Polynomial:
-        """A generator as a polynomial.
-
-        Args:
-            name: Its name in the ring.
-        """
+        """A generator as a polynomial."""
         i = self.index[name]
         mask = sum(1 << r for r, relation in enumerate(self.relations) if relation.generator == i)
         return Polynomial(self, self._raw[i], mask)
 
     def number(self, value: int | Fraction) -> Polynomial:
-        """A rational as a constant polynomial.
-
-        Args:
-            value: The rational.
-        """
+        """A rational as a constant polynomial."""
         if value == 0:
             return self.zero
         return Polynomial(self, self.context.constant(fmpq(value.numerator, value.denominator)), 0)
 
     def wrap(self, raw: fmpq_mpoly) -> Polynomial:
-        """A raw polynomial as an element of this ring, reduced to normal form.
-
-        Args:
-            raw: A polynomial over `context`.
-        """
+        """A raw polynomial as an element of this ring, reduced to normal form."""
         mask = self._bits(raw)
         if mask & self.opening:
             return self.settle(raw)
         return Polynomial(self, self._reduce(raw, mask), mask)
 
     def project(self, p: Polynomial) -> Polynomial:
-        """A polynomial of another ring as one of this ring.
-
-        Args:
-            p: Its generators all exist here under the same names.
-        """
+        """A polynomial of another ring as one of this ring."""
         return self.wrap(p.raw.project_to_context(self.context))
 
     def coefficients(self, p: Polynomial, generators: Sequence[int]) -> dict[tuple[int, ...], Polynomial]:
-        """A polynomial as one in some generators, with polynomials in all the others as coefficients.
-
-        Args:
-            p: The polynomial.
-            generators: Indices of the generators that are set apart.
-
-        Returns:
-            Exponents of these generators -> coefficient.
-        """
+        """A polynomial as one in some generators, with polynomials in all the others as coefficients."""
         parts: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
         for exponents, coefficient in p.raw.terms():
             rest = [int(e) for e in exponents]
@@ -318,20 +260,12 @@ class Polynomial:
         return fraction(self.raw.leading_coefficient()) if self.raw else Fraction(0)
 
     def partial(self, generator: int) -> Polynomial:
-        """The partial derivative in one generator, all others held.
-
-        Args:
-            generator: Index of the generator.
-        """
+        """The partial derivative in one generator, all others held."""
         return Polynomial(self.ring, self.raw.derivative(generator), self._mask)
 
 
 def fraction(value: fmpq) -> Fraction:
-    """A FLINT rational as a Python one.
-
-    Args:
-        value: The rational.
-    """
+    """A FLINT rational as a Python one."""
     return Fraction(int(value.p), int(value.q))
 
 

@@ -32,18 +32,7 @@ from derive.robot.expression import number
 
 
 def check_file(file: CorpusFile) -> FileReport:
-    """Compare everything that a corpus file prints.
-
-    Args:
-        file: The robot and its printed formulas.
-
-    Returns:
-        One finding for each formula, in the order of the file.
-
-    Raises:
-        QuantityError: An item names no quantity of this robot.
-        CheckError: An item whose shape is not that of its quantity, or a formula that has no value.
-    """
+    """Compare everything that a corpus file prints."""
     model = Model(file.robot)
     findings = [finding for item in file.expected for finding in _placed(_quantity(model, item), item.location)]
     findings += [_identity(model, identity) for identity in file.identities]
@@ -55,20 +44,7 @@ def check_file(file: CorpusFile) -> FileReport:
 
 
 def check_expression(model: Model, quantity: str, text: str) -> Finding:
-    """Compare one formula with a scalar quantity.
-
-    Args:
-        model: The robot's model.
-        quantity: A scalar quantity such as ``T[1,4]`` (its entry) or ``christoffel[1,1,2]``.
-        text: The formula, in the notation of lecture notes.
-
-    Returns:
-        The comparison.
-
-    Raises:
-        QuantityError: No such quantity, or a matrix.
-        CheckError: The formula cannot be read.
-    """
+    """Compare one formula with a scalar quantity."""
     start = Location("--expression")
     formula = read_formula(text, model.robot, start)
     right = scalar_quantity(model, quantity)
@@ -79,18 +55,7 @@ def check_expression(model: Model, quantity: str, text: str) -> Finding:
 
 
 def derived_matrix(model: Model, item: PrintedQuantity) -> Matrix:
-    """The derived quantity that belongs to a printed item.
-
-    Args:
-        model: The robot's model.
-        item: The item; a single printed formula is an entry where its quantity is a matrix.
-
-    Returns:
-        A SymPy matrix, 1x1 for a scalar.
-
-    Raises:
-        QuantityError: No such quantity.
-    """
+    """The derived quantity that belongs to a printed item."""
     value = model.quantity(item.quantity)
     if item.shape == (1, 1) and getattr(value, "shape", (1, 1)) != (1, 1):
         value = scalar_quantity(model, item.quantity)

@@ -25,9 +25,7 @@ from derive.robot.load import file_bytes
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar, read_tree
 from derive.robot.robot import Robot
 
-UNREAD = ("singularities", "trajectory")
-"""Blocks with printed results of a kind that is not compared here."""
-
+UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kind that is not compared here
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
 _KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
 _CONTENT = (
@@ -47,17 +45,7 @@ _PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
 
 
 def check_path(path: str) -> tuple[FileReport, Robot]:
-    """Compare everything that a file prints.
-
-    Args:
-        path: A corpus file with ``robot:``, a file of frames with ``items:``, or one of Newton-Euler equations.
-
-    Returns:
-        The comparisons, and the robot whose notation the file uses.
-
-    Raises:
-        DeriveError: The file cannot be read.
-    """
+    """Compare everything that a file prints."""
     source, data = path if path.isprintable() else quoted(path, 200), file_bytes(Path(path))
     root = read_tree(data, source)
     if isinstance(root, YamlMapping) and "robot" not in root.entries:
@@ -70,20 +58,7 @@ def check_path(path: str) -> tuple[FileReport, Robot]:
 
 
 def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
-    """Read a robot and the formulas printed about it.
-
-    Args:
-        data: YAML in UTF-8.
-        source: Name of the file for messages.
-
-    Returns:
-        The robot and the formulas.
-
-    Raises:
-        RobotFileError: The bytes are no YAML, or the block ``robot:`` is no robot.
-        ExpressionError: A cell of the robot is outside the grammar.
-        CheckError: A printed formula, or the structure around it, cannot be read.
-    """
+    """Read a robot and the formulas printed about it."""
     robot = Robot.from_bytes(data, source)
     node = read_tree(data, source)
     if not isinstance(node, YamlMapping) or "robot" not in node.entries:

@@ -30,26 +30,21 @@ from derive.robot.reading.document import Node, YamlMapping, YamlScalar
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 
+# Formulas about frames have symbols and no joints.
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
-"""Formulas about frames have symbols and no joints."""
-
 FUNCTIONS = ("Rot", "Rot3", "Trans", "Vec", "Ref")
 _FACTOR = re.compile(r"\s*([A-Za-z0-9]+)\((.*)\)\s*", re.DOTALL)
 _PLACE = re.compile(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*")
 _KEYS = ("source", "printed_factors", "forms", "at", "status", "kind", "correct", "note", "ocr", "duplicate", "implied")
+# The row from which a turn about the axis goes to the next one: y to z, z to x, x to y.
 _FIRST_ROW = {"x": 1, "y": 2, "z": 0}
-"""The row from which a turn about the axis goes to the next one: y to z, z to x, x to y."""
 
 
 def rotation(axis: str, angle: Expr) -> Matrix:
     """Rot(axis, angle), 4x4: the turn about a coordinate axis, counter-clockwise seen from its tip.
 
     Args:
-        axis: ``x``, ``y`` or ``z``.
         angle: Expr [rad], a number or a SymPy expression.
-
-    Raises:
-        ExpressionError: Another axis, or an angle that is neither.
     """
     if axis not in _FIRST_ROW:
         raise ExpressionError(f"axis {axis!r}", allowed="x, y or z")
@@ -67,11 +62,6 @@ def translation(x: Expr, y: Expr, z: Expr) -> Matrix:
 
     Args:
         x: Displacement along x [m], a number or a SymPy expression.
-        y: Along y.
-        z: Along z.
-
-    Raises:
-        ExpressionError: A displacement that is neither.
     """
     matrix = sympy.eye(4)
     matrix[:3, 3] = sympy.Matrix([_scalar(x), _scalar(y), _scalar(z)])
@@ -83,24 +73,12 @@ def point(x: Expr, y: Expr, z: Expr) -> Matrix:
 
     Args:
         x: Coordinate [m], a number or a SymPy expression.
-        y: Along y.
-        z: Along z.
     """
     return translation(x, y, z)[:, 3]
 
 
 def compose(*frames: Matrix) -> Matrix:
-    """The product of frames from left to right, exact and reduced.
-
-    Args:
-        frames: 4x4 matrices; the last may be a point, 4x1.
-
-    Returns:
-        4x4, or 4x1 after a point.
-
-    Raises:
-        ExpressionError: No frame, or shapes that do not fit.
-    """
+    """The product of frames from left to right, exact and reduced."""
     shapes = [getattr(frame, "shape", None) for frame in frames]
     if not frames or any(shape != (4, 4) for shape in shapes[:-1]) or shapes[-1] not in ((4, 4), (4, 1)):
         raise ExpressionError(f"frames of shapes {shapes}", allowed="4x4 matrices, the last one 4x4 or a point 4x1")
@@ -128,18 +106,7 @@ def _scalar(value: Expr) -> Expr:
 
 
 def check_frames(root: YamlMapping, source: str) -> FileReport:
-    """Compare every printed product of a file with the product of its factors.
-
-    Args:
-        root: The file, with the key ``items``.
-        source: Its name.
-
-    Returns:
-        One finding for each printed entry.
-
-    Raises:
-        CheckError: A factor, a formula or the structure around it cannot be read.
-    """
+    """Compare every printed product of a file with the product of its factors."""
     top = reading.mapping(root, "the file", ("items",), ("source", "notes"))
     known: dict[str, Matrix] = {}
     findings = [f for item in reading.items(top.entries["items"][1], "items") for f in _item(item, known)]

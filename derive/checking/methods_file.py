@@ -34,48 +34,28 @@ SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
     "newton_euler_base": newton_euler_base,
     "newton_euler_link": newton_euler_link,
 }
-RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")
-"""What an equation may compute."""
-
-
+RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")  # what an equation may compute
+# Joint types and seed of each arm: both kinds of joint as first, inner and last one.
 ARMS = (("rpr", 1), ("rrp", 2), ("prrpr", 3))
-"""Joint types and seed of each arm: both kinds of joint as first, inner and last one."""
-
 UNREAD = ("initial_conditions", "textual", "lagrange")
 _KEYS = ("source", "algorithm", *SETS, *UNREAD)
 _EQUATION = ("correct", "kind", "note", "variants", "implied", "duplicate")
 _LOOP = ("id", "printed_stop", "correct_stop")
 _SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": "Newton-Euler, link frame"}
+# Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses.
 _TOLERANCE = 1e-10
-"""Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkCase:
-    """One link in motion.
+    """One link in motion."""
 
-    Attributes:
-        joint: ``revolute`` or ``prismatic``.
-        values: What each name stands for.
-    """
-
-    joint: str
-    values: Mapping[str, Array]
+    joint: str  # ``revolute`` or ``prismatic``
+    values: Mapping[str, Array]  # what each name stands for
 
 
 def check_methods(root: YamlMapping, source: str) -> FileReport:
-    """Compare every printed equation with what the recursion computes.
-
-    Args:
-        root: The file, with at least one set of equations.
-        source: Its name.
-
-    Returns:
-        One finding for each equation.
-
-    Raises:
-        CheckError: An equation, or the structure around it, cannot be read.
-    """
+    """Compare every printed equation with what the recursion computes."""
     top = reading.mapping(root, "the file", (), _KEYS)
     findings: list[Finding] = []
     for name in SETS:
@@ -155,11 +135,7 @@ def _loop(node: Node) -> Iterator[Finding]:
 
 @cache
 def cases(name: str) -> tuple[LinkCase, ...]:
-    """All links of the arms.
-
-    Args:
-        name: The set of equations, one of `SETS`.
-    """
+    """All links of the arms."""
     found = []
     for types, seed in ARMS:
         robot = _arm(types, seed)

@@ -15,25 +15,13 @@ from derive.model.equality import CounterExample
 from derive.robot.description import Remark
 from derive.robot.rounding import DIGITS
 
-Printer = Callable[[Any], str]
-"""Writes a derived formula in the notation of the file's robot."""
-
-LONGEST = 400
-"""Characters of a formula in a report; longer ones are cut."""
-
-MAX_SHOWN_TERMS = 6
-"""Terms of a difference that are shown; a longer one says little."""
+Printer = Callable[[Any], str]  # writes a derived formula in the notation of the file's robot
+LONGEST = 400  # characters of a formula in a report; longer ones are cut
+MAX_SHOWN_TERMS = 6  # terms of a difference that are shown; a longer one says little
 
 
 def report_lines(printout: Printout) -> list[str]:
-    """The report of one file: what is wrong, the right formula and what repairs it, what is undecidable, the count.
-
-    Args:
-        printout: The comparisons, and what writes derived formulas.
-
-    Returns:
-        Lines without ends.
-    """
+    """The report of one file: what is wrong, the right formula and what repairs it, what is undecidable, the count."""
     report = printout.report
     corrections = right_corrections(report)
     lines: list[str] = []
@@ -48,23 +36,12 @@ def report_lines(printout: Printout) -> list[str]:
 
 
 def right_corrections(report: FileReport) -> dict[str, Finding]:
-    """The corrections that a file gives and that are right.
-
-    Args:
-        report: The comparisons.
-
-    Returns:
-        Entry, such as ``B[1,2]`` -> its correction.
-    """
+    """The corrections that a file gives and that are right."""
     return {f.entry: f for f in report.findings if f.role is Role.CORRECTION and f.verdict.equal}
 
 
 def summary(report: FileReport) -> str:
-    """``173 equal (120 in the same form), 6 wrong``, with what was compared at points only or not at all.
-
-    Args:
-        report: The comparisons of one file.
-    """
+    """``173 equal (120 in the same form), 6 wrong``, with what was compared at points only or not at all."""
     same = sum(judge(finding).outcome is Outcome.SAME_FORM for finding in report.findings)
     known = sum(finding.erratum for finding in report.wrong)
     numeric = sum(not f.verdict.exact and f.role is not Role.BRANCHES for f in report.findings)
@@ -76,15 +53,7 @@ def summary(report: FileReport) -> str:
 
 
 def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
-    """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers.
-
-    Args:
-        finding: The comparison.
-        printout: What writes derived formulas.
-
-    Yields:
-        Lines without ends.
-    """
+    """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers."""
     verdict = judge(finding)
     if finding.role is Role.BRANCHES:
         place = "" if finding.verdict.equal else f"{finding.location}: "
@@ -117,15 +86,7 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
 
 
 def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
-    """The report of one file as plain data.
-
-    Args:
-        report: The comparisons.
-        printer: Writes derived formulas.
-
-    Returns:
-        Counts, and under ``entries`` one mapping for each formula; see `finding_dict`.
-    """
+    """The report of one file as plain data."""
     return {
         "file": report.source,
         "robot": report.robot,
@@ -138,15 +99,7 @@ def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
 
 
 def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
-    """One verdict as plain data.
-
-    Args:
-        finding: The comparison.
-        printer: Writes derived formulas.
-
-    Returns:
-        Strings, numbers, lists and mappings; the reasons only where the printed formula is wrong.
-    """
+    """One verdict as plain data."""
     verdict = judge(finding)
     entry: dict[str, Any] = {
         "quantity": finding.entry,
@@ -182,11 +135,7 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
 
 
 def repaired_text(finding: Finding) -> str:
-    """The printed formula with the change made; empty where none was found.
-
-    Args:
-        finding: The comparison.
-    """
+    """The printed formula with the change made; empty where none was found."""
     repair, question = judge(finding).repair, finding.question
     if repair is None:
         return ""
@@ -194,12 +143,7 @@ def repaired_text(finding: Finding) -> str:
 
 
 def difference_text(verdict: Judgement, printer: Printer) -> str:
-    """Printed minus right in one line; empty where it is not known or has many terms.
-
-    Args:
-        verdict: The verdict on a wrong formula.
-        printer: Writes the terms.
-    """
+    """Printed minus right in one line; empty where it is not known or has many terms."""
     if not 0 < len(verdict.difference) <= MAX_SHOWN_TERMS:
         return ""
     first, *rest = [printer(term) for term in verdict.difference]
@@ -207,21 +151,13 @@ def difference_text(verdict: Judgement, printer: Printer) -> str:
 
 
 def unknown_name(finding: Finding) -> str:
-    """The name that the robot does not know, and the nearest known ones; empty where all are known.
-
-    Args:
-        finding: The comparison.
-    """
+    """The name that the robot does not know, and the nearest known ones; empty where all are known."""
     error = finding.unknown
     return "; ".join(part for part in (error.found, error.allowed, error.remedy) if part) if error else ""
 
 
 def what(finding: Finding) -> str:
-    """What a formula is, in words.
-
-    Args:
-        finding: The comparison.
-    """
+    """What a formula is, in words."""
     match finding.role:
         case Role.CORRECTION:
             return f"correction of {finding.entry}"
@@ -236,21 +172,12 @@ def what(finding: Finding) -> str:
 
 
 def right_text(finding: Finding, printer: Printer) -> str:
-    """The derived formula.
-
-    Args:
-        finding: The comparison.
-        printer: Writes it.
-    """
+    """The derived formula."""
     return finding.right if isinstance(finding.right, str) else printer(finding.right)
 
 
 def numbers(example: CounterExample) -> str:
-    """Numbers that show a difference.
-
-    Args:
-        example: A point and both values there.
-    """
+    """Numbers that show a difference."""
     values = ", ".join(f"{name} = {float(value):g}" for name, value in example.values)
     printed = "no real value" if isnan(example.printed) else f"{example.printed:.6g}"
     compared = f"printed {printed}, right {example.right:.6g}"
@@ -258,69 +185,41 @@ def numbers(example: CounterExample) -> str:
 
 
 def cut(text: str, length: int = LONGEST) -> str:
-    """The beginning of a text.
-
-    Args:
-        text: The text.
-        length: Characters that it may have, the dots at its end counted.
-    """
+    """The beginning of a text."""
     return text if len(text) <= length else f"{text[: length - 3]}..."
 
 
 TITLE = "# Errata"
-LONGEST_ON_PAGE = 600
-"""Characters of a formula on the page; longer ones are cut."""
+LONGEST_ON_PAGE = 600  # characters of a formula on the page; longer ones are cut
 
 
 @dataclass(frozen=True)
 class Printout:
-    """One checked file.
+    """One checked file."""
 
-    Attributes:
-        report: Its comparisons.
-        printer: Writes derived formulas in the notation of its robot, for people: numbers with few digits.
-        exact: Writes them with all digits, for programs.
-        is_rounded: Whether `printer` rounds a number of one.
-        remarks: What its robot says and hardly means.
-    """
-
-    report: FileReport
-    printer: Printer
-    exact: Printer
-    is_rounded: Callable[[Any], bool]
-    remarks: tuple[Remark, ...] = ()
+    report: FileReport  # its comparisons
+    printer: Printer  # writes derived formulas in the notation of its robot, for people: numbers with few digits
+    exact: Printer  # writes them with all digits, for programs
+    is_rounded: Callable[[Any], bool]  # whether `printer` rounds a number of one
+    remarks: tuple[Remark, ...] = ()  # what its robot says and hardly means
 
     def note(self, finding: Finding) -> str:
-        """What is said behind a derived formula where its numbers are rounded.
-
-        Args:
-            finding: The comparison.
-        """
+        """What is said behind a derived formula where its numbers are rounded."""
         rounded = not isinstance(finding.right, str) and self.is_rounded(finding.right)
         return f" (numbers with {DIGITS} digits)" if rounded else ""
 
 
 @dataclass(frozen=True)
 class Item:
-    """Wrong entries of one printed item.
+    """Wrong entries of one printed item."""
 
-    Attributes:
-        findings: The entries.
-        printout: The file.
-        document: Where they are printed.
-    """
-
-    findings: tuple[Finding, ...]
-    printout: Printout
-    document: Citation
+    findings: tuple[Finding, ...]  # the entries
+    printout: Printout  # the file
+    document: Citation  # where they are printed
 
 
 def errata_items(printouts: Sequence[Printout]) -> tuple[Item, ...]:
-    """What is wrong, item by item, in the order of documents; what another file counts already is left out.
-
-    Args:
-        printouts: The checked files.
-    """
+    """What is wrong, item by item, in the order of documents; what another file counts already is left out."""
     found = []
     for printout in printouts:
         report = printout.report
@@ -335,16 +234,7 @@ def errata_items(printouts: Sequence[Printout]) -> tuple[Item, ...]:
 
 
 def errata_report(printouts: Sequence[Printout], titles: Mapping[str, str] | None = None, head: str = "") -> str:
-    """The report as Markdown.
-
-    Args:
-        printouts: The checked files.
-        titles: Names to be shown for documents.
-        head: A paragraph under the title.
-
-    Returns:
-        A page with one section for each document and one entry for each printed item.
-    """
+    """The report as Markdown."""
     items = errata_items(printouts)
     errors = [item for item in items if item.findings[0].remark.kind != "convention"]
     conventions = [item for item in items if item.findings[0].remark.kind == "convention"]

@@ -22,22 +22,13 @@ from derive.robot.names import robot_symbols
 from derive.robot.reading.document import Node, YamlMapping, YamlSequence
 from derive.robot.robot import Robot
 
+# Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics.
 POSE_NAMES = ("ox", "oy", "oz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "sgn")
-"""Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics."""
-
 HALF = number("1/2")
 
 
 def read_solutions(node: Node | None, robot: Robot) -> tuple[Solution, ...]:
-    """The formulas of the block, whose names are entries of T.
-
-    Args:
-        node: The block, if there is one.
-        robot: Whose inverse kinematics it is; a name of its own hides the pose's.
-
-    Raises:
-        CheckError: A formula, or the structure around it, cannot be read.
-    """
+    """The formulas of the block, whose names are entries of T."""
     if isinstance(node, YamlSequence):
         return tuple(found for block in node.items for found in read_solutions(block, robot))
     if node is None or (isinstance(node, YamlMapping) and "formulas" not in node.entries):
@@ -72,18 +63,7 @@ def _lacking(printed: Printed, value: Printed) -> Printed:
 
 
 def solution_findings(model: Model, solutions: Sequence[Solution]) -> Iterator[Finding]:
-    """Every formula of inverse kinematics against the variable it should give, and its correction.
-
-    Args:
-        model: The robot's model.
-        solutions: The printed formulas.
-
-    Yields:
-        One finding for each formula.
-
-    Raises:
-        CheckError: A formula that divides by zero.
-    """
+    """Every formula of inverse kinematics against the variable it should give, and its correction."""
     for solution in solutions:
         yield _finding(model, solution, solution.printed, Role.SOLUTION)
         if solution.correction is not None:

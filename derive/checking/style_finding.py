@@ -41,6 +41,7 @@ from derive.robot.robot import Robot
 _BODIES = ("products", "factors", "brackets")
 _GRAVITY = ("products", "factors", "g")
 
+# The options that decide how a dynamic quantity is written; kinematic ones depend on what they contain.
 OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "B": ("inertia", *_BODIES),
     "B_link": ("inertia", *_BODIES),
@@ -54,59 +55,37 @@ OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "Cqd": ("christoffel", *_BODIES, "velocities", "torques"),
     "g": ("gravity", *_GRAVITY),
 }
-"""The options that decide how a dynamic quantity is written; kinematic ones depend on what they contain."""
-
+# What the terms of an equation of motion are, and the quantity that they are.
 _TORQUE_PARTS = {"accelerations": "B_qdd", "velocities": "Cqd", "gravity": "g", "friction": "friction"}
-"""What the terms of an equation of motion are, and the quantity that they are."""
 
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A formula as a book prints it.
+    """A formula as a book prints it."""
 
-    Attributes:
-        robot: Whose formula it is.
-        quantity: The scalar that it is printed for, such as ``tau[1]``.
-        formula: What is printed, in the robot's own names.
-        text: As it is printed.
-        location: Where it stands.
-    """
-
-    robot: Robot
-    quantity: str
-    formula: Expression
-    text: str = ""
-    location: Location = field(default_factory=lambda: Location("<example>"))
+    robot: Robot  # whose formula it is
+    quantity: str  # the scalar that it is printed for, such as ``tau[1]``
+    formula: Expression  # what is printed, in the robot's own names
+    text: str = ""  # as it is printed
+    location: Location = field(default_factory=lambda: Location("<example>"))  # where it stands
 
 
 @dataclass(frozen=True, slots=True)
 class ExampleFinding:
-    """What the found style makes of an example.
+    """What the found style makes of an example."""
 
-    Attributes:
-        example: The example.
-        outcome: Same form, equal in another form, or wrong.
-        written: The derived formula in the found style.
-        reason: Why the form differs, in a few words; empty where it does not.
-    """
-
-    example: Example
-    outcome: Outcome
-    written: Expr
-    reason: str = ""
+    example: Example  # the example
+    outcome: Outcome  # same form, equal in another form, or wrong
+    written: Expr  # the derived formula in the found style
+    reason: str = ""  # why the form differs, in a few words; empty where it does not
 
 
 @dataclass(frozen=True, slots=True)
 class StyleFinding:
-    """The style that writes most examples as they are printed.
+    """The style that writes most examples as they are printed."""
 
-    Attributes:
-        style: The style.
-        findings: What it makes of each example, in their order.
-    """
-
-    style: Style
-    findings: tuple[ExampleFinding, ...]
+    style: Style  # the style
+    findings: tuple[ExampleFinding, ...]  # what it makes of each example, in their order
 
     @property
     def reproduced(self) -> int:
@@ -115,31 +94,13 @@ class StyleFinding:
 
 
 def find_style(examples: Iterable[Example]) -> StyleFinding:
-    """The style that writes most examples as they are printed.
-
-    Args:
-        examples: Formulas of one book, of one robot or of several.
-
-    Returns:
-        The style, and what it makes of each example.
-
-    Raises:
-        QuantityError: An example of no quantity of its robot.
-        CheckError: An example that has no value.
-    """
+    """The style that writes most examples as they are printed."""
     evidence = StyleEvidence(examples)
     return evidence.finding(evidence.best_style())
 
 
 def printed_examples(findings: Iterable[Finding]) -> list[Example]:
-    """The formulas that can be written in more than one way: those that contain a sum.
-
-    Args:
-        findings: Comparisons of printed formulas; errata are left out, and what no robot knows.
-
-    Returns:
-        The examples, in their order.
-    """
+    """The formulas that can be written in more than one way: those that contain a sum."""
     found = []
     for finding in findings:
         question, telling = finding.question, finding.role in (Role.PRINTED, Role.CORRECTION) and not finding.erratum
@@ -152,9 +113,6 @@ def printed_examples(findings: Iterable[Finding]) -> list[Example]:
 
 class StyleEvidence:
     """Examples and what is known of them: in which options' values each part comes out as printed.
-
-    Args:
-        examples: Formulas of one book, of one robot or of several.
 
     Attributes:
         examples: The same.
@@ -169,39 +127,17 @@ class StyleEvidence:
             self._parts.append(tuple(_parts(known, example)))
 
     def best_style(self, without: int | None = None) -> Style:
-        """The style in which most examples come out as printed.
-
-        Args:
-            without: An example that is left out, by its number from 0: would the others foretell its form?
-
-        Returns:
-            The style; of equally good ones that with the fewest changes of a named set.
-        """
+        """The style in which most examples come out as printed."""
         known = [parts for i, parts in enumerate(self._parts) if i != without]
         found = [_improved(start, known) for start in NAMED_STYLES.values()]
         return max(found, key=lambda style: (*_score(style, known), -len(style.options())))
 
     def fits(self, i: int, style: Style) -> bool:
-        """Whether a style writes an example as it is printed.
-
-        Args:
-            i: The number of the example, from 0.
-            style: The style.
-
-        Returns:
-            Whether all its parts are written so.
-        """
+        """Whether a style writes an example as it is printed."""
         return all(part.fits(style) for part in self._parts[i])
 
     def finding(self, style: Style) -> StyleFinding:
-        """What a style makes of the examples.
-
-        Args:
-            style: The style.
-
-        Returns:
-            Each example as the style writes it, and why it is not as printed.
-        """
+        """What a style makes of the examples."""
         return StyleFinding(
             style,
             tuple(
@@ -258,14 +194,7 @@ class _Robot:
         return frozenset(name for cell in cells for name in names(cell)) - angles
 
     def model(self, style: Style) -> Model:
-        """The model in a style.
-
-        Args:
-            style: The style.
-
-        Returns:
-            A model that shares what is exact with those of the other styles.
-        """
+        """The model in a style."""
         if style not in self._models:
             if style.contraction not in self._exact:
                 self._exact[style.contraction] = Model(self.robot, style)
@@ -273,15 +202,7 @@ class _Robot:
         return self._models[style]
 
     def form(self, quantity: str, style: Style) -> object:
-        """The form of a scalar quantity in a style.
-
-        Args:
-            quantity: Its name.
-            style: The style.
-
-        Returns:
-            What is equal for expressions of the same form.
-        """
+        """The form of a scalar quantity in a style."""
         key = (quantity, style)
         if key not in self._forms:
             self._forms[key] = form_of(expression_from_sympy(scalar_quantity(self.model(style), quantity)))
@@ -289,15 +210,7 @@ class _Robot:
 
 
 class _Part:
-    """A part of an example that is written independently of the others.
-
-    Args:
-        title: What it is, for reasons; empty for the whole.
-        printed: What the book prints.
-        robot: Whose part it is.
-        quantity: What it is the formula of.
-        options: The options that decide how it is written.
-    """
+    """A part of an example that is written independently of the others."""
 
     def __init__(self, title: str, printed: Expression, robot: _Robot, quantity: str, options: tuple[str, ...]) -> None:
         self.title, self.options = title, options
@@ -305,14 +218,7 @@ class _Part:
         self._fits: dict[tuple[StrEnum, ...], bool] = {}
 
     def fits(self, style: Style) -> bool:
-        """Whether it comes out as printed.
-
-        Args:
-            style: The style.
-
-        Returns:
-            Whether the derived formula has the printed form in that style.
-        """
+        """Whether it comes out as printed."""
         key = tuple(getattr(style, name) for name in self.options)
         if key not in self._fits:
             alone = _effective(Style().changed(dict(zip(self.options, key, strict=True))), self.options)
@@ -320,14 +226,7 @@ class _Part:
         return self._fits[key]
 
     def remedies(self, style: Style) -> list[Style]:
-        """The styles with the fewest changes, one or two, in which it comes out as printed.
-
-        Args:
-            style: The style that is changed.
-
-        Returns:
-            The styles; none where more changes would be needed, or no style writes it so.
-        """
+        """The styles with the fewest changes, one or two, in which it comes out as printed."""
         for count in (1, 2):
             chosen = (
                 style.changed(dict(zip(some, values, strict=True)))

@@ -28,11 +28,7 @@ already stay, and are renewed where they are stale.
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robots, where to and how.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robots, where to and how."""
     add = parser.add_argument
     add("robots", metavar="ROBOT", nargs="*", help="robot file or catalogue name (default: the whole catalogue)")
     add_shared(parser, "folder", default=Path("generated"), help="parent folder (default: generated)")
@@ -46,14 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Build or check, report, and say by the status whether all went well.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The gravest exit status; failures are told on standard error, each with the file that it belongs to.
-    """
+    """Build or check, report, and say by the status whether all went well."""
     from derive.api.build import build_all, stale
     from derive.api.robots import load_all
     from derive.publish.build import BuildFailure, CheckResult

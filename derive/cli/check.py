@@ -42,16 +42,11 @@ Exit status 0 all equal, 1 something wrong, 2 a file or formula that cannot be r
     theta2 = atan2(+-sqrt(1 - D**2), D); theta1 = atan2(y, x) - atan2(a2*s2, a1 + a2*c2)'
 """
 
-LONGEST_CELL = 160
-"""Characters of a formula in the table; longer ones are cut."""
+LONGEST_CELL = 160  # characters of a formula in the table; longer ones are cut
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The files, or one formula, and the form of the output.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The files, or one formula, and the form of the output."""
     add = parser.add_argument
     add("files", metavar="FILE", nargs="+", help="corpus file: a robot and its printed formulas")
     quantity = "a quantity of the one robot named instead of FILE, such as 'T[1,4]'; a scalar for E"
@@ -66,17 +61,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check every file, or the one formula.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status: 0 all equal, 1 something wrong, 2 an unknown name.
-
-    Raises:
-        CheckError: Arguments that do not belong together, or a formula that cannot be read.
-    """
+    """Check every file, or the one formula."""
     from derive.publish.atomic_folder import refuse_taken
 
     if arguments.out == STDOUT and arguments.json:

@@ -19,23 +19,12 @@ SHELLS = ("bash", "zsh", "fish")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The shell.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The shell."""
     parser.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the script.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-    """
+    """Print the script."""
     import shtab
 
     from derive.cli.main import whole_parser

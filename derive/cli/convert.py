@@ -26,11 +26,7 @@ There and back gives the same table: comments in the file say what goes back int
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot, the convention and the file.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robot, the convention and the file."""
     add = parser.add_argument
     add_shared(parser, "robot")
     add("--convention", metavar="NAME", help="standard or modified (default: the other one)")
@@ -43,17 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Convert the robot; write the file or print it.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        DeriveError: Options that do not belong together, or wrong input.
-    """
+    """Convert the robot; write the file or print it."""
     from derive.api.convert import convert
 
     if arguments.format and not arguments.derivation:

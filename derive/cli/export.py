@@ -22,11 +22,7 @@ FORMATS = ("urdf", "mjcf", "rtb", "corke", "rigidbodytree", "csv")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot, the format and the file.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robot, the format and the file."""
     add = parser.add_argument
     add_shared(parser, "robot")
     add_shared(parser, "format", required=True, choices=FORMATS, help=", ".join(FORMATS))
@@ -37,17 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the file, or print it.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        DeriveError: Values that are no ``name=value``, or options that do not belong together.
-    """
+    """Write the file, or print it."""
     from derive.api.export import export_file
     from derive.api.robots import load
     from derive.errors import DeriveError, quoted

@@ -31,11 +31,7 @@ Without --tex, --pdf and --html the LaTeX file is written. Options win over the 
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot, the forms, and what is shown.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robot, the forms, and what is shown."""
     add, parts = parser.add_argument, _reader(lambda text: chosen_parts(text.split(",")))
     add_shared(parser, "robot")
     add("--tex", action="store_true", help="the LaTeX file; it stands alone (default)")
@@ -98,17 +94,7 @@ def _write_fragment(robot: Robot, arguments: argparse.Namespace, options: Mappin
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the handout, or print the fragment.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        OutputError: A fragment and a handout at once.
-    """
+    """Write the handout, or print the fragment."""
     from derive.api.handout import handout
     from derive.api.robots import load
     from derive.api.style import find_style

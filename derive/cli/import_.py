@@ -29,11 +29,7 @@ proven in ball arithmetic; `derive verify` tests it again. Without -o the file i
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The URDF, which chain of it, and where the robot file goes.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The URDF, which chain of it, and where the robot file goes."""
     add = parser.add_argument
     add("file", metavar="FILE", help="URDF or .xacro file; - reads a URDF from standard input")
     add("--tip", metavar="LINK", help="last link of the chain (default: the only one that carries no other)")
@@ -56,17 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Import and write.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        DeriveError: Options that do not belong together.
-    """
+    """Import and write."""
     from derive.api.importing import import_all, import_urdf
     from derive.publish.atomic_folder import refuse_taken
 

@@ -17,24 +17,13 @@ List the built-in robots: name, joints (R revolute, P prismatic), convention, dy
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """What is listed, and the form of the output.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """What is listed, and the form of the output."""
     parser.add_argument("--plans", action="store_true", help="motion plans instead: name, robot, segments, title")
     add_shared(parser, "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the catalogue.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-    """
+    """Print the catalogue."""
     from derive.api.robots import catalogue, load
 
     if arguments.plans:

@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 from derive.version import __version__
 
+# What each command does; its module `derive.cli.NAME`, or `NAME_`, is imported when it is asked for.
 COMMANDS = {
     "list": "list the built-in robots, or motion plans",
     "show": "print quantities of a robot: T, J, B, C, g, A[1], ...",
@@ -31,20 +32,16 @@ COMMANDS = {
     "schema": "print the JSON Schema of the robot file or the motion plan",
     "completion": "print what lets a shell complete commands, options, robots and quantities",
 }
-"""What each command does; its module `derive.cli.NAME`, or `NAME_`, is imported when it is asked for."""
-
+# Commands that read robot files.
 OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "new")
-"""Commands that read robot files."""
-
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
 
 A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
 """
 
+# Objects after which Python looks for garbage; its own 700 cost a tenth of a command that is mostly imports.
 COLLECTED_AFTER = (500_000, 10, 10)
-"""Objects after which Python looks for garbage; its own 700 cost a tenth of a command that is mostly imports."""
-
 _DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
 _EPILOG = """\
 ROBOT is the path of a robot file or a name that `derive list` shows.
@@ -60,17 +57,7 @@ examples:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command.
-
-    Args:
-        argv: Arguments without the program's name; ``sys.argv[1:]`` by default.
-
-    Returns:
-        The exit status: 0 done, 1 a check failed, 2 wrong input, 130 interrupted.
-
-    Raises:
-        SystemExit: For ``--help`` and ``--version`` (status 0).
-    """
+    """Run one command."""
     for stream in (sys.stdout, sys.stderr):  # a title in Greek must not end in an exception on an ASCII terminal
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
@@ -115,20 +102,12 @@ def wants_json(typed: Sequence[str]) -> bool:
 class _Parser(argparse.ArgumentParser):
     """Usage errors are errors like others, in one line: a usage block would bury the reason."""
 
-    old: Mapping[str, str] = {}
-    """Names that options had before, with those that they have."""
+    old: Mapping[str, str] = {}  # names that options had before, with those that they have
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse; a formula or an angle that begins with a minus sign is the value of the option before it.
 
         Options may stand anywhere, also between a robot and its quantities.
-
-        Args:
-            args: Arguments as typed.
-            namespace: Where values are put.
-
-        Returns:
-            The namespace and what was not understood.
         """
         typed = list(sys.argv[1:] if args is None else args)
         known = self._option_string_actions
@@ -172,16 +151,7 @@ class _Parser(argparse.ArgumentParser):
         self.error(f"{what}; allowed: {', '.join(map(str, action.choices))}", str(value), map(str, action.choices))
 
     def error(self, message: str, word: str = "", allowed: Iterable[str] = ()) -> NoReturn:
-        """Refuse the arguments.
-
-        Args:
-            message: What is wrong with them.
-            word: A word that is not understood.
-            allowed: What might have been meant by it.
-
-        Raises:
-            DeriveError: Always.
-        """
+        """Refuse the arguments."""
         from derive.errors import DeriveError, near_miss
 
         raise DeriveError(message, allowed=near_miss(word, allowed), remedy=f"see '{self.prog} --help'")
@@ -191,15 +161,7 @@ class _Command(_Parser):
     """The parser of a command, which has its arguments when it is asked for them, so that help answers at once."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse, once the arguments are known.
-
-        Args:
-            args: Arguments behind the command's name.
-            namespace: Where values are put.
-
-        Returns:
-            The namespace and what was not understood.
-        """
+        """Parse, once the arguments are known."""
         self.configured()
         found, surplus = super().parse_known_args(args, namespace)
         return (found, surplus) if not surplus else self.error(f"{surplus[0]!r} is an argument too many")

@@ -27,11 +27,7 @@ to start from. Exit status 1: a limit of the robot is exceeded, the simulation d
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The plan and what is written.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The plan and what is written."""
     add = parser.add_argument
     add("plan", metavar="PLAN", help="motion plan, or the name of a built-in one")
     add("--simulate", action="store_true", help="run the arm under the plan's control law; files then show that")
@@ -53,17 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compute, write what was asked for, and print.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        DeriveError: Options that do not belong together.
-    """
+    """Compute, write what was asked for, and print."""
     from derive.api.move import FORMS, move
     from derive.errors import DeriveError
 

@@ -73,6 +73,7 @@ _BODY = """\
 
 _COLUMN, _UPPER_ARM, _FOREARM = ("", "d1", "0", "pi/2"), ("", "0", "a2", "0"), ("", "0", "a3", "0")
 _SWIVEL, _BEND = ("", "0", "0", "pi/2"), ("", "0", "0", "-pi/2")
+# By number of joints the rows of a typical arm: what is added to theta, then d, a, alpha; None: one that slides.
 _ARMS = {
     3: (_COLUMN, _UPPER_ARM, _FOREARM),
     4: (("", "d1", "a1", "0"), ("", "0", "a2", "pi"), None, ("", "d4", "0", "0")),
@@ -80,8 +81,6 @@ _ARMS = {
     6: (_COLUMN, _UPPER_ARM, (" + pi/2", *_SWIVEL[1:]), ("", "d4", "0", "-pi/2"), _SWIVEL, ("", "d6", "0", "0")),
     7: (_COLUMN, _BEND, ("", "d3", "0", "-pi/2"), _SWIVEL, ("", "d5", "0", "pi/2"), _BEND, ("", "d7", "0", "0")),
 }
-"""By number of joints the rows of a typical arm: what is added to theta, then d, a, alpha; None: one that slides."""
-
 _LENGTHS = {"d1": 0.4, "a1": 0.3, "a2": 0.35, "a3": 0.3, "d3": 0.4, "d4": 0.35, "d5": 0.3, "d6": 0.1, "d7": 0.1}
 
 _MOTOR = """\
@@ -92,11 +91,7 @@ _MOTOR = """\
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot's name and its number of joints.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robot's name and its number of joints."""
     parser.add_argument("name", metavar="NAME", help="name of the robot or plan, [a-z0-9-]+; the file is NAME.yaml")
     parser.add_argument("--joints", type=positive, metavar="N", help="number of joints (default 2)")
     parser.add_argument("--from", dest="model", metavar="ROBOT", help="copy this robot file, built-in robot or plan")
@@ -105,17 +100,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the file and say where.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        OutputError: There is such a file already, or options do not belong together.
-    """
+    """Write the file and say where."""
     from derive.plans.catalogue import plan_bytes, plan_names
     from derive.publish.atomic_folder import write_files
 
@@ -150,18 +135,7 @@ def _plan_text(name: str, robot: str) -> str:
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:
-    """A commented robot file: a typical arm of so many joints.
-
-    Args:
-        name: Name of the robot, ``[a-z][a-z0-9-]*``.
-        joints: Number of rows.
-
-    Returns:
-        The YAML text.
-
-    Raises:
-        RobotFileError: A name or number of joints that no robot may have.
-    """
+    """A commented robot file: a typical arm of so many joints."""
     _check_name(name)
     if not 1 <= joints <= FILE_LIMITS.joints:
         raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
@@ -204,19 +178,7 @@ def _half_way(d: str, a: str, alpha: str) -> str:
 
 
 def copied_robot_text(name: str, model: str) -> str:
-    """The file of another robot under a new name, comments and units kept.
-
-    Args:
-        name: Name of the new robot.
-        model: Path of a robot file, or a name of the catalogue; of a corpus file only the robot is copied.
-
-    Returns:
-        The YAML text.
-
-    Raises:
-        RobotFileError: A name that no robot may have, or a file that describes no robot.
-        UnknownRobotError: Neither a file nor a catalogue name.
-    """
+    """The file of another robot under a new name, comments and units kept."""
     from derive.api.robots import load
     from derive.robot.load import robot_file_bytes
 

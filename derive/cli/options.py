@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-STDOUT = Path("-")
-"""Instead of a file: what is written is printed."""
+STDOUT = Path("-")  # instead of a file: what is written is printed
 
 
 def file_or_stdout(text: str) -> Path | None:
@@ -19,6 +18,7 @@ _OUT = ("-o", "--out")
 _FLAG = {"action": "store_true"}
 _BODIES: dict[str, Any] = {"choices": ("given", "possible"), "default": "given"}
 
+# Names and settings by what `add_shared` calls them.
 SHARED: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "robot": (("robot",), {"metavar": "ROBOT", "help": "robot file or catalogue name"}),
     "out": (_OUT, {"metavar": "FILE", "type": file_or_stdout, "help": "file to write (default: standard output)"}),
@@ -34,11 +34,9 @@ SHARED: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "quiet": (("--quiet",), _FLAG | {"help": "no progress and no report"}),
     "json": (("--json",), _FLAG | {"help": "machine-readable output, errors included"}),
 }
-"""Names and settings by what `add_shared` calls them."""
-
 _POINT = {"-q": "--at"}
+# Of each command the names that options had; they are understood and not shown.
 OLD = {"check": {"--report": "--out"}, "export": {"--to": "--format"}, "handout": _POINT, "plot": _POINT}
-"""Of each command the names that options had; they are understood and not shown."""
 
 
 def add_shared(parser: argparse._ActionsContainer, *names: str, **settings: Any) -> None:

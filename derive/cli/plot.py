@@ -21,11 +21,7 @@ number are drawn with a length that is reported.
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot, what to draw and where to.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robot, what to draw and where to."""
     add = parser.add_argument
     add_shared(parser, "robot")
     add_shared(parser, "out", type=Path, required=True, help="figure to write: .pdf, .svg or .png")
@@ -36,14 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Draw, write the file as a whole, and report what was assumed.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-    """
+    """Draw, write the file as a whole, and report what was assumed."""
     from derive.api.plot import plot
 
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:

@@ -17,24 +17,13 @@ type.
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Which file.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """Which file."""
     parser.add_argument("--plan", action="store_true", help="of the motion plan that derive move reads")
     add_shared(parser, "json")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the schema.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-    """
+    """Print the schema."""
     if arguments.plan:
         from derive.plans.schema import plan_json_schema
 

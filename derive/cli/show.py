@@ -38,28 +38,17 @@ With --at it prints numbers; symbols without a number stay.
 """
 FORMATS = ("text", "latex", "python", "json")
 EXACT_FORMATS = ("python", "json")
-FLOAT_DIGITS = 17
-"""Digits of a number beside a symbol in these formats, at a point: they tell any two floats apart."""
-
+FLOAT_DIGITS = 17  # digits of a number beside a symbol in these formats, at a point: they tell any two floats apart
 CONTRACTIONS = ("aligned", "opposed")
 ABBREVIATIONS = ("christoffel", "coefficients")
 
-WIDTH = 120
-"""Widest grid; fixed, so that a page of documentation shows what a user gets."""
-
-COMMENTS = {"text": "#", "latex": "%", "python": "#"}
-"""How a remark begins in each form."""
-
-Printer = Callable[[Any], Any]
-"""Writes one expression: its text, or a number for JSON."""
+WIDTH = 120  # widest grid; fixed, so that a page of documentation shows what a user gets
+COMMENTS = {"text": "#", "latex": "%", "python": "#"}  # how a remark begins in each form
+Printer = Callable[[Any], Any]  # writes one expression: its text, or a number for JSON
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot, its quantities and the form of the output.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robot, its quantities and the form of the output."""
     add = parser.add_argument
     add_shared(parser, "robot")
     add("quantities", metavar="QUANTITY", nargs="*", help="such as T, 'A[2]', B (default: list them)")
@@ -83,14 +72,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Derive the quantities and print them.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-    """
+    """Derive the quantities and print them."""
     from derive.api.robots import load
 
     form = arguments.format = "json" if arguments.json else arguments.format

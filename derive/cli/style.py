@@ -20,16 +20,11 @@ Formulas without a sum tell nothing. Exit status 0 found, 1 a formula is wrong, 
   derive style planar-2r-perugia --example 'b_{12} = I_{l2} + m_{l2} l_2^2 + m_{l2} a_1 l_2 c_2 + k_{r2} I_{m2}'
 """
 
-FILES = (".tex", ".yaml", ".yml")
-"""Examples that end so are files."""
+FILES = (".tex", ".yaml", ".yml")  # examples that end so are files
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The files or the robot, and its formulas.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The files or the robot, and its formulas."""
     add = parser.add_argument
     add("sources", metavar="ROBOT_OR_CORPUS", nargs="+", help="corpus files; or a robot file or catalogue name")
     formula = "a printed formula of the robot, 'tau[1] = ...', or a .tex file; repeatable"
@@ -38,14 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Find the style and print it.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status: 0 found, 1 a formula is wrong.
-    """
+    """Find the style and print it."""
     from derive.api.style import find_style
 
     given = [Path(text) if text.endswith(FILES) else text for text in arguments.example or ()]

@@ -29,31 +29,18 @@ INTERNAL_FAULT = 70
 INTERRUPTED = 130
 BROKEN_PIPE = 141
 
-BOLD, RED, YELLOW = 1, 31, 33
-"""Numbers of colours in terminals (ECMA-48)."""
+BOLD, RED, YELLOW = 1, 31, 33  # numbers of colours in terminals (ECMA-48)
 
 
 def one_line(text: str) -> str:
-    """A text on one line, with control characters escaped: it may quote a stranger's file.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        The text in printable characters.
-    """
+    """A text on one line, with control characters escaped: it may quote a stranger's file."""
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode() for character in text
     )
 
 
 def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> None:
-    """Print rows with their columns aligned, and nothing after the last column.
-
-    Args:
-        rows: Cells of each row, as many in all of them.
-        header: Names of the columns; nothing is printed where there is neither header nor row.
-    """
+    """Print rows with their columns aligned, and nothing after the last column."""
     lines = [header, *rows] if header else rows
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for place, line in enumerate(lines):
@@ -62,23 +49,12 @@ def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> 
 
 
 def print_json(value: Any) -> None:
-    """Print plain data as JSON, indented, keys in the order given.
-
-    Args:
-        value: Dicts, lists, texts, numbers.
-    """
+    """Print plain data as JSON, indented, keys in the order given."""
     print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def explain(error: BaseException) -> tuple[str, int]:
-    """What to say about an error.
-
-    Args:
-        error: Whatever ended a command.
-
-    Returns:
-        The message, and the exit status that it means.
-    """
+    """What to say about an error."""
     if isinstance(error, DeriveError):
         return str(error), error.exit_status
     if isinstance(error, RobotFileWarning):
@@ -117,14 +93,7 @@ def coloured(text: str, colour: int, stream: TextIO) -> str:
 
 @contextmanager
 def remarks_told(*, strict: bool) -> Iterator[None]:
-    """Print remarks on robot files on standard error, each once, while a command runs.
-
-    Args:
-        strict: Whether a remark ends the command instead.
-
-    Yields:
-        Nothing.
-    """
+    """Print remarks on robot files on standard error, each once, while a command runs."""
     told: set[str] = set()
     usual = warnings.showwarning
 
@@ -141,8 +110,7 @@ def remarks_told(*, strict: bool) -> Iterator[None]:
         yield
 
 
-Tell = Callable[[str, str], None]
-"""Called with the name of a robot and the stage that it has reached."""
+Tell = Callable[[str, str], None]  # called with the name of a robot and the stage that it has reached
 
 
 @contextmanager
@@ -150,10 +118,6 @@ def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
     """A line on standard error with the robot, its stage and the time it has taken; it is gone at the end.
 
     An alarm of the system moves the clock on: a thread would keep builds from using a second process.
-
-    Args:
-        total: Number of robots.
-        quiet: Whether nobody wants to see it.
 
     Yields:
         The function to tell a robot's stage, or None where nobody watches.
@@ -192,32 +156,12 @@ def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
 
 
 def positive(text: str) -> int:
-    """A whole number from 1 on.
-
-    Args:
-        text: As typed.
-
-    Returns:
-        The number.
-
-    Raises:
-        argparse.ArgumentTypeError: Anything else.
-    """
+    """A whole number from 1 on."""
     return _whole(text, 1, 99999999)
 
 
 def digit_count(text: str) -> int:
-    """A number of significant digits, from 1 to 30.
-
-    Args:
-        text: As typed.
-
-    Returns:
-        The number.
-
-    Raises:
-        argparse.ArgumentTypeError: Anything else.
-    """
+    """A number of significant digits, from 1 to 30."""
     return _whole(text, 1, 30)
 
 
@@ -229,17 +173,7 @@ def _whole(text: str, least: int, most: int) -> int:
 
 
 def magnification(text: str) -> float:
-    """A number from 0.1 to 10.
-
-    Args:
-        text: As typed.
-
-    Returns:
-        The number.
-
-    Raises:
-        argparse.ArgumentTypeError: Anything else.
-    """
+    """A number from 0.1 to 10."""
     try:
         value = float(text)
     except ValueError:

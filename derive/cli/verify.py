@@ -20,11 +20,7 @@ nothing is built yet, that alone.
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot, its folder and how many samples.
-
-    Args:
-        parser: Where the arguments are added.
-    """
+    """The robot, its folder and how many samples."""
     add = parser.add_argument
     add_shared(parser, "robot")
     add_shared(parser, "folder", default=Path("generated"), help="parent folder (default: generated)")
@@ -34,14 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Verify the folder and print the worst errors.
-
-    Args:
-        arguments: As parsed.
-
-    Returns:
-        The exit status.
-    """
+    """Verify the folder and print the worst errors."""
     from derive.api.build import verify
     from derive.api.importing import verify_import
     from derive.api.robots import load

@@ -35,45 +35,28 @@ from derive.mechanics.space import (
 from derive.mechanics.vectors import cross
 from derive.robot.reading.size_limits import FILE_LIMITS
 
-FRACTIONS = (12, 8)
-"""Angles near multiples of pi by one of these are taken for them."""
-
-TRAVEL = Fraction(1)
-"""Of a slide without limits, to either side [m]."""
+FRACTIONS = (12, 8)  # angles near multiples of pi by one of these are taken for them
+TRAVEL = Fraction(1)  # of a slide without limits, to either side [m]
 
 
 @dataclass(frozen=True, slots=True)
 class Mass:
-    """A body, placed.
+    """A body, placed."""
 
-    Attributes:
-        mass: [kg].
-        com: Centre of mass.
-        axes: Directions in which the tensor is given.
-        inertia: xx, yy, zz, xy, xz, yz about the centre of mass, along these.
-        link: Name of the link of the file.
-    """
-
-    mass: Fraction
-    com: Point
-    axes: Frame
-    inertia: tuple[Fraction, ...]
-    link: str
+    mass: Fraction  # [kg]
+    com: Point  # centre of mass
+    axes: Frame  # directions in which the tensor is given
+    inertia: tuple[Fraction, ...]  # xx, yy, zz, xy, xz, yz about the centre of mass, along these
+    link: str  # name of the link of the file
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A joint, placed.
+    """A joint, placed."""
 
-    Attributes:
-        line: About or along which it moves; of a prismatic one only the direction counts.
-        joint: Of the file.
-        bodies: What moves with it and not with the next one.
-    """
-
-    line: Line
-    joint: UrdfJoint
-    bodies: tuple[Mass, ...]
+    line: Line  # about or along which it moves; of a prismatic one only the direction counts
+    joint: UrdfJoint  # of the file
+    bodies: tuple[Mass, ...]  # what moves with it and not with the next one
 
     @property
     def is_revolute(self) -> bool:
@@ -94,25 +77,16 @@ class Axis:
 
 @dataclass(frozen=True)
 class Arm:
-    """An open chain at q = 0.
+    """An open chain at q = 0."""
 
-    Attributes:
-        base: Name of the link whose frame is the world.
-        tip: Name of the last link.
-        axes: From the base on.
-        end: Frame of the last link.
-        up: z axis of the link that hangs on no joint: against gravity.
-        held: Names of joints beside the chain that carry something on it, which are taken as fixed at zero.
-        snaps: How far angles and directions of the chain were changed, where they were [rad].
-    """
-
-    base: str
-    tip: str
-    axes: tuple[Axis, ...]
-    end: Frame
-    up: Point
+    base: str  # name of the link whose frame is the world
+    tip: str  # name of the last link
+    axes: tuple[Axis, ...]  # from the base on
+    end: Frame  # frame of the last link
+    up: Point  # z axis of the link that hangs on no joint: against gravity
+    # Names of joints beside the chain that carry something on it, which are taken as fixed at zero.
     held: tuple[str, ...]
-    snaps: tuple[float, ...]
+    snaps: tuple[float, ...]  # how far angles and directions of the chain were changed, where they were [rad]
 
     @property
     def reach(self) -> float:
@@ -138,12 +112,7 @@ def _snapped(angle: Real, snap: Fraction) -> Real:
 
 
 def snapped(rpy: Triple, snap: Fraction) -> Point:
-    """Roll, pitch and yaw, or the fractions of pi that they were meant for.
-
-    Args:
-        rpy: As written [rad].
-        snap: Largest difference [rad].
-    """
+    """Roll, pitch and yaw, or the fractions of pi that they were meant for."""
     roll, pitch, yaw = (_snapped(real(angle), snap) for angle in rpy)
     if abs(abs(pitch) - arb.pi() / 2) < NOTHING:  # roll and yaw are about one axis
         sign = 1 if pitch > 0 else -1
@@ -152,12 +121,7 @@ def snapped(rpy: Triple, snap: Fraction) -> Point:
 
 
 def frame_at(origin: Origin, snap: Fraction) -> Frame:
-    """A frame by its origin and roll, pitch, yaw.
-
-    Args:
-        origin: As in the file.
-        snap: See `snapped`.
-    """
+    """A frame by its origin and roll, pitch, yaw."""
     (cr, sr), (cp, sp), (cy, sy) = map(_turn, snapped(origin.rpy, snap))
     x = (cy * cp, sy * cp, -sp)
     y = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
@@ -176,24 +140,13 @@ def _turn(angle: Real) -> tuple[Real, Real]:
 
 
 def tips(urdf: Urdf) -> tuple[str, ...]:
-    """Names of the links that carry no other, in the order of the file.
-
-    Args:
-        urdf: The robot.
-    """
+    """Names of the links that carry no other, in the order of the file."""
     parents = {joint.parent for joint in urdf.joints}
     return tuple(name for name in urdf.bodies if name not in parents)
 
 
 def moving_tips(urdf: Urdf) -> tuple[str, ...]:
-    """Those of `tips` between which and the root some joint is not fixed.
-
-    Args:
-        urdf: The robot.
-
-    Raises:
-        RobotFileError: Its joints form a loop.
-    """
+    """Those of `tips` between which and the root some joint is not fixed."""
     carrying = _carrying(urdf)
     return tuple(tip for tip in tips(urdf) if any(joint.type != "fixed" for joint in _ancestry(urdf, carrying, tip)))
 
@@ -226,16 +179,9 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
     """The chain from one link to another.
 
     Args:
-        urdf: The robot.
         base: Name of the link that stands; None for the one that the tip hangs on in the end.
         tip: Name of the last link; None where only one carries no other and moves.
         snap: Angles and directions that are closer to fractions of pi are taken for them [rad].
-
-    Returns:
-        Its axes, bodies and end.
-
-    Raises:
-        RobotFileError: An unknown link, several tips, a loop, no joint that moves, or one that no table has.
     """
     for name in (base, tip):
         if name is not None and name not in urdf.bodies:
@@ -258,13 +204,7 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
 
 
 def joints_between(urdf: Urdf, one: str, other: str) -> list[UrdfJoint]:
-    """The joints on the way from one link of a tree to another.
-
-    Args:
-        urdf: The robot.
-        one: Name of a link.
-        other: Name of another.
-    """
+    """The joints on the way from one link of a tree to another."""
     carrying = _carrying(urdf)
     ways = [_ancestry(urdf, carrying, link) for link in (one, other)]
     names = [{joint.name for joint in way} for way in ways]
@@ -344,15 +284,7 @@ class _Tree:
                 self._beside.setdefault(joint.child, []).append((joint, True))
 
     def around(self, link: str, frame: Frame) -> tuple[list[Mass], list[str]]:
-        """What moves with a link, joints beside the chain at zero.
-
-        Args:
-            link: Its name.
-            frame: Where it is.
-
-        Returns:
-            Bodies, and the names of these joints.
-        """
+        """What moves with a link, joints beside the chain at zero."""
         found: list[Mass] = []
         held: list[str] = []
         seen, waiting = {link}, [(link, frame)]

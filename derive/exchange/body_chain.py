@@ -21,46 +21,28 @@ from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
 
-RESIDUE = 1e-15
-"""Moments of inertia that are left of nothing by a URDF's decimals [kg m^2]."""
-
-CONSTANT = 1e-12
-"""How little the cosine of two axes varies where it does not."""
+RESIDUE = 1e-15  # moments of inertia that are left of nothing by a URDF's decimals [kg m^2]
+CONSTANT = 1e-12  # how little the cosine of two axes varies where it does not
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A rigid body in some frame.
+    """A rigid body in some frame."""
 
-    Attributes:
-        mass: [kg].
-        com: Centre of mass [m].
-        inertia: Rows of the tensor about it, along the axes of the frame [kg m^2].
-    """
-
-    mass: Real
-    com: Point
-    inertia: tuple[Point, Point, Point]
+    mass: Real  # [kg]
+    com: Point  # centre of mass [m]
+    inertia: tuple[Point, Point, Point]  # rows of the tensor about it, along the axes of the frame [kg m^2]
 
     @classmethod
     def of(cls, link: Link) -> Body:
-        """A link of numbers in its own DH frame, without its motor.
-
-        Args:
-            link: The link.
-        """
+        """A link of numbers in its own DH frame, without its motor."""
         xx, yy, zz, xy, xz, yz = moments(link.inertia)
         com = (ball(link.com[0]), ball(link.com[1]), ball(link.com[2]))
         return cls(ball(link.mass), com, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
 
     @classmethod
     def spinning(cls, axis: Point, inertia: Real) -> Body:
-        """An inertia about an axis, without a mass.
-
-        Args:
-            axis: Unit vector.
-            inertia: [kg m^2].
-        """
+        """An inertia about an axis, without a mass."""
         turned = tuple(times(axis, inertia * component) for component in axis)
         return cls(arb(0), WORLD.origin, (turned[0], turned[1], turned[2]))
 
@@ -69,9 +51,6 @@ class Body:
 
         Its second moments along its principal axes, (A + B - C)/2 and so on, become at least some part of its largest
         moment: each adds what it lacks to the moments about both other axes.
-
-        Args:
-            inside: The part.
         """
         moments, axes = self.principal
         lack = np.maximum(inside * moments[2] - moments.sum() / 2 + moments, 0)
@@ -81,11 +60,7 @@ class Body:
         return replace(body, mass=self.mass if self.mass > 0 else arb(0))
 
     def moved(self, frame: Frame) -> Body:
-        """The same body seen from outside.
-
-        Args:
-            frame: The body's, seen from there.
-        """
+        """The same body seen from outside."""
         axes = (frame.x, frame.y, frame.z)
         rows = [
             tuple(
@@ -97,11 +72,7 @@ class Body:
         return Body(self.mass, frame.point(self.com), (rows[0], rows[1], rows[2]))
 
     def about(self, point: Point) -> list[list[Real]]:
-        """The tensor about a point (Steiner).
-
-        Args:
-            point: [m].
-        """
+        """The tensor about a point (Steiner)."""
         away = plus(self.com, point, -1)
         far = dot(away, away)
         return [
@@ -127,11 +98,7 @@ class Body:
         return Body(-self.mass, self.com, (rows[0], rows[1], rows[2]))
 
     def link(self, own: Link) -> Link:
-        """The body as a link of a robot file.
-
-        Args:
-            own: Its motor, armature and friction.
-        """
+        """The body as a link of a robot file."""
         x, y, z = (number(decimal(c)) for c in self.com)
         inertia = Inertia(*(number(decimal(entry)) for entry in self.entries))
         return replace(own, mass=number(decimal(self.mass)), com=(x, y, z), inertia=inertia)
@@ -159,32 +126,21 @@ class Body:
 
 
 def moments(inertia: Inertia) -> list[Real]:
-    """xx, yy, zz, xy, xz, yz.
-
-    Args:
-        inertia: Of numbers.
-    """
+    """xx, yy, zz, xy, xz, yz."""
     cells = (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
     return [ball(cell) for cell in cells]
 
 
 @dataclass(frozen=True, slots=True)
 class Rotor:
-    """The rotor of a joint.
+    """The rotor of a joint."""
 
-    Attributes:
-        body: Its mass, in the frame of the link that carries it.
-        axis: About which it spins, there.
-        inertia: About its axis [kg m^2].
-        ratio: Of its gear.
-        drag: How fast it turns about its axis with the link that carries it, per rate of each joint; None where that
-            depends on the configuration.
-    """
-
-    body: Body
-    axis: Point
-    inertia: Real
-    ratio: Real
+    body: Body  # its mass, in the frame of the link that carries it
+    axis: Point  # about which it spins, there
+    inertia: Real  # about its axis [kg m^2]
+    ratio: Real  # of its gear
+    # How fast it turns about its axis with the link that carries it, per rate of each joint; None where that depends
+    # on the configuration.
     drag: tuple[float, ...] | None
 
     @property
@@ -206,42 +162,25 @@ class Rotor:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A joint and the link that it moves.
+    """A joint and the link that it moves."""
 
-    Attributes:
-        joint: Row of the table, of numbers.
-        link: As in the robot file, of numbers.
-        origin: Frame of the link in that of the one before, at zero.
-        dh: Its DH frame in this frame.
-        body: What it weighs in its DH frame, as `body_chain` makes it without rotors; None without dynamics.
-        rotor: That of this joint.
-        end: Where the next joint or the tip is.
-    """
-
-    joint: Joint
-    link: Link
-    origin: Frame
-    dh: Frame
-    body: Body | None
-    rotor: Rotor | None
-    end: Point
+    joint: Joint  # row of the table, of numbers
+    link: Link  # as in the robot file, of numbers
+    origin: Frame  # frame of the link in that of the one before, at zero
+    dh: Frame  # its DH frame in this frame
+    body: Body | None  # what it weighs in its DH frame, as `body_chain` makes it without rotors; None without dynamics
+    rotor: Rotor | None  # that of this joint
+    end: Point  # where the next joint or the tip is
 
 
 @dataclass(frozen=True, slots=True)
 class BodyChain:
-    """All segments of a robot.
+    """All segments of a robot."""
 
-    Attributes:
-        robot: Of numbers.
-        base: Frame 0 in the world.
-        segments: From the base on.
-        tool: The end effector in frame n.
-    """
-
-    robot: Robot
-    base: Frame
-    segments: tuple[Segment, ...]
-    tool: Frame
+    robot: Robot  # of numbers
+    base: Frame  # frame 0 in the world
+    segments: tuple[Segment, ...]  # from the base on
+    tool: Frame  # the end effector in frame n
 
     @property
     def size(self) -> float:
@@ -250,11 +189,7 @@ class BodyChain:
 
 
 def body_chain(robot: Robot) -> BodyChain:
-    """The bodies of a robot; whoever computes with them does so inside `exactly`.
-
-    Args:
-        robot: Of numbers.
-    """
+    """The bodies of a robot; whoever computes with them does so inside `exactly`."""
     standard = robot.convention is Convention.STANDARD
     origins, dh, before = [], [], WORLD
     for joint in robot.joints:
@@ -304,11 +239,7 @@ def _drags(robot: Robot) -> list[tuple[float, ...] | None]:
 
 
 def roll_pitch_yaw(frame: Frame) -> Point:
-    """Angles with Rz(yaw) Ry(pitch) Rx(roll) as rotation [rad].
-
-    Args:
-        frame: Any.
-    """
+    """Angles with Rz(yaw) Ry(pitch) Rx(roll) as rotation [rad]."""
     x, y, z = frame.x, frame.y, frame.z
     flat = length((x[0], x[1], arb(0)))
     if not flat > NOTHING:
@@ -325,11 +256,7 @@ def _direction(sine: Real, cosine: Real) -> Real:
 
 
 def quaternion(frame: Frame) -> tuple[Real, ...]:
-    """The rotation of a frame as w, x, y, z.
-
-    Args:
-        frame: Any.
-    """
+    """The rotation of a frame as w, x, y, z."""
     roll, pitch, yaw = (angle / 2 for angle in roll_pitch_yaw(frame))
     (cr, sr), (cp, sp), (cy, sy) = ((angle.cos(), angle.sin()) for angle in (roll, pitch, yaw))
     return (
@@ -341,18 +268,10 @@ def quaternion(frame: Frame) -> tuple[Real, ...]:
 
 
 def is_world(frame: Frame) -> bool:
-    """Whether a frame is where it is seen from.
-
-    Args:
-        frame: Any.
-    """
+    """Whether a frame is where it is seen from."""
     return not any(abs(c) > NOTHING for c in (*frame.origin, *roll_pitch_yaw(frame)))
 
 
 def given(cell: object) -> bool:
-    """Whether a cell says something.
-
-    Args:
-        cell: Of a link or joint.
-    """
+    """Whether a cell says something."""
     return cell is not None and cell != ZERO

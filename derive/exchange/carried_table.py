@@ -21,16 +21,13 @@ from derive.robot.expression import Expression, number
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
-SAME = 1e-9
-"""Poses that differ by less are the same: a URDF's numbers have 17 digits [m, rad]."""
+SAME = 1e-9  # poses that differ by less are the same: a URDF's numbers have 17 digits [m, rad]
 
 
 def carried_table(urdf: Urdf, arm: Arm, convention: Convention | None) -> Robot | None:
     """The table that a URDF carries.
 
     Args:
-        urdf: The file.
-        arm: The chain that a table is asked for, without any rounding.
         convention: Of the table that is asked for; None for its own.
 
     Returns:
@@ -50,11 +47,7 @@ def carried_table(urdf: Urdf, arm: Arm, convention: Convention | None) -> Robot 
 
 
 def placement_of(table: Robot) -> Placement:
-    """Where the frames of a table are at q = 0.
-
-    Args:
-        table: Of numbers.
-    """
+    """Where the frames of a table are at q = 0."""
     with exactly():
         frames, rows = [frame_of(table.base)], []
         for joint in table.joints:
@@ -67,11 +60,7 @@ def placement_of(table: Robot) -> Placement:
 
 
 def table_text(robot: Robot) -> str:
-    """A robot file of what a URDF has no words for: the table, slides without limits, gravity, armatures and motors.
-
-    Args:
-        robot: Of numbers.
-    """
+    """A robot file of what a URDF has no words for: the table, slides without limits, gravity, armatures and motors."""
     joints = tuple(replace(joint, speed=None, torque=None) for joint in robot.joints)
     links = tuple(Link(armature=link.armature, motor=link.motor) for link in robot.links)
     return robot_text(
@@ -89,15 +78,7 @@ def _limits(joint: Joint, row: Joint) -> tuple[Expression, Expression] | None:
 
 
 def with_table(robot: Description, table: Robot) -> Description:
-    """A robot with the cells of a table to the letter, and with its gravity, armatures and motors.
-
-    Args:
-        robot: Made from the same frames; rotors are part of its links.
-        table: Of numbers.
-
-    Returns:
-        The robot, whose links are without the rotors.
-    """
+    """A robot with the cells of a table to the letter, and with its gravity, armatures and motors."""
     cells = ("variable", "name", "sign", "theta", "d", "a", "alpha")
     joints = tuple(
         replace(joint, limits=_limits(joint, row), **{cell: getattr(row, cell) for cell in cells})

@@ -22,21 +22,15 @@ from derive.mechanics.vectors import dot
 from derive.robot.description import Convention, Description, Matrix
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 
-EXACT = 1e-30
-"""A bound below is one of exact numbers."""
+EXACT = 1e-30  # a bound below is one of exact numbers
 
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """A bound for all angles and for slides within the limits of the URDF, 1 m to either side where it gives none.
+    """A bound for all angles and for slides within the limits of the URDF, 1 m to either side where it gives none."""
 
-    Attributes:
-        position: Largest distance of both end effectors [m].
-        rotation: Largest angle between both end effectors [rad].
-    """
-
-    position: float
-    rotation: float
+    position: float  # largest distance of both end effectors [m]
+    rotation: float  # largest angle between both end effectors [rad]
 
     def __str__(self) -> str:
         return f"pose error over all limits <= {self.amounts}, proven"
@@ -53,18 +47,7 @@ class Certificate:
 
 
 def certify(arm: Arm, robot: Description) -> Certificate:
-    """The bound.
-
-    Args:
-        arm: As its file says, without any rounding.
-        robot: The table.
-
-    Returns:
-        It.
-
-    Raises:
-        QuantityError: The table has symbols without numbers.
-    """
+    """The bound."""
     with exactly():
         base = frame_of(robot.base, dict(robot.parameters))
         rigid = _rigid(base)
@@ -90,15 +73,7 @@ def certify(arm: Arm, robot: Description) -> Certificate:
 
 
 def screws(robot: Description, base: Frame) -> tuple[list[Line], Frame]:
-    """The axes of a table and its end at q = 0, in the world.
-
-    Args:
-        robot: A robot of numbers.
-        base: Where its frame 0 is.
-
-    Returns:
-        A line for each joint, and the frame of the end effector.
-    """
+    """The axes of a table and its end at q = 0, in the world."""
     known = dict(robot.parameters)
     frame, lines = base, []
     for joint in robot.joints:
@@ -113,15 +88,7 @@ def screws(robot: Description, base: Frame) -> tuple[list[Line], Frame]:
 
 
 def ball(cell: Expression, known: Mapping[str, Expression] | None = None) -> Real:
-    """A cell as a ball.
-
-    Args:
-        cell: Exact.
-        known: Numbers of names.
-
-    Raises:
-        QuantityError: It has a name without a number.
-    """
+    """A cell as a ball."""
     match cell:
         case Number(value):
             return real(value)
@@ -144,34 +111,19 @@ def ball(cell: Expression, known: Mapping[str, Expression] | None = None) -> Rea
 
 
 def along_z(theta: Real, d: Real) -> Frame:
-    """Rot(z, theta) Trans(z, d).
-
-    Args:
-        theta: [rad].
-        d: [m].
-    """
+    """Rot(z, theta) Trans(z, d)."""
     c, s, zero, one = theta.cos(), theta.sin(), arb(0), arb(1)
     return Frame((zero, zero, d), (c, s, zero), (-s, c, zero), (zero, zero, one))
 
 
 def along_x(a: Real, alpha: Real) -> Frame:
-    """Trans(x, a) Rot(x, alpha).
-
-    Args:
-        a: [m].
-        alpha: [rad].
-    """
+    """Trans(x, a) Rot(x, alpha)."""
     c, s, zero, one = alpha.cos(), alpha.sin(), arb(0), arb(1)
     return Frame((a, zero, zero), (one, zero, zero), (zero, c, s), (zero, -s, c))
 
 
 def frame_of(matrix: Matrix, known: Mapping[str, Expression] | None = None) -> Frame:
-    """A transform of numbers.
-
-    Args:
-        known: Numbers of names.
-        matrix: Of cells without names.
-    """
+    """A transform of numbers."""
     rows = [[ball(cell, known) for cell in row] for row in matrix[:3]]
     x, y, z, origin = ((rows[0][k], rows[1][k], rows[2][k]) for k in range(4))
     return Frame(origin, x, y, z)

@@ -21,74 +21,44 @@ from derive.mechanics.space import NOTHING, WORLD, Frame, Line, Point, Real, len
 from derive.mechanics.vectors import cross, dot
 from derive.robot.description import Convention
 
-ALIKE = 1e-9
-"""Of floats: what differs by less is the same."""
-
-ROUNDING = 1e-13
-"""Of floats, relative: frames that fit no worse fit exactly."""
-
+ALIKE = 1e-9  # of floats: what differs by less is the same
+ROUNDING = 1e-13  # of floats, relative: frames that fit no worse fit exactly
+# What a number of the base or the tool counts beside a cell of the table, so that rows hold what they can.
 BASE_CELL = 1.6
-"""What a number of the base or the tool counts beside a cell of the table, so that rows hold what they can."""
-
-NEIGHBOURS = 2
-"""How many joints further a frame looks for points that it may share."""
-
-NEGATIVE = 0.02
-"""What a minus sign counts."""
-
+NEIGHBOURS = 2  # how many joints further a frame looks for points that it may share
+NEGATIVE = 0.02  # what a minus sign counts
+# What an offset counts for each joint behind it: of parallel axes the last one has it, as in makers' tables.
 EARLY = 1e-4
-"""What an offset counts for each joint behind it: of parallel axes the last one has it, as in makers' tables."""
-
-FAR = 2.0
-"""No cell of a table is a larger multiple of the arm's reach where another table does without."""
-
+FAR = 2.0  # no cell of a table is a larger multiple of the arm's reach where another table does without
 TURNED = 1e-4
 """How far the arm may move where two axes with such a far common normal are taken as parallel: of 1 m, or of its reach
 where that is less."""
 
-AS_WRITTEN = 1e-5
-"""The same where nothing is snapped."""
-
-TOO_FAR = 1000.0
-"""What a far cell counts for each power of ten."""
+AS_WRITTEN = 1e-5  # the same where nothing is snapped
+TOO_FAR = 1000.0  # what a far cell counts for each power of ten
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """The constant cells of a joint.
+    """The constant cells of a joint."""
 
-    Attributes:
-        theta: [rad].
-        d: [m].
-        a: [m].
-        alpha: [rad].
-    """
-
-    theta: Real
-    d: Real
-    a: Real
-    alpha: Real
+    theta: Real  # [rad]
+    d: Real  # [m]
+    a: Real  # [m]
+    alpha: Real  # [rad]
 
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Frames of a table at q = 0.
+    """Frames of a table at q = 0."""
 
-    Attributes:
-        convention: Standard or modified.
-        frames: Frame 0 to frame n, in the world.
-        rows: Of the table.
-        tool: The arm's end in frame n.
-        turned: By how much axes were turned, where they were [rad].
-        far: The axes that are almost parallel to the one before, with a common normal beyond everything that the arm
-            reaches, by their numbers from 0, and whether they were taken as parallel.
-    """
-
-    convention: Convention
-    frames: tuple[Frame, ...]
-    rows: tuple[Row, ...]
-    tool: Frame
-    turned: tuple[float, ...]
+    convention: Convention  # standard or modified
+    frames: tuple[Frame, ...]  # frame 0 to frame n, in the world
+    rows: tuple[Row, ...]  # of the table
+    tool: Frame  # the arm's end in frame n
+    turned: tuple[float, ...]  # by how much axes were turned, where they were [rad]
+    # The axes that are almost parallel to the one before, with a common normal beyond everything that the arm
+    # reaches, by their numbers from 0, and whether they were taken as parallel.
     far: tuple[tuple[int, bool], ...] = ()
 
 
@@ -108,15 +78,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     """The table of an arm.
 
     Args:
-        arm: Its axes.
-        convention: Of the table.
         snap: Axes that are closer to parallel or to each other are taken for it [rad, m].
-
-    Returns:
-        The frames with the fewest numbers, among equal ones with the fewest minus signs.
-
-    Raises:
-        RobotFileError: Lengths differ by more digits than floats have.
     """
     lines, far = _straightened(arm, snap)
     turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
@@ -137,13 +99,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
 
 
 def parallel(a: Point, b: Point, snap: float) -> bool:
-    """Whether two unit vectors have one direction, or opposite ones.
-
-    Args:
-        a: Unit vector.
-        b: Unit vector.
-        snap: Largest angle [rad].
-    """
+    """Whether two unit vectors have one direction, or opposite ones."""
     return bool(_sine(a, b) <= max(snap, NOTHING))
 
 

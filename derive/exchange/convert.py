@@ -22,19 +22,12 @@ _BACK = re.compile(r"Back with a = (?P<a>.+) m, alpha = (?P<alpha>.+) rad in the
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """A robot in the other convention.
+    """A robot in the other convention."""
 
-    Attributes:
-        text: Its file.
-        robot: What it says.
-        conversion: How it was made.
-        bodies: What was changed of the links before, where bodies that exist were asked for.
-    """
-
-    text: str
-    robot: Robot
-    conversion: Conversion
-    bodies: tuple[str, ...] = ()
+    text: str  # its file
+    robot: Robot  # what it says
+    conversion: Conversion  # how it was made
+    bodies: tuple[str, ...] = ()  # what was changed of the links before, where bodies that exist were asked for
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -43,14 +36,7 @@ class Converted:
 
 
 def convention_named(text: str) -> Convention:
-    """A convention by its name.
-
-    Args:
-        text: ``standard`` or ``modified``.
-
-    Raises:
-        DeriveError: Neither.
-    """
+    """A convention by its name."""
     choices = [member.value for member in Convention]
     if text not in choices:
         allowed = "allowed: standard (distal), modified (Craig, Khalil)"
@@ -62,17 +48,7 @@ def converted(robot: Robot, convention: Convention, name: str | None = None) -> 
     """The same arm by the table of the other convention.
 
     Args:
-        robot: The arm. Where its file was made by a conversion, its comments say which factor goes back into the table,
-            so that there and back gives the same table.
-        convention: That of the new table.
         name: Of the new robot; None for the same.
-
-    Returns:
-        The robot, its file, and how they were made.
-
-    Raises:
-        DeriveError: It is of this convention already.
-        RobotFileError: No robot may have this name, or the cells of the new table are too long for a file.
     """
     if robot.convention is convention:
         other = next(member for member in Convention if member is not convention)
@@ -96,11 +72,7 @@ def converted(robot: Robot, convention: Convention, name: str | None = None) -> 
 
 
 def moves(conversion: Conversion) -> list[str]:
-    """Which factors have moved between the table and its ends, in words.
-
-    Args:
-        conversion: From one convention into the other.
-    """
+    """Which factors have moved between the table and its ends, in words."""
     n, leaving, entering = conversion.source.n, conversion.leaving, conversion.entering
     to_modified = conversion.source.convention is Convention.STANDARD
     goes = (f"of row {n} is in the tool now", "of row 1 is in the base now")

@@ -17,26 +17,17 @@ from derive.robot.description import IDENTITY, Convention
 from derive.robot.robot import Robot
 from derive.robot.writer import cell_text
 
-WIDTH = 120
-"""Widest grid."""
+WIDTH = 120  # widest grid
 
 
 def derivation_latex(conversion: Conversion) -> str:
-    r"""The derivation as LaTeX for ``\input``, in the notation and the language of the handout.
-
-    Args:
-        conversion: From one convention into the other.
-    """
+    r"""The derivation as LaTeX for ``\input``, in the notation and the language of the handout."""
     robot = conversion.source
     return fragment_text(robot, robot.handout, "conversion")
 
 
 def derivation_text(conversion: Conversion) -> str:
-    """The derivation as text: factors, both products, what moves, the rows of both tables, and the equal product.
-
-    Args:
-        conversion: From one convention into the other.
-    """
+    """The derivation as text: factors, both products, what moves, the rows of both tables, and the equal product."""
     import sympy
 
     source, result = conversion.source, Robot.of(conversion.result)

@@ -23,9 +23,9 @@ from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 from derive.version import __version__
 
+# Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2].
 EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
-"""Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2]."""
-
+# What a joint or its link may have: in words, and whether it has.
 GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
     {
         "limits": ("the limits", lambda segment: segment.joint.limits is not None),
@@ -51,60 +51,33 @@ GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
         ),
     }
 )
-"""What a joint or its link may have: in words, and whether it has."""
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """A format.
+    """A format."""
 
-    Attributes:
-        program: Who reads it.
-        lacks: Keys of `GIVEN` that it cannot say.
-        write: Makes the text from an arm and the lines of its first comment.
-        remarks: What else its program takes otherwise of an arm, as sentences.
-        reverses: Whether all that its program computes is right where a variable counts against its axis.
-        has_rotors: Whether rotors are bodies of their own.
-        says: Whether it says how a rotor turns, else than by links and armature; None for a format that never does.
-    """
-
-    program: str
-    lacks: tuple[str, ...]
-    write: Callable[[BodyChain, list[str]], str]
+    program: str  # who reads it
+    lacks: tuple[str, ...]  # keys of `GIVEN` that it cannot say
+    write: Callable[[BodyChain, list[str]], str]  # makes the text from an arm and the lines of its first comment
+    # What else its program takes otherwise of an arm, as sentences.
     remarks: Callable[[BodyChain], Iterable[str]] = lambda arm: ()
-    reverses: bool = True
-    has_rotors: bool = False
+    reverses: bool = True  # whether all that its program computes is right where a variable counts against its axis
+    has_rotors: bool = False  # whether rotors are bodies of their own
+    # Whether it says how a rotor turns, else than by links and armature; None for a format that never does.
     says: Callable[[Rotor], bool] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Exported:
-    """A robot in another format.
+    """A robot in another format."""
 
-    Attributes:
-        text: The file.
-        remarks: What the format cannot say of this robot, and what was put instead.
-    """
-
-    text: str
-    remarks: tuple[str, ...]
+    text: str  # the file
+    remarks: tuple[str, ...]  # what the format cannot say of this robot, and what was put instead
 
 
 def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str, Expression] | None = None) -> Exported:
-    """A robot in the format of another program.
-
-    Args:
-        robot: The robot.
-        to: One of `FORMS`.
-        inertia: One of `INERTIAS`.
-        values: Numbers of symbols; they go before those of the robot file [SI units, rad].
-
-    Returns:
-        The text and what it cannot say.
-
-    Raises:
-        DeriveError: An unknown format or choice of inertias, a symbol without a number, or no possible bodies.
-    """
+    """A robot in the format of another program."""
     if to not in FORMS:
         raise DeriveError(
             f"no format {quoted(to)}", allowed=f"allowed: {', '.join(FORMS)}", remedy=near_miss(to, FORMS)
@@ -194,6 +167,7 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
         yield f"URDF wants limits of slides: {SLIDE} m to either side of {', '.join(slides)}"
 
 
+# By the name that users type.
 FORMS: Mapping[str, Form] = MappingProxyType(
     {
         "urdf": Form("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
@@ -220,4 +194,3 @@ FORMS: Mapping[str, Form] = MappingProxyType(
         "csv": Form("CSV", (), csv_text, has_rotors=True),
     }
 )
-"""By the name that users type."""

@@ -32,42 +32,25 @@ from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
-MOST_MOVED = 0.01
-"""Of the arm's reach: a table whose poses may be farther from the URDF's is refused."""
-
-ROUNDED = 1e-7
-"""What poses may move of any arm, as cells are rounded [m]."""
-
-MOST_SNAP = Fraction(1, 10)
-"""Larger angles are no slips [rad]."""
-
-SNAP = "1e-6"
-"""How near an angle is to a simple fraction of pi that it is taken for [rad]."""
+MOST_MOVED = 0.01  # of the arm's reach: a table whose poses may be farther from the URDF's is refused
+ROUNDED = 1e-7  # what poses may move of any arm, as cells are rounded [m]
+MOST_SNAP = Fraction(1, 10)  # larger angles are no slips [rad]
+SNAP = "1e-6"  # how near an angle is to a simple fraction of pi that it is taken for [rad]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImportOptions:
-    """How an arm of a URDF is wanted.
+    """How an arm of a URDF is wanted."""
 
-    Attributes:
-        convention: ``standard`` or ``modified``; None for that of the table that the URDF carries, else standard.
-        snap: Angles closer to simple fractions of pi are taken for them [rad].
-        name: Of the robot, or what the names of all arms begin with; None for that of the URDF.
-        inertia: ``given``, or ``possible``: the nearest bodies that exist and move the same.
-        symbols: Whether lengths are named, d1, a2, ..., with their numbers as parameters.
-        packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
-        arguments: Of xacro.
-        folder: Where the robot file will be: it names the URDF from there.
-    """
-
+    # ``standard`` or ``modified``; None for that of the table that the URDF carries, else standard.
     convention: str | None = None
-    snap: str | float | Fraction = SNAP
-    name: str | None = None
-    inertia: str = "given"
-    symbols: bool = False
-    packages: Sequence[str | Path] = ()
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    folder: str | Path = "."
+    snap: str | float | Fraction = SNAP  # angles closer to simple fractions of pi are taken for them [rad]
+    name: str | None = None  # of the robot, or what the names of all arms begin with; None for that of the URDF
+    inertia: str = "given"  # ``given``, or ``possible``: the nearest bodies that exist and move the same
+    symbols: bool = False  # whether lengths are named, d1, a2, ..., with their numbers as parameters
+    packages: Sequence[str | Path] = ()  # folders in which xacro looks for packages, or ``NAME=DIR``
+    arguments: Mapping[str, str] = field(default_factory=dict)  # of xacro
+    folder: str | Path = "."  # where the robot file will be: it names the URDF from there
 
 
 AS_USUAL = ImportOptions()
@@ -88,25 +71,15 @@ class ImportKeywords(TypedDict, total=False):
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """A robot and what is known about its making.
+    """A robot and what is known about its making."""
 
-    Attributes:
-        text: The robot file.
-        robot: What it says.
-        certificate: How far its poses are from the URDF's.
-        links: Names of the links at both ends.
-        joints: Names of the joints in the URDF.
-        notes: What a reader should know, as sentences.
-        changes: By how much angles were changed to exact values, where they were [rad].
-    """
-
-    text: str
-    robot: Robot
-    certificate: Certificate
-    links: tuple[str, str]
-    joints: tuple[str, ...]
-    notes: tuple[str, ...]
-    changes: tuple[float, ...]
+    text: str  # the robot file
+    robot: Robot  # what it says
+    certificate: Certificate  # how far its poses are from the URDF's
+    links: tuple[str, str]  # names of the links at both ends
+    joints: tuple[str, ...]  # names of the joints in the URDF
+    notes: tuple[str, ...]  # what a reader should know, as sentences
+    changes: tuple[float, ...]  # by how much angles were changed to exact values, where they were [rad]
 
     @property
     def report(self) -> tuple[str, ...]:
@@ -144,18 +117,8 @@ def import_urdf(
     """The robot of a chain of a URDF.
 
     Args:
-        urdf: The file.
         base: Link that stands; None for the root.
         tip: Last link; None where only one carries no other.
-        options: How it is wanted.
-        source: Where the URDF is, for the first line of the robot file; the links at both ends are filled in.
-
-    Returns:
-        The robot file with its certificate.
-
-    Raises:
-        RobotFileError: There is no such chain, a joint of it has no place in a table, or poses would move too far.
-        DeriveError: An option that does not exist, or no possible bodies.
     """
     convention = None if options.convention is None else convention_named(options.convention)
     snap = snap_of(options.snap)
@@ -186,9 +149,6 @@ def snap_of(snap: str | float | Fraction) -> Fraction:
 
     Args:
         snap: Such as ``1e-6``; from 0 to 0.1 [rad].
-
-    Raises:
-        DeriveError: Anything else.
     """
     if isinstance(snap, Fraction) and 0 <= snap <= MOST_SNAP:
         return snap
@@ -203,21 +163,13 @@ def snap_of(snap: str | float | Fraction) -> Fraction:
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """A table, and what it was made of.
+    """A table, and what it was made of."""
 
-    Attributes:
-        arm: With angles as they were understood.
-        placement: The frames.
-        description: The robot.
-        certificate: How far its poses are from the arm as written.
-        changes: By how much angles were changed, where they were [rad].
-    """
-
-    arm: Arm
-    placement: Placement
-    description: Description
-    certificate: Certificate
-    changes: tuple[float, ...] = ()
+    arm: Arm  # with angles as they were understood
+    placement: Placement  # the frames
+    description: Description  # the robot
+    certificate: Certificate  # how far its poses are from the arm as written
+    changes: tuple[float, ...] = ()  # by how much angles were changed, where they were [rad]
 
     @property
     def moves_far(self) -> bool:
@@ -225,15 +177,7 @@ class _Table:
         return self.certificate.position > max(MOST_MOVED * self.arm.reach, ROUNDED)
 
     def check(self, urdf: Urdf, snap: Fraction) -> None:
-        """Refuse what moves far.
-
-        Args:
-            urdf: The file.
-            snap: See `ImportOptions`.
-
-        Raises:
-            RobotFileError: It does.
-        """
+        """Refuse what moves far."""
         if self.moves_far:
             most, moved = MOST_MOVED * self.arm.reach, self.certificate.position
             raise RobotFileError(
@@ -251,19 +195,12 @@ class _Table:
 
 @dataclass(frozen=True, slots=True)
 class _Chain:
-    """A chain that tables are made of.
+    """A chain that tables are made of."""
 
-    Attributes:
-        urdf: The file.
-        written: The chain with all angles as they are written.
-        convention: Of the tables; None for that of the table which the URDF carries, else standard.
-        name: Of the robot; None for that of the URDF.
-    """
-
-    urdf: Urdf
-    written: Arm
-    convention: Convention | None
-    name: str | None
+    urdf: Urdf  # the file
+    written: Arm  # the chain with all angles as they are written
+    convention: Convention | None  # of the tables; None for that of the table which the URDF carries, else standard
+    name: str | None  # of the robot; None for that of the URDF
 
     def understood(self, snap: Fraction) -> tuple[_Table, list[str]]:
         """The table that the URDF carries with it, else one by common normals.
@@ -272,12 +209,6 @@ class _Chain:
 
         Args:
             snap: Angles closer to simple fractions of pi are taken for them [rad].
-
-        Returns:
-            The table, and remarks on how it was found, as sentences.
-
-        Raises:
-            RobotFileError: It moves poses too far.
         """
         carried = carried_table(self.urdf, self.written, self.convention)
         if carried is not None:
@@ -343,14 +274,7 @@ class _Chain:
 
 
 def with_named_lengths(robot: Description) -> Description:
-    """A robot of numbers with d_i and a_i by name, as books have them, and their numbers as parameters.
-
-    Args:
-        robot: As imported.
-
-    Returns:
-        The same arm; numbers whose name is taken stay.
-    """
+    """A robot of numbers with d_i and a_i by name, as books have them, and their numbers as parameters."""
     taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
     rows = list(enumerate(robot.joints, 1))
     cells = {f"{key}{i}": getattr(joint, key) for i, joint in rows for key in ("d", "a")}
@@ -408,11 +332,7 @@ def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
 
 
 def robot_name(text: str) -> str:
-    """A name of robot files from any text.
-
-    Args:
-        text: For instance ``UR5 (cb3)``; what is such a name already stays.
-    """
+    """A name of robot files from any text."""
     if is_robot_name(text):
         return text
     name = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[: FILE_LIMITS.name_length - 6].strip("-") or "arm"

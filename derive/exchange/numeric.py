@@ -16,23 +16,11 @@ from derive.robot.writer import cell_text
 
 Some = TypeVar("Some", bound=Description)
 
-MOST_SYMBOLS = 8
-"""Of those that a message names."""
+MOST_SYMBOLS = 8  # of those that a message names
 
 
 def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) -> Some:
-    """The robot with numbers in the place of symbols.
-
-    Args:
-        robot: The robot.
-        chosen: Numbers that go before those of the file [SI units, rad].
-
-    Returns:
-        The robot without parameters.
-
-    Raises:
-        DeriveError: A symbol has no number, or a cell has no finite value.
-    """
+    """The robot with numbers in the place of symbols."""
     values: dict[str, Expression] = {}
     for name, expression in number_of(robot).items():
         values[name] = substitute(expression, values)
@@ -72,12 +60,6 @@ def with_positive_axes(robot: Some) -> Some:
 
     A half turn H about x takes z to -z, so that Rot(z, -q) Trans(z, d) = H Rot(z, q) Trans(z, -d) H. It commutes with
     Trans(x, a) Rot(x, alpha) and adds pi to the alpha on either side; next to the base or the tool it goes there.
-
-    Args:
-        robot: Of numbers.
-
-    Returns:
-        The robot; T and the dynamics are the same functions of q.
     """
     turned = [joint.sign < 0 for joint in robot.joints]
     before, behind = [False, *turned[:-1]], [*turned[1:], False]
@@ -114,29 +96,16 @@ def _half_turned(link: Link) -> Link:
 
 
 def text(value: Real) -> str:
-    """A number with 17 digits, fewer where it ends: ``0.4318``, ``1.5707963267948966``.
-
-    Args:
-        value: A ball.
-    """
+    """A number with 17 digits, fewer where it ends: ``0.4318``, ``1.5707963267948966``."""
     return cell_text(number(decimal(value)))
 
 
 def texts(values: Any, separator: str = " ") -> str:
-    """Numbers side by side.
-
-    Args:
-        values: Balls.
-        separator: What stands between them.
-    """
+    """Numbers side by side."""
     return separator.join(map(text, values))
 
 
 def angle_text(cell: Expression) -> str:
-    """An angle for a program that knows ``pi``: ``-pi/2``, or a number.
-
-    Args:
-        cell: Without names [rad].
-    """
+    """An angle for a program that knows ``pi``: ``-pi/2``, or a number."""
     whole = cell == Pi() or (isinstance(cell, Product) and len(cell.factors) == 2 and cell.factors[1] == Pi())
     return cell_text(cell) if whole else text(ball(cell))

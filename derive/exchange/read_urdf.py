@@ -19,33 +19,15 @@ from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
 if TYPE_CHECKING:
     from lxml import etree
 
-MOST_BYTES = 16 * 2**20
-"""Of a file; URDFs with thousands of links have less."""
-
-MOST_ELEMENTS = 20_000
-"""Links and joints of a robot."""
-
-MOST_TAGS = 200_000
-"""Of a file, opening and closing ones; they take the memory."""
-
-MOST_DIGITS = 400
-"""Of a number."""
-
-GREATEST = 60
-"""Power of ten beyond which a number is no length and no mass; what is as small is zero."""
-
-VERSIONS = ("1.0", "1.1", "1.2")
-"""Of URDF; a file that says none is of the first."""
-
-ONE = Fraction(1, 10**6)
-"""How far the squared length of a quaternion may be from 1 without a word."""
-
-MOST_ROOTS = 8
-"""Of those that are named."""
-
-ANGLE_DIGITS = 70
-"""Of the roll, pitch and yaw of a quaternion."""
-
+MOST_BYTES = 16 * 2**20  # of a file; URDFs with thousands of links have less
+MOST_ELEMENTS = 20_000  # links and joints of a robot
+MOST_TAGS = 200_000  # of a file, opening and closing ones; they take the memory
+MOST_DIGITS = 400  # of a number
+GREATEST = 60  # power of ten beyond which a number is no length and no mass; what is as small is zero
+VERSIONS = ("1.0", "1.1", "1.2")  # of URDF; a file that says none is of the first
+ONE = Fraction(1, 10**6)  # how far the squared length of a quaternion may be from 1 without a word
+MOST_ROOTS = 8  # of those that are named
+ANGLE_DIGITS = 70  # of the roll, pitch and yaw of a quaternion
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _DECLARATION = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
 _ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
@@ -55,19 +37,7 @@ _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII
 
 
 def read_urdf(data: bytes, source: str) -> Urdf:
-    """Read a URDF.
-
-    Args:
-        data: Contents of the file.
-        source: Name for messages.
-
-    Returns:
-        Its links and joints.
-
-    Raises:
-        RobotFileError: No XML, no robot, or an element that is not as it must be.
-        TargetError: lxml is not installed.
-    """
+    """Read a URDF."""
     root, notes = _parsed(data, source)
     if root.tag != "robot":
         raise RobotFileError(
@@ -195,52 +165,26 @@ def _without_default(root: etree._Element) -> list[str]:
 
 @dataclass(frozen=True)
 class _Reader:
-    """Elements to data.
+    """Elements to data."""
 
-    Attributes:
-        source: File name for messages.
-        version: Of URDF.
-        notes: What was read though it is not in order, as sentences.
-    """
-
-    source: str
-    version: str
-    notes: list[str] = field(default_factory=list)
+    source: str  # file name for messages
+    version: str  # of URDF
+    notes: list[str] = field(default_factory=list)  # what was read though it is not in order, as sentences
 
     def note(self, element: etree._Element, said: str) -> None:
-        """Remark on an element.
-
-        Args:
-            element: Where it was found.
-            said: What.
-        """
+        """Remark on an element."""
         self.notes.append(f"{said} (line {element.sourceline or 1})")
 
     def place(self, element: etree._Element) -> Location:
-        """Where an element is.
-
-        Args:
-            element: Of the file.
-        """
+        """Where an element is."""
         return Location(self.source, element.sourceline or 1)
 
     def refused(self, element: etree._Element, found: str, remedy: str, allowed: str = "") -> RobotFileError:
-        """What to raise.
-
-        Args:
-            element: Where it was found.
-            found: What.
-            remedy: What to do.
-            allowed: What may be there.
-        """
+        """What to raise."""
         return RobotFileError(found, allowed=allowed, remedy=remedy, location=self.place(element))
 
     def name(self, element: etree._Element) -> str:
-        """Of a link or joint.
-
-        Args:
-            element: It.
-        """
+        """Of a link or joint."""
         name = element.get("name", "").strip()
         if not name:
             raise self.refused(element, f"a {element.tag} without a name", 'write name="..."')
@@ -250,12 +194,6 @@ class _Reader:
         self, element: etree._Element, attribute: str, count: int, *, infinite: bool = False
     ) -> tuple[Fraction, ...] | None:
         """The decimals of an attribute.
-
-        Args:
-            element: Which has it.
-            attribute: Its name.
-            count: How many there must be.
-            infinite: Whether they may be so; then they are the greatest numbers that there are.
 
         Returns:
             They; None where the attribute is not there.
@@ -271,11 +209,6 @@ class _Reader:
 
     def number(self, element: etree._Element, attribute: str, *, infinite: bool = False) -> Fraction | None:
         """The decimal of an attribute.
-
-        Args:
-            element: Which has it.
-            attribute: Its name.
-            infinite: See `numbers`.
 
         Returns:
             It; None where the attribute is not there.
@@ -301,11 +234,7 @@ class _Reader:
         raise self.refused(element, found, remedy, allowed)
 
     def origin(self, element: etree._Element) -> Origin:
-        """Where something is.
-
-        Args:
-            element: A joint or ``inertial``.
-        """
+        """Where something is."""
         child = element.find("origin")
         if child is None:
             return Origin()
@@ -342,9 +271,6 @@ class _Reader:
     def body(self, element: etree._Element) -> UrdfBody | None:
         """What a link weighs.
 
-        Args:
-            element: The link.
-
         Returns:
             It; None where nothing is said.
         """
@@ -364,12 +290,7 @@ class _Reader:
         return UrdfBody(value, self.origin(inertial), entries, self.place(inertial), tensor is None)
 
     def joint(self, element: etree._Element, links: Mapping[str, object]) -> UrdfJoint:
-        """A joint.
-
-        Args:
-            element: It.
-            links: By their names.
-        """
+        """A joint."""
         name, kind = self.name(element), element.get("type", "").strip()
         ends = {}
         for end in ("parent", "child"):

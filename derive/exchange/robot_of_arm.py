@@ -18,40 +18,21 @@ from derive.robot.description import Description, Inertia, Joint, JointType, Lin
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
 from derive.robot.reading.size_limits import FILE_LIMITS
 
-DIVISORS = 180
-"""Angles that are exact multiples of pi by this are written so."""
-
+DIVISORS = 180  # angles that are exact multiples of pi by this are written so
+# Lengths that are so close to a whole number of micrometres are it, or closer than the snap where that is less [m].
 TOUCHING = Fraction(1, 10**9)
-"""Lengths that are so close to a whole number of micrometres are it, or closer than the snap where that is less [m]."""
-
+# What a number of 17 digits may lose when it is turned there and back, of the largest beside it.
 NOISE = Fraction(1, 10**15)
-"""What a number of 17 digits may lose when it is turned there and back, of the largest beside it."""
-
-SHORT = 12
-"""Digits of numbers that are as good without noise."""
-
-PLACES = 6
-"""Of decimals that a length has where it is one of few digits."""
-
-GRAVITY = Fraction(981, 100)
-"""Where a format says nothing [m/s^2]."""
+SHORT = 12  # digits of numbers that are as good without noise
+PLACES = 6  # of decimals that a length has where it is one of few digits
+GRAVITY = Fraction(981, 100)  # where a format says nothing [m/s^2]
 
 
 def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, title: str) -> Description:
     """What a robot file says of an arm.
 
     Args:
-        arm: Its axes at zero, with what they carry.
-        placement: Frames and rows of its table.
         snap: Angles closer to simple fractions of pi are written as these [rad].
-        name: Of the robot.
-        title: Shortened where it is longer than a title may be.
-
-    Returns:
-        The robot, of numbers but for the acceleration of gravity.
-
-    Raises:
-        RobotFileError: The masses that a joint carries add up to nothing.
     """
     joints = tuple(
         _joint(i, axis, row, snap) for i, (axis, row) in enumerate(zip(arm.axes, placement.rows, strict=True), 1)
@@ -98,11 +79,7 @@ def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
 
 
 def joint_name(name: str) -> str:
-    """A joint's name as a robot file may have it: on one line, and not too long.
-
-    Args:
-        name: As in the URDF.
-    """
+    """A joint's name as a robot file may have it: on one line, and not too long."""
     return (name if name.isprintable() else quoted(name, len(name))[1:-1])[: FILE_LIMITS.title_length]
 
 
@@ -110,7 +87,6 @@ def angle(value: Real, snap: Fraction) -> Expression:
     """A cell of an angle: a fraction of pi, or a decimal.
 
     Args:
-        value: [rad].
         snap: How near simple fractions are taken [rad].
     """
     turns = value / arb.pi()
@@ -123,22 +99,13 @@ def angle(value: Real, snap: Fraction) -> Expression:
 
 
 def distance(value: Real, snap: Fraction) -> Expression:
-    """A cell of a length.
-
-    Args:
-        value: [m].
-        snap: See `angle`.
-    """
+    """A cell of a length."""
     short = Fraction(round(float(value) * 10**PLACES), 10**PLACES)
     return number(short if abs(value - real(short)) <= real(min(TOUCHING, snap)) else decimal(value))
 
 
 def rounded(value: Fraction) -> Fraction:
-    """A number of a URDF with at most `DIGITS` digits.
-
-    Args:
-        value: As in the file.
-    """
+    """A number of a URDF with at most `DIGITS` digits."""
     return decimal(real(value))
 
 
@@ -150,11 +117,7 @@ def _matrix(frame: Frame, snap: Fraction) -> Matrix:
 
 
 def turned(value: Real) -> Expression:
-    """An entry of a rotation: a root where its square is simple, or a decimal.
-
-    Args:
-        value: From -1 to 1.
-    """
+    """An entry of a rotation: a root where its square is simple, or a decimal."""
     square = value * value
     for divisor in (1, 2, 4):
         near = round(float(square) * divisor)

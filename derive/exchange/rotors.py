@@ -25,30 +25,20 @@ from derive.robot.expression import ZERO, add, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 
-STATES = 100
-"""At which accelerations are compared."""
-
+STATES = 100  # at which accelerations are compared
+# Part of its largest moment by which a body is inside of what exists, where programs find moments by themselves.
 INSIDE = 1e-12
-"""Part of its largest moment by which a body is inside of what exists, where programs find moments by themselves."""
-
-ADDED = 1e-11
-"""Part of its largest moment that is added to a body without a word."""
-
+ADDED = 1e-11  # part of its largest moment that is added to a body without a word
+# An arm whose bodies hold the rotors that they carry, and what was changed, as sentences.
 Written = tuple[BodyChain, tuple[str, ...]]
-"""An arm whose bodies hold the rotors that they carry, and what was changed, as sentences."""
 
 
 def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted: str) -> Written:
     """The arm as a format says it.
 
     Args:
-        arm: The robot.
         is_said: Whether a rotor's inertia is said in another way, so that others may be divided; its mass is part of
             the link that carries it. None where nothing but links is said.
-        wanted: Bodies: ``given``, or ``possible``.
-
-    Raises:
-        NoSuchBodies: There are none that exist with these torques.
     """
     said = [i for i, s in enumerate(arm.segments) if s.rotor is not None and is_said and is_said(s.rotor)]
     inside = 0.0 if is_said else INSIDE
@@ -117,13 +107,7 @@ def _chosen(arm: BodyChain, wanted: str, inside: float) -> Written:
 
 
 def lost_coupling(robot: Robot, written: BodyChain, is_said: Callable[[Rotor], bool]) -> float:
-    """By how much accelerations differ that should be up to 1, at random states with speeds up to 1 [rad/s^2, m/s^2].
-
-    Args:
-        robot: As it is.
-        written: As a format says it: rotors that it does not say are armatures.
-        is_said: Whether it says how a rotor turns with the joints before its own.
-    """
+    """Error of accelerations that should be up to 1, at random states with speeds up to 1 [rad/s^2, m/s^2]."""
     links = []
     for segment in written.segments:
         rotor, link = segment.rotor, segment.link

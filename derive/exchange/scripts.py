@@ -18,29 +18,19 @@ from derive.robot.expression import ZERO
 from derive.targets.escape import matlab_package, matlab_string, one_line
 from derive.targets.templating import render
 
-EARTH, UPWARDS = "0, 0, -9.81", "0; 0; 9.81"
-"""Gravity where the robot file gives none, and against it [m/s^2]."""
-
+EARTH, UPWARDS = "0, 0, -9.81", "0; 0; 9.81"  # gravity where the robot file gives none, and against it [m/s^2]
+# Rows of Rot(z, angle).
 SPIN = (
     "cos({0}), -sin({0}), 0, 0",
     "sin({0}), cos({0}), 0, 0",
     "0, 0, 1, 0",
     "0, 0, 0, 1",
 )
-"""Rows of Rot(z, angle)."""
-
-SHIFT = ("1, 0, 0, 0", "0, 1, 0, 0", "0, 0, 1, {0}", "0, 0, 0, 1")
-"""Rows of Trans(z, length)."""
+SHIFT = ("1, 0, 0, 0", "0, 1, 0, 0", "0, 0, 1, {0}", "0, 0, 0, 1")  # rows of Trans(z, length)
 
 
 def script_text(template: str, arm: BodyChain, head: list[str]) -> str:
-    """A Python script or a MATLAB function that makes the robot for a toolbox.
-
-    Args:
-        template: Of it.
-        arm: The robot.
-        head: Lines that go into comments before it.
-    """
+    """A Python script or a MATLAB function that makes the robot for a toolbox."""
     gravity, function = arm.robot.gravity, matlab_package(arm.robot.name)
     return render(
         template,
@@ -158,12 +148,7 @@ def _part(body: str, joint: str, type: str = "fixed", **more: Any) -> dict[str, 
 
 
 def csv_text(arm: BodyChain, head: list[str]) -> str:
-    """The table and the links as comma-separated values, SI units and radians.
-
-    Args:
-        arm: The robot.
-        head: Lines that go before it, behind ``#``.
-    """
+    """The table and the links as comma-separated values, SI units and radians."""
     out = StringIO()
     for line in head:
         out.write(f"# {line}\n")

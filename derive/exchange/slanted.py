@@ -19,25 +19,13 @@ from derive.exchange.urdf import Origin, Urdf, UrdfJoint
 from derive.mechanics.space import DIGITS, decimal, length, plus
 from derive.mechanics.vectors import cross
 
-PLACES = range(2, 13)
-"""So many decimals has an angle that somebody cut off."""
-
-MOST_NAMED = 8
-"""So many of them are named."""
-
-CutOff = Sequence[tuple[UrdfJoint, Fraction]]
-"""Angles that are almost fractions of pi, with their joints."""
+PLACES = range(2, 13)  # so many decimals has an angle that somebody cut off
+MOST_NAMED = 8  # so many of them are named
+CutOff = Sequence[tuple[UrdfJoint, Fraction]]  # angles that are almost fractions of pi, with their joints
 
 
 def meant(angle: Fraction) -> Fraction:
-    """The fraction of pi, to many digits, of which an angle has the first decimals, the last one rounded or not.
-
-    Args:
-        angle: As written [rad].
-
-    Returns:
-        It; the angle where there is none, as of 1.2 or 0.3, or where its decimals are those of a double.
-    """
+    """The fraction of pi, to many digits, of which an angle has the first decimals, the last one rounded or not."""
     ulp = next((Fraction(1, 10**places) for places in PLACES if angle * 10**places % 1 == 0), Fraction(0))
     for fraction in FRACTIONS if angle else ():
         near = decimal(arb.pi() * round(float(angle) * fraction / pi) / fraction, 3 * DIGITS)
@@ -47,11 +35,7 @@ def meant(angle: Fraction) -> Fraction:
 
 
 def as_meant(urdf: Urdf) -> Urdf:
-    """A robot with fractions of pi where joints have their first decimals; see `meant`.
-
-    Args:
-        urdf: As written.
-    """
+    """A robot with fractions of pi where joints have their first decimals; see `meant`."""
     joints = []
     for joint in urdf.joints:
         roll, pitch, yaw = map(meant, joint.origin.rpy)
@@ -63,9 +47,6 @@ def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> CutOff:
     """The angles between two links that are the first decimals of fractions of pi, with their joints.
 
     Args:
-        urdf: As written.
-        one: Name of a link.
-        other: Name of another.
         snap: Those that are closer are none of them [rad].
     """
     between = joints_between(urdf, one, other)
@@ -74,32 +55,17 @@ def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> CutOff:
 
 
 def snap_for(widest: float) -> Fraction:
-    """The least snap of two digits that takes angles of some difference for each other [rad].
-
-    Args:
-        widest: The difference [rad].
-    """
+    """The least snap of two digits that takes angles of some difference for each other [rad]."""
     return Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest * (1 + ALIKE))))
 
 
 def slant(arm: Arm, i: int) -> float:
-    """Sine of the angle between an axis and the one before.
-
-    Args:
-        arm: As written.
-        i: Number of the axis, from 1.
-    """
+    """Sine of the angle between an axis and the one before."""
     return float(length(cross(arm.axes[i - 1].line.direction, arm.axes[i].line.direction)))
 
 
 def slanted(arm: Arm, i: int, taken: bool) -> str:
-    """What was done with an axis that is almost parallel to the one before, as a sentence.
-
-    Args:
-        arm: Its axes as written.
-        i: Number of the axis, from 1.
-        taken: Whether it was taken as parallel.
-    """
+    """What was done with an axis that is almost parallel to the one before, as a sentence."""
     before, axis = arm.axes[i - 1], arm.axes[i]
     away = float(length(plus(before.line.nearest(axis.line), before.line.point, -1)))
     said = f"joints {before.joint.name} and {axis.joint.name} (line {axis.joint.location.line})"
@@ -110,12 +76,7 @@ def slanted(arm: Arm, i: int, taken: bool) -> str:
 
 
 def named(cut: CutOff, taken: bool) -> str:
-    """What was done with angles that somebody cut off, as a sentence.
-
-    Args:
-        cut: They, with their joints; see `cut_off`.
-        taken: Whether they were taken for fractions of pi.
-    """
+    """What was done with angles that somebody cut off, as a sentence."""
     told = [
         f"{float(angle):.12g} (joint {joint.name}, line {joint.location.line})" for joint, angle in cut[:MOST_NAMED]
     ]

@@ -22,9 +22,8 @@ from derive.exchange.urdf import Urdf
 from derive.exchange.xacro_expressions import guarded
 from derive.robot.load import file_bytes
 
+# Stands before the data in the first line; another command may have put its own lines before it.
 MARK = "derive import: "
-"""Stands before the data in the first line; another command may have put its own lines before it."""
-
 XACRO = ".xacro"
 
 _DATA = re.compile(rf"\A(?:#.*\n)*?# {MARK}(.*)$", re.MULTILINE)
@@ -35,23 +34,14 @@ _PROMISE = re.compile(r"^# pose error over all limits <= (\S+) m and (\S+) rad, 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A chain of a file.
+    """A chain of a file."""
 
-    Attributes:
-        file: Its path, from the folder of the robot file; empty for standard input.
-        base: Name of the link that stands.
-        tip: Name of the last link.
-        sha256: Of the file's bytes.
-        packages: Folders in which xacro looks for packages.
-        arguments: Of xacro.
-    """
-
-    file: str
-    base: str
-    tip: str
-    sha256: str
-    packages: tuple[str, ...] = ()
-    arguments: tuple[tuple[str, str], ...] = ()
+    file: str  # its path, from the folder of the robot file; empty for standard input
+    base: str  # name of the link that stands
+    tip: str  # name of the last link
+    sha256: str  # of the file's bytes
+    packages: tuple[str, ...] = ()  # folders in which xacro looks for packages
+    arguments: tuple[tuple[str, str], ...] = ()  # of xacro
 
     @property
     def line(self) -> str:
@@ -61,9 +51,6 @@ class Source:
     @classmethod
     def of(cls, text: str) -> tuple[Source, Certificate] | None:
         """What the head of a robot file says and promises.
-
-        Args:
-            text: Of the file.
 
         Returns:
             The source and the bound; None for a file that says neither.
@@ -81,44 +68,21 @@ class Source:
             return None
 
     def beside(self, robot_file: Path) -> Path:
-        """The file that is meant.
-
-        Args:
-            robot_file: Path of the robot file.
-        """
+        """The file that is meant."""
         return robot_file.parent / self.file
 
 
 @dataclass(frozen=True, slots=True)
 class Opened:
-    """A URDF as it was found.
+    """A URDF as it was found."""
 
-    Attributes:
-        urdf: The robot.
-        sha256: Of the bytes of the file.
-        is_xacro: Whether xacro made it of the file.
-    """
-
-    urdf: Urdf
-    sha256: str
-    is_xacro: bool = False
+    urdf: Urdf  # the robot
+    sha256: str  # of the bytes of the file
+    is_xacro: bool = False  # whether xacro made it of the file
 
 
 def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None) -> Opened:
-    """Read a URDF or a xacro file.
-
-    Args:
-        path: Of the file; one that ends with .xacro is expanded, and so is one that uses the namespace of xacro.
-        packages: Folders in which xacro looks for packages, or ``NAME=DIR``.
-        arguments: Of xacro.
-
-    Returns:
-        The robot.
-
-    Raises:
-        RobotFileError: The file cannot be read, is no URDF, or xacro refuses it.
-        TargetError: lxml or xacrodoc is not installed.
-    """
+    """Read a URDF or a xacro file."""
     data, name = file_bytes(path, MOST_BYTES), str(path)
     if not (path.suffix.lower() == XACRO or _is_xacro(data)):
         return opened(data, name, arguments)
@@ -138,17 +102,7 @@ def _is_xacro(data: bytes) -> bool:
 
 
 def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -> Opened:
-    """A URDF that has been read already.
-
-    Args:
-        data: Its bytes.
-        name: For messages.
-        arguments: There may be none, since nothing of xacro is in it.
-
-    Raises:
-        RobotFileError: It is no URDF, or has arguments.
-        TargetError: lxml is not installed.
-    """
+    """A URDF that has been read already."""
     if arguments:
         found = f"arguments of xacro, {', '.join(map(quoted, arguments))}, for a file without xacro"
         raise RobotFileError(found, remedy="leave out --arg")
@@ -224,12 +178,7 @@ def _by_name(packages: Sequence[str]) -> dict[str, Path]:
 
 
 def relative(path: Path, folder: Path) -> str:
-    """A path as it is written into a file of a folder.
-
-    Args:
-        path: Of a file.
-        folder: Where the other one will be.
-    """
+    """A path as it is written into a file of a folder."""
     try:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:  # another drive

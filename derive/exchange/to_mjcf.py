@@ -23,32 +23,18 @@ from derive.mechanics.space import NOTHING, WORLD, Frame, times
 from derive.targets.escape import xml_text
 from derive.targets.templating import render
 
-DENSITY = 1000
-"""Of the cylinders that stand in for masses where a robot has none [kg/m^3]."""
-
+DENSITY = 1000  # of the cylinders that stand in for masses where a robot has none [kg/m^3]
+# Of masses and principal moments in the file: MuJoCo takes no less [kg, kg m^2]; and what is no distance [m].
 LEAST = 1e-15
-"""Of masses and principal moments in the file: MuJoCo takes no less [kg, kg m^2]; and what is no distance [m]."""
-
-BESIDE = 2.9
-"""Sum of the cosines of the angles between the axes of two frames that are almost one."""
-
-MOST_JOINTS = 6
-"""Of a body in MuJoCo."""
-
+BESIDE = 2.9  # sum of the cosines of the angles between the axes of two frames that are almost one
+MOST_JOINTS = 6  # of a body in MuJoCo
+# What a link weighs whose mass is weighed with another.
 NO_BODY = Body(arb(0), WORLD.origin, (WORLD.origin, WORLD.origin, WORLD.origin))
-"""What a link weighs whose mass is weighed with another."""
-
-EARTH = "0 0 -9.81"
-"""Gravity where the robot file gives none [m/s^2]."""
+EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 
 def mjcf_text(arm: BodyChain, head: list[str]) -> str:
-    """The file.
-
-    Args:
-        arm: The robot.
-        head: Lines that go into a comment before it.
-    """
+    """The file."""
     gravity, end = arm.robot.gravity, arm.segments[-1].dh.then(arm.tool)
     radius = THICKNESS * arm.size
     bodies = [_body(arm, written, radius) for written in written_bodies(arm)]
@@ -72,34 +58,21 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
 
 
 def coupled_by_tendon(rotor: Rotor) -> bool:
-    """Whether MuJoCo can say how a rotor turns with the joints before its own: their axes keep their angles to its own.
-
-    Args:
-        rotor: Of a joint.
-    """
+    """Whether MuJoCo can state the coupling of a rotor: the axes before its joint keep their angles to its own."""
     return rotor.is_coupled and rotor.drag is not None
 
 
 @dataclass(frozen=True, slots=True)
 class WrittenBody:
-    """A body of the file.
+    """A body of the file."""
 
-    Attributes:
-        joints: Those that move it against the body before, from 0; the last one's link is the body, the others weigh
-            nothing.
-        body: What it weighs, in the frame of that link; None without dynamics.
-    """
-
+    # Those that move it against the body before, from 0; the last one's link is the body, the others weigh nothing.
     joints: range
-    body: Body | None
+    body: Body | None  # what it weighs, in the frame of that link; None without dynamics
 
 
 def written_bodies(arm: BodyChain) -> list[WrittenBody]:
-    """The bodies of the file: links with the rotors that they carry; those that weigh nothing go into the next.
-
-    Args:
-        arm: The robot.
-    """
+    """The bodies of the file: links with the rotors that they carry; those that weigh nothing go into the next."""
     weights, last = _weights(arm), len(arm.segments) - 1
     found, first = [], 0
     for i in range(last + 1):
@@ -199,11 +172,7 @@ def _joint(arm: BodyChain, i: int, axis: Frame) -> dict[str, Any]:
 
 
 def is_too_thin(body: Body) -> bool:
-    """Whether MuJoCo would refuse a body though it is the limit of ones that exist: a point, a thin rod, or nothing.
-
-    Args:
-        body: Of a link.
-    """
+    """Whether MuJoCo would refuse a body though it is the limit of ones that exist: a point, a thin rod, or nothing."""
     return body.is_possible and bool(not body.mass >= LEAST or body.principal[0][0] < LEAST)
 
 

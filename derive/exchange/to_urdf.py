@@ -15,23 +15,13 @@ from derive.mechanics.space import Frame, Point, length
 from derive.targets.escape import xml_text
 from derive.targets.templating import render
 
-ROOT = "base_link"
-"""The world, which URDF takes as the root link."""
-
-TIP = "tool"
-"""The end effector."""
-
-THICKNESS = 0.06
-"""Radius of the cylinders, of the longest link."""
+ROOT = "base_link"  # the world, which URDF takes as the root link
+TIP = "tool"  # the end effector
+THICKNESS = 0.06  # radius of the cylinders, of the longest link
 
 
 def urdf_text(arm: BodyChain, head: list[str]) -> str:
-    """The file.
-
-    Args:
-        arm: The robot.
-        head: Lines that go into a comment before it.
-    """
+    """The file."""
     n = len(arm.segments)
     named = [f"link{i}" for i in range(1, n + 1)]
     root = ROOT if is_world(arm.base) else "link0"
@@ -105,12 +95,7 @@ def _link(arm: BodyChain, i: int, name: str, radius: float) -> dict[str, Any]:
 
 
 def rod(end: Point, radius: float) -> dict[str, str] | None:
-    """The cylinder from a frame's origin to a point; None where it would be as short as thick.
-
-    Args:
-        end: The point.
-        radius: Of the cylinder.
-    """
+    """The cylinder from a frame's origin to a point; None where it would be as short as thick."""
     x, y, z = (float(c) for c in end)
     reach = float(length(end))
     if reach <= radius:

@@ -14,6 +14,7 @@ from derive.errors import near_miss, quoted
 if TYPE_CHECKING:
     from lxml import etree
 
+# The attributes and the elements within each element that an arm is made of, as urdfdom reads them up to URDF 1.2.
 READ: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = MappingProxyType(
     {
         "robot": (("name", "version"), ("link", "joint", "dh_table")),
@@ -31,22 +32,15 @@ READ: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = MappingProxyType(
         "mimic": (("joint", "multiplier", "offset"), ()),
     }
 )
-"""The attributes and the elements within each element that an arm is made of, as urdfdom reads them up to URDF 1.2."""
-
+# Elements that say where something is or what it weighs: what else stands in one may change that.
 SHAPING = ("inertial", "mass", "inertia", "parent", "child", "origin", "axis")
-"""Elements that say where something is or what it weighs: what else stands in one may change that."""
-
+# Words of names by which robots, links and joints would say such a thing, too.
 WORDS = re.compile(
     r"(?<![a-z])(axis|child|com|density|frame|inertial?|length|mass|offset|orientation|origin|parent|pose|position|quat|"
     r"quaternion|rotation|rpy|scale|transform|translation|units?|xyz)(?![a-z])"
 )
-"""Words of names by which robots, links and joints would say such a thing, too."""
-
-PASSED = ("link", "origin")
-"""A slip that is known and that no program reads: a link has no frame but its joint's."""
-
-LABELS = ("name", "id", "comment")
-"""Attributes that any element may have."""
+PASSED = ("link", "origin")  # a slip that is known and that no program reads: a link has no frame but its joint's
+LABELS = ("name", "id", "comment")  # attributes that any element may have
 
 
 def look(
@@ -55,14 +49,7 @@ def look(
     note: Callable[[etree._Element, str], None],
     refused: Callable[[etree._Element, str, str, str], Exception],
 ) -> None:
-    """Look at an element and at what is read within it; joints and links of a robot are looked at one by one.
-
-    Args:
-        element: One of `READ`.
-        unread: Where kinds of elements and attributes that nothing reads are counted.
-        note: Remarks on an element.
-        refused: What to raise for an element: what was found, what to do, and what is allowed.
-    """
+    """Look at an element and at what is read within it; joints and links of a robot are looked at one by one."""
     tag, (attributes, elements) = str(element.tag), READ[str(element.tag)]
     if tag == "limit" and element.getparent().get("type", "").strip() == "continuous":
         attributes = ("effort", "velocity")

@@ -13,18 +13,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+# Names that lead from values to the program that runs.
 INNER = re.compile(r"__|(gi|cr|ag|tb)_(frame|code|yieldfrom|await|next)$|f_(back|builtins|code|globals|locals|trace)$")
-"""Names that lead from values to the program that runs."""
-
-OPENERS = ("type", "vars")
-"""Functions of xacro that do the same."""
+OPENERS = ("type", "vars")  # functions of xacro that do the same
 
 
 def forbidden(expression: str) -> str | None:
     """The name for which an expression is not evaluated.
-
-    Args:
-        expression: As it stands between braces.
 
     Returns:
         The name; None where there is none, or where it is no expression, which xacro says itself.
@@ -39,11 +34,7 @@ def forbidden(expression: str) -> str | None:
 
 @contextmanager
 def guarded() -> Iterator[list[str]]:
-    """Have xacro evaluate no expression that says more than it may, as long as the context lasts.
-
-    Yields:
-        The names for which expressions were refused.
-    """
+    """Have xacro evaluate no expression that says more than it may, as long as the context lasts."""
     import xacro
     from xacro import substitution_args
 

@@ -30,31 +30,18 @@ from derive.workspace.poses import RobotPoses
 
 
 class Part(NamedTuple):
-    """A part of the handout.
+    """A part of the handout."""
 
-    Attributes:
-        title: Its heading.
-        blocks: Its content; nothing where the robot has nothing to show.
-        needs_closed_dynamics: Whether it is left out where the closed form of the dynamics is not derived.
-    """
-
-    title: str
-    blocks: Callable[[Context], Iterable[Block]]
-    needs_closed_dynamics: bool = False
+    title: str  # its heading
+    blocks: Callable[[Context], Iterable[Block]]  # its content; nothing where the robot has nothing to show
+    needs_closed_dynamics: bool = False  # whether it is left out where the closed form of the dynamics is not derived
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
     """What the handout of a robot is made from.
 
     Args:
-        robot: The robot.
         options: What is shown; None for what the robot file says.
-
-    Returns:
-        The context; it has no poses where no numbers are found with which the robot could be drawn.
-
-    Raises:
-        TargetError: There is no message catalogue for the language.
     """
     chosen = options or robot.handout
     text = text_for(chosen.language)
@@ -67,10 +54,6 @@ def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
 
 def section_of(context: Context, name: str) -> Section | None:
     """One part.
-
-    Args:
-        context: The handout.
-        name: The part, one of `PARTS`.
 
     Returns:
         Its section; None where the robot has nothing to show there.
@@ -110,14 +93,7 @@ def section_of(context: Context, name: str) -> Section | None:
 
 
 def document(context: Context) -> Document:
-    """The handout of a robot: the parts that are asked for, in the order of `PARTS`.
-
-    Args:
-        context: The handout.
-
-    Returns:
-        The document.
-    """
+    """The handout of a robot: the parts that are asked for, in the order of `PARTS`."""
     robot = context.robot
     sections = (section_of(context, name) for name in PARTS if name in context.options.parts)
     return Document(

@@ -27,43 +27,26 @@ from derive.handouts.sheet.document import (
 )
 from derive.handouts.sheet.language import Text
 
-_LEAST_LINES = 2.0
-"""Lines of room for one answer."""
-
-_LEAST_OPEN = 4.0
-"""Lines of room for an answer without a left side, which may have several equations or none."""
-
-_MOST_LINES = 24.0
-"""Lines of room for one formula: less than half a page, however long it is."""
-
-_HANDWRITING = 1.5
-"""Lines by hand for one in print."""
-
+_LEAST_LINES = 2.0  # lines of room for one answer
+_LEAST_OPEN = 4.0  # lines of room for an answer without a left side, which may have several equations or none
+_MOST_LINES = 24.0  # lines of room for one formula: less than half a page, however long it is
+_HANDWRITING = 1.5  # lines by hand for one in print
 _MATRIX = re.compile(r"\\begin\{bmatrix\}(.*?)\\end\{bmatrix\}", re.DOTALL)
-_SYMBOL = re.compile(r"[A-Za-z}]_\{|\d(?:\.|\{,\})\d")
-"""A symbol with an index, or a number with decimals."""
-
-_SYMBOLS_OF_A_LINE = 6
-"""By hand."""
-
+_SYMBOL = re.compile(r"[A-Za-z}]_\{|\d(?:\.|\{,\})\d")  # a symbol with an index, or a number with decimals
+_SYMBOLS_OF_A_LINE = 6  # by hand
 _SYMBOLS_OF_A_POINT = 6
 _MOST_POINTS = 10
 
+# Parts with data, which an exercise keeps though nothing is asked there.
 _GIVEN = frozenset({"figure", "table", "convention", "parameters"})
-"""Parts with data, which an exercise keeps though nothing is asked there."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Question:
-    """Neighbouring formulas that answer the same task.
+    """Neighbouring formulas that answer the same task."""
 
-    Attributes:
-        number: From 1, through the whole sheet.
-        formulas: The answers.
-    """
-
-    number: int
-    formulas: tuple[Formula, ...]
+    number: int  # from 1, through the whole sheet
+    formulas: tuple[Formula, ...]  # the answers
 
     @property
     def points(self) -> int:
@@ -72,25 +55,13 @@ class _Question:
         return max(1, min(_MOST_POINTS, math.ceil(symbols / _SYMBOLS_OF_A_POINT)))
 
     def blank(self, text: Text) -> Blank:
-        """The question with room for its answers.
-
-        Args:
-            text: The language.
-        """
+        """The question with room for its answers."""
         gaps = tuple(gap for formula in self.formulas for gap in _gaps(formula))
         return Blank(f"{self.number}.", self.formulas[0].task, f"({_points(self.points, text)})", gaps)
 
 
 def exercise(document: Document, text: Text) -> Document:
-    """The handout with questions and room for the answers in place of the results.
-
-    Args:
-        document: The handout.
-        text: The language.
-
-    Returns:
-        The exercise.
-    """
+    """The handout with questions and room for the answers in place of the results."""
     sections, total = [], 0
     for section, items in _asked(document):
         questions = [item for item in items if isinstance(item, _Question)]
@@ -103,15 +74,7 @@ def exercise(document: Document, text: Text) -> Document:
 
 
 def solutions(document: Document, text: Text) -> Document:
-    """The same handout as the sheet of solutions: the answers have the numbers and points of the questions.
-
-    Args:
-        document: The handout.
-        text: The language.
-
-    Returns:
-        The solutions.
-    """
+    """The same handout as the sheet of solutions: the answers have the numbers and points of the questions."""
     numbered = {
         id(question.formulas[0]): Paragraph(
             text("Question %(number)s (%(points)s)", number=question.number, points=_points(question.points, text))

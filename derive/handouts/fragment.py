@@ -25,32 +25,13 @@ from derive.robot.robot import Robot
 
 _WIDTH = re.compile(r"[0-9]+(\.[0-9]+)?(pt|mm|cm|in|em)")
 
-_INDEX = re.compile(r"(?<![A-Za-z\\])i(?![A-Za-z])")
-"""The index in a symbol of the registry."""
-
-_COMMAND = re.compile(r"\\[A-Za-z]+|[{}_^]")
-"""What takes no room in print."""
-
-_LETTER = 8.0
-"""A bold letter [pt]."""
+_INDEX = re.compile(r"(?<![A-Za-z\\])i(?![A-Za-z])")  # the index in a symbol of the registry
+_COMMAND = re.compile(r"\\[A-Za-z]+|[{}_^]")  # what takes no room in print
+_LETTER = 8.0  # a bold letter [pt]
 
 
 def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str = "") -> str:
-    """LaTeX of a part or a quantity, without a document around it.
-
-    Args:
-        robot: The robot.
-        options: What the handout shows; language and notation count here too.
-        name: A part such as ``inertia`` or a quantity such as ``B``, ``A[1]``, ``T[0,2]`` or, as in books, ``M``.
-        width: Width of the lines, such as ``84mm``; that of the document, where the fragment stands, if empty.
-
-    Returns:
-        The text, headed by a comment that names the packages it needs.
-
-    Raises:
-        QuantityError: A width that is none, or a part or quantity that this robot does not have.
-        TargetError: Neither a part nor a quantity; a word with several meanings is a `QuantityError`.
-    """
+    """LaTeX of a part or a quantity, without a document around it."""
     if width and _WIDTH.fullmatch(width) is None:
         raise QuantityError(f"width {quoted(width)}", allowed="a number with pt, mm, cm, in or em, such as 84mm")
     name, context = " ".join(name.split()), context_of(robot, options)
@@ -103,16 +84,11 @@ def _quantity(context: Context, name: str) -> Section:
 
 @dataclass(frozen=True, slots=True)
 class _Name:
-    """What a quantity is called.
+    """What a quantity is called."""
 
-    Attributes:
-        symbol: Its symbol.
-        entry: (row, column) -> name of an entry.
-        is_derived: Whether its entries have no letter of their own, but the symbol in brackets with indices.
-    """
-
-    symbol: Box
-    entry: Callable[[int, int], Box]
+    symbol: Box  # its symbol
+    entry: Callable[[int, int], Box]  # (row, column) -> name of an entry
+    # Whether its entries have no letter of their own, but the symbol in brackets with indices.
     is_derived: bool = False
 
 

@@ -29,43 +29,22 @@ from derive.handouts.sheet.formula import unlisted
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex_words, macros, omitted_words
 
-_WIDEST = 10
-"""Columns that amsmath's matrices have unless told otherwise."""
+_WIDEST = 10  # columns that amsmath's matrices have unless told otherwise
 
 
 @dataclass(frozen=True, slots=True)
 class _Item:
-    """An equation in a fragment.
+    """An equation in a fragment."""
 
-    Attributes:
-        whole: Its LaTeX; with marks where a line may end, unless it is a matrix.
-        matrix: Whether there are entries to print where the line is too narrow for the whole.
-        entries: The entries, with such marks.
-        note: What else a reader of the entries must know.
-        is_whole: Whether it cannot be broken.
-    """
-
-    whole: str
-    matrix: bool = False
-    entries: tuple[str, ...] = ()
-    note: str = ""
-    is_whole: bool = False
+    whole: str  # its LaTeX; with marks where a line may end, unless it is a matrix
+    matrix: bool = False  # whether there are entries to print where the line is too narrow for the whole
+    entries: tuple[str, ...] = ()  # the entries, with such marks
+    note: str = ""  # what else a reader of the entries must know
+    is_whole: bool = False  # whether it cannot be broken
 
 
 def fragment(section: Section, text: Text, *, name: str, robot: str, version: str, width: str = "") -> str:
-    r"""A section in a group of its own.
-
-    Args:
-        section: The section.
-        text: The language of the writer's own words.
-        name: What was asked for, for the heading.
-        robot: Name of the robot.
-        version: Version of the tool.
-        width: Width of the lines as a dimension of TeX; that of the document, ``\linewidth``, if empty.
-
-    Returns:
-        LaTeX that names the packages that it needs in its first line.
-    """
+    r"""A section in a group of its own."""
     blocks = list(blocks_of(section))
     is_drawn = any(isinstance(block, Figure) for block in blocks)
     written = "".join(_written(block, text) for block in section.blocks)

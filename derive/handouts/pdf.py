@@ -21,18 +21,13 @@ from derive.errors import LatexError, Location
 from derive.interrupts import TemporaryFolder
 
 PROGRAMS = ("latexmk", "pdflatex")
-PACKAGES = "texlive-latex-recommended latexmk"
-"""Debian packages that bring the programs."""
-
-TIME_LIMIT = 120.0
-"""Seconds after which LaTeX is stopped; the longest handout takes a few."""
-
+PACKAGES = "texlive-latex-recommended latexmk"  # Debian packages that bring the programs
+TIME_LIMIT = 120.0  # seconds after which LaTeX is stopped; the longest handout takes a few
 _OPTIONS = ("-interaction=nonstopmode", "-halt-on-error", "-file-line-error", "-no-shell-escape")
 _SECTION = re.compile(r"\\section\*\{(.*)\}")
 
-_SHOWN = 160
-"""Characters of a line of LaTeX in a message."""
-
+_SHOWN = 160  # characters of a line of LaTeX in a message
+# No time of day in the PDF, no line of the log cut, no file read or written outside.
 _ENVIRONMENT = {
     "SOURCE_DATE_EPOCH": "0",
     "FORCE_SOURCE_DATE": "1",
@@ -44,8 +39,6 @@ _ENVIRONMENT = {
     "openin_any": "p",
     "openout_any": "p",
 }
-"""No time of day in the PDF, no line of the log cut, no file read or written outside."""
-
 _FAULT = re.compile(r"^(?:! (?!\s*==>)(?P<plain>.+)|(?P<file>[^\s:][^:\n]*):(?P<line>\d+): (?P<message>.+))$", re.M)
 _PLACE = re.compile(r"^l\.(\d+) ", re.M)
 _OVERFULL = re.compile(
@@ -56,41 +49,26 @@ _PAGES = re.compile(r"Output written on [^(]*\((\d+) page")
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """An error of LaTeX.
+    """An error of LaTeX."""
 
-    Attributes:
-        message: What LaTeX says.
-        line: Line of the input, counted from 1; 0 where LaTeX names none.
-    """
-
-    message: str
-    line: int
+    message: str  # what LaTeX says
+    line: int  # line of the input, counted from 1; 0 where LaTeX names none
 
 
 @dataclass(frozen=True, slots=True)
 class OverfullBox:
-    """Something that is too large for its place.
+    """Something that is too large for its place."""
 
-    Attributes:
-        points: By how much [pt].
-        line: Line of the input where its paragraph begins; 0 where LaTeX names none.
-    """
-
-    points: float
-    line: int
+    points: float  # by how much [pt]
+    line: int  # line of the input where its paragraph begins; 0 where LaTeX names none
 
 
 @dataclass(frozen=True, slots=True)
 class LatexLog:
-    """The log of a run of pdflatex, of the last one where there were several.
+    """The log of a run of pdflatex, of the last one where there were several."""
 
-    Attributes:
-        text: The whole log.
-        status: Exit status of the program.
-    """
-
-    text: str
-    status: int = 0
+    text: str  # the whole log
+    status: int = 0  # exit status of the program
 
     @property
     def faults(self) -> list[Fault]:
@@ -130,34 +108,15 @@ class LatexLog:
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """A PDF and how it came about.
+    """A PDF and how it came about."""
 
-    Attributes:
-        pdf: The file.
-        log: The log of the last run.
-        seconds: Wall time.
-    """
-
-    pdf: bytes
-    log: LatexLog
-    seconds: float
+    pdf: bytes  # the file
+    log: LatexLog  # the log of the last run
+    seconds: float  # wall time
 
 
 def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_LIMIT) -> Compiled:
-    """Compiles a document as often as its references need.
-
-    Args:
-        text: The document.
-        name: Name of the file without its ending, for messages and for the PDF.
-        time_limit: Seconds after which LaTeX is stopped.
-
-    Returns:
-        The PDF and its log.
-
-    Raises:
-        LatexError: The programs are missing, LaTeX refused the document or took too long. The document stays in a
-            temporary folder that the message names.
-    """
+    """Compiles a document as often as its references need."""
     missing = [program for program in PROGRAMS if shutil.which(program) is None]
     if missing:
         raise LatexError(

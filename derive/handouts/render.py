@@ -33,31 +33,20 @@ class Format(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Handout:
-    """A finished handout.
+    """A finished handout."""
 
-    Attributes:
-        files: Contents by file name.
-        pages: Pages of each PDF by file name.
-        parts: The parts that it has.
-        shortened: Whether anything was left out on paper to keep to its number of pages.
-    """
-
-    files: dict[str, bytes] = field(default_factory=dict)
-    pages: dict[str, int] = field(default_factory=dict)
-    parts: tuple[str, ...] = ()
-    shortened: bool = False
+    files: dict[str, bytes] = field(default_factory=dict)  # contents by file name
+    pages: dict[str, int] = field(default_factory=dict)  # pages of each PDF by file name
+    parts: tuple[str, ...] = ()  # the parts that it has
+    shortened: bool = False  # whether anything was left out on paper to keep to its number of pages
 
 
 @dataclass(frozen=True)
 class Addition:
-    """What stands in a handout beside the parts of its robot.
+    """What stands in a handout beside the parts of its robot."""
 
-    Attributes:
-        section: A part after all others.
-        figure: The arm of the web page, which moves in another way than by the sliders alone.
-    """
-
-    section: Callable[[Context], Section]
+    section: Callable[[Context], Section]  # a part after all others
+    # The arm of the web page, which moves in another way than by the sliders alone.
     figure: Callable[[Context], Viewer]
 
 
@@ -78,19 +67,7 @@ def handout_files(
     """Makes the files of a handout, in memory.
 
     Args:
-        robot: The robot.
-        options: What the handout shows.
-        formats: Which forms.
-        exercise_sheets: Whether an exercise and its solutions are made instead of one sheet.
-        progress: Called with the robot's name and the stage that is reached.
         addition: What stands in it besides; None for nothing.
-
-    Returns:
-        The files, named after the robot.
-
-    Raises:
-        TargetError: There is no such language, or a package for the web page is missing.
-        LatexError: LaTeX is missing or refused the document.
     """
     tell = progress or (lambda robot, stage: None)
     tell(robot.name, "formulas")
@@ -155,14 +132,7 @@ def _arm(context: Context) -> Viewer | None:
 
 
 def generated_sheet(robot: Robot) -> dict[str, str]:
-    """The sheet of a generated folder, as the robot file asks for it.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        ``sheet.tex``.
-    """
+    """The sheet of a generated folder, as the robot file asks for it."""
     context = context_of(robot)
     sheet = within(document(context), robot.handout.pages, context.text)
     return {"sheet.tex": latex(sheet, context.text)}

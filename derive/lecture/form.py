@@ -49,42 +49,25 @@ from derive.robot.options.style import (
 )
 from derive.robot.rounding import is_given_in_decimals
 
-MOST_SHORT_TERMS = 3
-"""A kinematic sum with at most so many terms is short, see `ShortSums`."""
-
-SAVING = 2
-"""Operations that lengths inside a joint's bracket must save, see `LengthOrder.USUAL`."""
-
+MOST_SHORT_TERMS = 3  # a kinematic sum with at most so many terms is short, see `ShortSums`
+SAVING = 2  # operations that lengths inside a joint's bracket must save, see `LengthOrder.USUAL`
+# Entries with more terms are grouped by the first rule alone: candidates would cost more time than they give sight.
 MAX_CANDIDATE_TERMS = 300
-"""Entries with more terms are grouped by the first rule alone: candidates would cost more time than they give sight."""
 
 
 @dataclass(frozen=True)
 class SymbolRoles:
-    """What the symbols of a robot are, as far as grouping goes.
+    """What the symbols of a robot are, as far as grouping goes."""
 
-    Attributes:
-        inertial: Masses and moments of inertia.
-        gravity: Symbols of the acceleration of gravity.
-        offsets: Lengths along joint axes, not those of links.
-        moments: Moments of inertia alone.
-        point_masses: Whether no body has a moment of inertia.
-    """
-
-    inertial: frozenset[str] = frozenset()
-    gravity: frozenset[str] = frozenset()
-    offsets: frozenset[str] = frozenset()
-    moments: frozenset[str] = frozenset()
-    point_masses: bool = False
+    inertial: frozenset[str] = frozenset()  # masses and moments of inertia
+    gravity: frozenset[str] = frozenset()  # symbols of the acceleration of gravity
+    offsets: frozenset[str] = frozenset()  # lengths along joint axes, not those of links
+    moments: frozenset[str] = frozenset()  # moments of inertia alone
+    point_masses: bool = False  # whether no body has a moment of inertia
 
 
 class LectureForm:
     """Writes the polynomials of one domain.
-
-    Args:
-        domain: The domain of the polynomials.
-        roles: What its symbols are.
-        style: How expressions are grouped.
 
     Attributes:
         table: The numbers of the printed factors.
@@ -120,32 +103,20 @@ class LectureForm:
         """Sines and cosines group by group from the base outwards."""
 
     def with_style(self, style: Style) -> LectureForm:
-        """The form of another style over the same factors.
-
-        Args:
-            style: How expressions are grouped.
-        """
+        """The form of another style over the same factors."""
         other = copy(self)
         other.style, other._dynamic_cache = style, {}
         return other
 
     def terms(self, p: Polynomial) -> Terms:
-        """A polynomial in the factors that are printed, each one contracted once.
-
-        Args:
-            p: A polynomial of the domain.
-        """
+        """A polynomial in the factors that are printed, each one contracted once."""
         key = p.key()
         if key not in self._terms:
             self._terms[key] = self.table.terms(p)
         return self._terms[key]
 
     def kinematic(self, p: Polynomial) -> Expr:
-        """An entry of a frame or Jacobian: nested from the base outwards or the tool inwards, by lengths, or expanded.
-
-        Args:
-            p: A polynomial of the domain.
-        """
+        """An entry of a frame or Jacobian: nested from base or tool, by lengths, or expanded."""
         return self.sympy(self._kinematic_plan(self.terms(p)))
 
     def _kinematic_plan(self, terms: Terms) -> Plan:
@@ -226,61 +197,35 @@ class LectureForm:
         return self.style.short in styles or (self.style.short is ShortSums.SHORT_ARMS and self.is_of_short_arm())
 
     def determinant(self, p: Polynomial) -> Expr:
-        """A scalar whose zeros matter, as a product wherever it is one.
-
-        Args:
-            p: A polynomial of the domain.
-        """
+        """A scalar whose zeros matter, as a product wherever it is one."""
         terms = self.terms(p)
         return self.sympy(product_form(terms, self._kinematic_plan, monomials=True) or self._kinematic_plan(terms))
 
     def dynamic(self, p: Polynomial, grouping: Grouping | None = None) -> Expr:
-        """An inertia, Christoffel symbol or energy.
-
-        Args:
-            p: A polynomial of the domain.
-            grouping: What is grouped first; by default what the style says of inertia.
-        """
+        """An inertia, Christoffel symbol or energy."""
         key = p.key(), grouping
         if key not in self._dynamic_cache:
             self._dynamic_cache[key] = self.write_dynamic(self.terms(p), grouping)
         return self._dynamic_cache[key]
 
     def write_dynamic(self, terms: Terms, grouping: Grouping | None = None) -> Expr:
-        """Contracted terms as `dynamic` writes them.
-
-        Args:
-            terms: A sum in the factors of `table`.
-            grouping: What is grouped first; by default what the style says of inertia.
-        """
+        """Contracted terms as `dynamic` writes them."""
         return self.sympy(self._dynamic_plan(terms, grouping or self.style.inertia))
 
     def parameter(self, p: Polynomial) -> Expr:
-        """A base parameter: by body or by geometry, ``I1 + m1*l1**2 + (m2 + m3)*a1**2``, whichever is shorter.
-
-        Args:
-            p: A polynomial of the domain.
-        """
+        """A base parameter: by body or by geometry, ``I1 + m1*l1**2 + (m2 + m3)*a1**2``, whichever is shorter."""
         groupings = [self.style.inertia]
         if self.style.inertia is Grouping.USUAL:
             groupings.append(Grouping.GEOMETRY)
         return self.sympy(cheapest(self._dynamic_plan(self.terms(p), grouping) for grouping in groupings))
 
     def gravity(self, p: Polynomial) -> Expr:
-        """A torque of gravity.
-
-        Args:
-            p: A polynomial of the domain.
-        """
+        """A torque of gravity."""
         grouping = self.style.gravity
         return self._with_gravity(p, Grouping.FUNCTION if grouping is Grouping.USUAL else grouping)
 
     def potential(self, p: Polynomial) -> Expr:
-        """The potential energy.
-
-        Args:
-            p: A polynomial of the domain.
-        """
+        """The potential energy."""
         grouping = self.style.potential
         return self._with_gravity(p, Grouping.BODY if grouping is Grouping.USUAL else grouping)
 
@@ -373,11 +318,7 @@ class LectureForm:
         return factored(terms, flat, in_front)
 
     def sympy(self, plan: Plan) -> Expr:
-        """The plan as a SymPy expression.
-
-        Args:
-            plan: A plan in the factors of `table`.
-        """
+        """The plan as a SymPy expression."""
         match with_plain_numbers(plan) if self._in_decimals else plan:
             case Term(coefficient, monomial):
                 return self._products.term(coefficient, monomial)
@@ -388,11 +329,7 @@ class LectureForm:
                 return sympy.Add(*(self.sympy(part) for part in parts))
 
     def monomial(self, factors: Monomial) -> Expr:
-        """A product of powers as a SymPy expression.
-
-        Args:
-            factors: A monomial in the factors of `table`.
-        """
+        """A product of powers as a SymPy expression."""
         return self._products.term(Fraction(1), factors)
 
 

@@ -15,17 +15,11 @@ from derive.robot.description import Link, Motor
 from derive.robot.expression import ZERO, Expression, names
 from derive.robot.robot import Robot
 
-Write = Callable[[Any], Any]
-"""Turns an exact entry into a SymPy expression."""
+Write = Callable[[Any], Any]  # turns an exact entry into a SymPy expression
 
 
 def frame_matrix(frame: Frame[Any], write: Write = lambda value: value) -> Matrix:
-    """A frame as a homogeneous matrix, 4x4.
-
-    Args:
-        frame: The frame.
-        write: Writes an entry.
-    """
+    """A frame as a homogeneous matrix, 4x4."""
     rows = [[*map(write, frame.rotation[i]), write(frame.position[i])] for i in range(3)]
     return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
 
@@ -33,25 +27,14 @@ def frame_matrix(frame: Frame[Any], write: Write = lambda value: value) -> Matri
 def columns_matrix(
     linear: Sequence[Vector[Any]], angular: Sequence[Vector[Any]] | None = None, write: Write = lambda value: value
 ) -> Matrix:
-    """A Jacobian from its columns: 3xn, or 6xn with the linear rows first.
-
-    Args:
-        linear: n columns of three entries.
-        angular: n further ones to stand below, if any.
-        write: Writes an entry.
-    """
+    """A Jacobian from its columns: 3xn, or 6xn with the linear rows first."""
     halves = [linear] if angular is None else [linear, angular]
     columns = [[write(x) for vector in parts for x in vector] for parts in zip(*halves, strict=True)]
     return sympy.ImmutableMatrix(columns).T
 
 
 def symmetric_matrix(n: int, upper: Sequence[Any]) -> Matrix:
-    """A symmetric matrix from its upper triangle.
-
-    Args:
-        n: Rows and columns.
-        upper: Entries (i, j) with i <= j, row by row.
-    """
+    """A symmetric matrix from its upper triangle."""
     keys = [(i, j) for i in range(n) for j in range(i, n)]
     written = dict(zip(keys, upper, strict=True))
     return sympy.ImmutableMatrix([[written[min(i, j), max(i, j)] for j in range(n)] for i in range(n)])
@@ -61,9 +44,6 @@ def symbol_roles(robot: Robot) -> SymbolRoles:
     """Symbols of masses, moments of inertia, gravity and offsets, by which expressions are grouped.
 
     Lengths in a moment of inertia are none of them: of ``m*l**2/12`` the mass alone leads.
-
-    Args:
-        robot: The robot.
     """
     masses: set[str] = set()
     moments: list[Expression] = []
@@ -83,26 +63,13 @@ def symbol_roles(robot: Robot) -> SymbolRoles:
 
 
 def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:
-    """The robot with one body alone, a link or a rotor: every other link massless, no armature.
-
-    Args:
-        robot: A robot with links.
-        i: The link, or the joint of the rotor, from 1.
-        of_rotor: Whether the rotor is meant.
-    """
+    """The robot with one body alone, a link or a rotor: every other link massless, no armature."""
     own, bare = robot.links[i - 1], Link()
     body = Link(motor=own.motor) if of_rotor else replace(own, motor=None, armature=bare.armature)
     return replace(robot, links=tuple(body if k == i else bare for k in range(1, robot.n + 1)))
 
 
 def aligned_latex(lines: Sequence[str]) -> str:
-    """Equations below each other, aligned at their left, as a notebook shows them.
-
-    Args:
-        lines: LaTeX of each equation, without dollar signs.
-
-    Returns:
-        LaTeX of the whole, between dollar signs.
-    """
+    """Equations below each other, aligned at their left, as a notebook shows them."""
     body = " \\\\ ".join(f"& {line}" for line in lines)
     return f"$\\displaystyle \\begin{{aligned}} {body} \\end{{aligned}}$"

@@ -13,8 +13,7 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from derive.algebra.ring import fraction
 from derive.lecture.terms import Monomial, Terms, common_factor, divide, partition, project
 
-MAX_TERMS = 120
-"""Sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer."""
+MAX_TERMS = 120  # sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer
 
 
 @dataclass(frozen=True)
@@ -59,27 +58,17 @@ class Plus:
 
 
 Plan = Term | Times | Plus
-Level = frozenset[int]
-"""Numbers of factors that are collected together."""
-
+Level = frozenset[int]  # numbers of factors that are collected together
 Writer = Callable[[Terms], Plan]
 
 
 def cheapest(plans: Iterable[Plan]) -> Plan:
-    """The plan with the fewest operations, of equally cheap ones the first.
-
-    Args:
-        plans: At least one.
-    """
+    """The plan with the fewest operations, of equally cheap ones the first."""
     return min(plans, key=lambda plan: plan.operations)
 
 
 def flat(terms: Terms) -> Plan:
-    """The sum of the terms as they are.
-
-    Args:
-        terms: A sum; an empty one is zero.
-    """
+    """The sum of the terms as they are."""
     parts = tuple(Term(c, m) for m, c in terms.items())
     if not parts:
         return Term(Fraction(0), ())
@@ -87,13 +76,7 @@ def flat(terms: Terms) -> Plan:
 
 
 def factored(terms: Terms, inside: Writer, among: Level | None = None) -> Plan:
-    """The common factor of all terms taken out.
-
-    Args:
-        terms: A sum.
-        inside: Writes the rest.
-        among: The factors that may be taken out; all of them by default.
-    """
+    """The common factor of all terms taken out."""
     common = common_factor(terms) if len(terms) > 1 else ()
     if among is not None:
         common = project(common, among)
@@ -103,22 +86,12 @@ def factored(terms: Terms, inside: Writer, among: Level | None = None) -> Plan:
 
 
 def grouped(terms: Terms, level: Level, inside: Writer) -> Plan:
-    """Collected by the monomials in some factors: ``m1*(...) + m2*(...)``.
-
-    Args:
-        terms: A sum.
-        level: The factors.
-        inside: Writes each coefficient.
-    """
+    """Collected by the monomials in some factors: ``m1*(...) + m2*(...)``."""
     return joined(_times(outer, inside(rest)) for outer, rest in partition(terms, level).items())
 
 
 def joined(plans: Iterable[Plan]) -> Plan:
-    """The sum of some plans, without a bracket of its own.
-
-    Args:
-        plans: At least one.
-    """
+    """The sum of some plans, without a bracket of its own."""
     flattened: list[Plan] = []
     for part in plans:
         flattened.extend(part.parts if isinstance(part, Plus) else (part,))
@@ -129,10 +102,6 @@ def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
     """Grouped by the first level, each coefficient by the next one, and so on; common factors outside.
 
     ``c1*(a2*c2 + a3*c23)`` where the levels are the joints from the base outwards.
-
-    Args:
-        terms: A sum.
-        levels: The factors of each level.
     """
     if len(terms) <= 1:
         return flat(terms)
@@ -149,11 +118,6 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
     """The terms as a product with at least two sums in it, such as (a2*c2 + a3*c23)**2.
 
     Sines and cosines are independent symbols here: only what is a product by its form is found.
-
-    Args:
-        terms: A sum.
-        write: How each factor that is a sum is written.
-        monomials: Whether a single sum times a monomial counts too.
 
     Returns:
         The product, or None where there are fewer sums (a square counts as two).
@@ -187,8 +151,8 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
     return Times(coefficient, outer, tuple(parts)) if parts else Term(coefficient, outer)
 
 
+# A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`.
 LARGE_FACTOR = 1000
-"""A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`."""
 
 
 def with_plain_numbers(plan: Plan) -> Plan:
@@ -197,9 +161,6 @@ def with_plain_numbers(plan: Plan) -> Plan:
     Factors come out with whole numbers, ``-4.8e-8*(141 + 10000*d3)*(...)``. Powers of ten, which leave every digit what
     it is, are moved between the number in front and the sums, ``-4.8e-4*(0.0141 + d3)*(...)``; what stands in front of
     a single sum alone is multiplied out, ``-6.768e-6 - 4.8e-4*d3``.
-
-    Args:
-        plan: What is written; anything but a product stays.
     """
     if not isinstance(plan, Times):
         return plan

@@ -18,15 +18,11 @@ from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import Expression
 from derive.robot.rounding import shown
 
-Real = Any
-"""A number of mpmath, which comes without types."""
-
+Real = Any  # a number of mpmath, which comes without types
 DIGITS = 50
-KEPT = 30
-"""Digits that are given out; what rounding spoils lies behind them."""
-
+KEPT = 30  # digits that are given out; what rounding spoils lies behind them
+# What a sum has left of its largest term, or a sine of 1, when it is zero but for rounding.
 NOISE = mpmath.mpf(10) ** -40
-"""What a sum has left of its largest term, or a sine of 1, when it is zero but for rounding."""
 
 
 def _direction(y: Real, x: Real) -> Real:
@@ -56,17 +52,7 @@ def at_point(
     """An expression or matrix with numbers put in.
 
     Args:
-        expression: In the symbols of a robot.
-        values: Constant expressions by name [SI units, rad].
-        name: What it is, for messages.
-        exact: Whether roots and pi stay what they are: ``sqrt(2)/2``.
         digits: Significant digits of the numbers where symbols stay; None for thirty.
-
-    Returns:
-        The expression; a rational of thirty digits where every symbol has a number, unless it is wanted exactly.
-
-    Raises:
-        QuantityError: It has no finite real value there.
     """
     put_in = {sympy.Symbol(name): expression_to_sympy(value) for name, value in values.items()}
     if exact:
@@ -99,19 +85,7 @@ def _rounded(e: Expr, digits: int | None) -> Expr:
 
 
 def value_of(e: Expr, known: dict[Expr, Any]) -> Any:
-    """The number of an expression, or the expression with numbers in it where a symbol has none.
-
-    Args:
-        e: The expression.
-        known: Numbers of symbols, and of every subexpression that has been met; it grows.
-
-    Returns:
-        A number of mpmath with its working precision, or an expression.
-
-    Raises:
-        ValueError: A root of a negative number.
-        ZeroDivisionError: A quotient by zero, or atan2(0, 0).
-    """
+    """The number of an expression, or the expression with numbers in it where a symbol has none."""
     if e in known:
         return known[e]
     if e.is_Symbol:
@@ -146,11 +120,7 @@ def _number(e: Expr, arguments: list[Real]) -> Real:
 
 
 def written(value: Any) -> Expr:
-    """A number of mpmath as the rational of its first thirty digits; an expression as it is.
-
-    Args:
-        value: The number or expression.
-    """
+    """A number of mpmath as the rational of its first thirty digits; an expression as it is."""
     if isinstance(value, sympy.Basic):
         return value
     return sympy.Rational(Fraction(mpmath.nstr(value, KEPT)))

@@ -34,9 +34,7 @@ from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, 
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 
-MAX_TOKEN_DIGITS = 24
-"""Digits of one token: twelve two-digit labels; no notes add up more angles."""
-
+MAX_TOKEN_DIGITS = 24  # digits of one token: twelve two-digit labels; no notes add up more angles
 _CIRCULAR = re.compile(r"([cs])([0-9]+)")
 _LABELLED = re.compile(r"(q|qd|qdd)([0-9]+)")
 _FUNCTION = {"c": "cos", "s": "sin"}
@@ -51,18 +49,7 @@ def read_formula(
     abbreviations: Mapping[str, Expression] | None = None,
     functions: frozenset[str] = FORMULA_FUNCTIONS,
 ) -> Expression:
-    """A printed formula as an expression in the robot's own names.
-
-    Args:
-        text: The formula, in the grammar of cells with atan2 and sign, and in the shorthand of this module.
-        robot: Whose formula it is.
-        location: Where its first character stands.
-        abbreviations: Further names and what they stand for, such as the h of a Coriolis matrix.
-        functions: Names that may be called, besides sign.
-
-    Raises:
-        CheckError: Outside the grammar, an unknown name, or a token that can be read in two ways; placed at the token.
-    """
+    """A printed formula as an expression in the robot's own names."""
     start = location or Location("<expression>")
     try:
         vocabulary = _vocabulary(robot, abbreviations)
@@ -92,16 +79,7 @@ def read_formula(
 def resolve_tokens(
     expression: Expression, robot: Robot, abbreviations: Mapping[str, Expression] | None = None
 ) -> Expression:
-    """An expression with the tokens of lecture notes replaced by what they stand for.
-
-    Args:
-        expression: A parsed formula.
-        robot: Whose formula it is.
-        abbreviations: Further names and what they stand for.
-
-    Raises:
-        CheckError: An unknown name, or a token that can be read in two ways.
-    """
+    """An expression with the tokens of lecture notes replaced by what they stand for."""
     vocabulary = _vocabulary(robot, abbreviations)
     meanings = {name: vocabulary.meaning(name) for name in dict.fromkeys(names(expression))}
     return substitute(expression, meanings)
@@ -109,29 +87,15 @@ def resolve_tokens(
 
 @dataclass(frozen=True)
 class _Vocabulary:
-    """What names mean in the formulas of one robot.
+    """What names mean in the formulas of one robot."""
 
-    Attributes:
-        own: The robot's symbols, joint variables, velocities and accelerations.
-        revolute: Label -> variables of revolute joints that have it.
-        prismatic: Label -> variables of prismatic joints that have it.
-        abbreviations: Names that stand for an expression.
-    """
-
-    own: frozenset[str]
-    revolute: Mapping[str, tuple[str, ...]]
-    prismatic: Mapping[str, tuple[str, ...]]
-    abbreviations: Mapping[str, Expression] = field(default_factory=dict)
+    own: frozenset[str]  # the robot's symbols, joint variables, velocities and accelerations
+    revolute: Mapping[str, tuple[str, ...]]  # label -> variables of revolute joints that have it
+    prismatic: Mapping[str, tuple[str, ...]]  # label -> variables of prismatic joints that have it
+    abbreviations: Mapping[str, Expression] = field(default_factory=dict)  # names that stand for an expression
 
     def meaning(self, name: str) -> Expression:
-        """The expression that a name stands for.
-
-        Args:
-            name: A name in a printed formula.
-
-        Raises:
-            CheckError: It stands for nothing, or for two things.
-        """
+        """The expression that a name stands for."""
         if name in self.abbreviations:
             return self.abbreviations[name]
         if name in self.own:
@@ -225,13 +189,7 @@ def _divisible(digits: str, labels: tuple[str, ...]) -> bool:
 
 
 def notation_text(expression: Expression, robot: Robot, write: Callable[[Fraction], str] = str) -> str:
-    """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only.
-
-    Args:
-        expression: The tree.
-        robot: Whose joint angles get tokens.
-        write: Writes a number, for instance rounded.
-    """
+    """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only."""
     labels = [joint_label(joint.variable) for joint in robot.joints]
     taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
     clear = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)

@@ -34,15 +34,10 @@ from derive.robot.expression import (
 )
 from derive.robot.reading.size_limits import CELL_LIMITS
 
-Expr = Any
-"""A SymPy expression; SymPy comes without types."""
-
-Matrix = Any
-"""A SymPy matrix; those of a model are immutable."""
-
+Expr = Any  # a SymPy expression; SymPy comes without types
+Matrix = Any  # a SymPy matrix; those of a model are immutable
+# Factors that SymPy never merges with another or with a number.
 PLAIN = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE, Kind.PARAMETER, Kind.RATE, Kind.ACCELERATION})
-"""Factors that SymPy never merges with another or with a number."""
-
 _order = cmp_to_key(Basic.compare)
 
 _FUNCTIONS = {
@@ -57,11 +52,7 @@ _FUNCTIONS = {
 
 @cache
 def expression_to_sympy(e: Expression) -> Expr:
-    """The SymPy form of an exact expression; every name becomes a plain symbol.
-
-    Args:
-        e: Any tree.
-    """
+    """The SymPy form of an exact expression; every name becomes a plain symbol."""
     match e:
         case Number(value):
             return sympy.Rational(value)
@@ -80,12 +71,7 @@ def expression_to_sympy(e: Expression) -> Expr:
 
 
 def factor_to_sympy(domain: PolynomialDomain, factor: PrintedFactor) -> Expr:
-    """One printed factor as a SymPy expression.
-
-    Args:
-        domain: Says which angles a sine or cosine sums.
-        factor: The factor.
-    """
+    """One printed factor as a SymPy expression."""
     if factor.kind in (Kind.SINE, Kind.COSINE):
         angle = expression_to_sympy(domain.printed_angle(factor.joints))
         function = sympy.sin if factor.kind is Kind.SINE else sympy.cos
@@ -112,18 +98,7 @@ _RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}
 
 
 def expression_from_sympy(expression: Any) -> Expression:
-    """A SymPy expression as an exact tree; a float stands for the decimal that it prints.
-
-    Args:
-        expression: Sums, products, powers with whole or half exponents, sin, cos, tan (and their reciprocals), sqrt,
-            atan2, sign and absolute values of symbols, rationals, floats and pi.
-
-    Returns:
-        The tree; subexpressions that SymPy shares are shared in it too.
-
-    Raises:
-        ExpressionError: Anything else, or a division by zero.
-    """
+    """A SymPy expression as an exact tree; a float stands for the decimal that it prints."""
     try:
         tree = sympy.sympify(expression, strict=True)
     except sympy.SympifyError:
@@ -186,9 +161,6 @@ class ProductBuilder:
 
     SymPy's canonical order of the factors is found once, by insertion; asking SymPy for it again and again takes most
     of the time otherwise.
-
-    Args:
-        table: What the factor numbers mean.
     """
 
     def __init__(self, table: FactorTable) -> None:
@@ -199,12 +171,7 @@ class ProductBuilder:
         self._cache: dict[tuple[Fraction, Monomial], Expr] = {}
 
     def term(self, coefficient: Fraction, monomial: Monomial) -> Expr:
-        """coefficient * monomial as SymPy's own product would be.
-
-        Args:
-            coefficient: A rational.
-            monomial: Pairs (number of a factor, exponent).
-        """
+        """coefficient * monomial as SymPy's own product would be."""
         key = (coefficient, monomial)
         if key in self._cache:
             return self._cache[key]

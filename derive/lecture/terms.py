@@ -12,51 +12,33 @@ from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, fraction
 from derive.robot.expression import Expression
 
-Monomial = tuple[tuple[int, int], ...]
-"""Pairs (factor, exponent), factors ascending."""
-
+Monomial = tuple[tuple[int, int], ...]  # pairs (factor, exponent), factors ascending
 Terms = dict[Monomial, Fraction]
 
 
 class PrintedFactor(NamedTuple):
-    """Something that is printed as one factor.
+    """Something that is printed as one factor."""
 
-    Attributes:
-        kind: What it is.
-        joints: The joints (from 0) whose variables it contains: the summed angles of a sine or cosine.
-        argument: The expression behind a symbol, root, inverse or constant angle.
-    """
-
-    kind: Kind
-    joints: tuple[int, ...]
-    argument: Expression | None
+    kind: Kind  # what it is
+    joints: tuple[int, ...]  # the joints (from 0) whose variables it contains: the summed angles of a sine or cosine
+    argument: Expression | None  # the expression behind a symbol, root, inverse or constant angle
 
 
+# A term on its way: generator exponents, factors already written, coefficient.
 Row = tuple[dict[int, int], Monomial, Fraction]
-"""A term on its way: generator exponents, factors already written, coefficient."""
 
 
 class _Group(NamedTuple):
-    """An aligned group and its generators.
+    """An aligned group and its generators."""
 
-    Attributes:
-        joints: The joints, from 0.
-        places: Indices of their sines, then of their cosines.
-        sums: Whether the generators are sums of angles.
-        own: The same indices as a set.
-    """
-
-    joints: tuple[int, ...]
-    places: tuple[int, ...]
-    sums: bool
-    own: frozenset[int]
+    joints: tuple[int, ...]  # the joints, from 0
+    places: tuple[int, ...]  # indices of their sines, then of their cosines
+    sums: bool  # whether the generators are sums of angles
+    own: frozenset[int]  # the same indices as a set
 
 
 class FactorTable:
     """Numbers the factors of one domain; the numbering depends on the domain alone.
-
-    Args:
-        domain: The domain of the polynomials.
 
     Attributes:
         factors: What the numbers stand for.
@@ -90,14 +72,7 @@ class FactorTable:
         return self._index[factor]
 
     def terms(self, p: Polynomial) -> Terms:
-        """A polynomial with every aligned group contracted: c1*c12 + s1*s12 is c2.
-
-        Args:
-            p: A polynomial of the domain.
-
-        Returns:
-            Monomial in the numbered factors -> coefficient, none of them zero.
-        """
+        """A polynomial with every aligned group contracted: c1*c12 + s1*s12 is c2."""
         degrees = p.degrees()
         rows: list[Row] = [
             ({i: int(e) for i, e in enumerate(exponents) if e}, (), fraction(coefficient))
@@ -167,11 +142,7 @@ class FactorTable:
 
 
 def common_factor(monomials: Iterable[Monomial]) -> Monomial:
-    """The greatest monomial that divides all of some monomials.
-
-    Args:
-        monomials: At least one.
-    """
+    """The greatest monomial that divides all of some monomials."""
     iterator = iter(monomials)
     common = dict(next(iterator))
     for monomial in iterator:
@@ -183,12 +154,7 @@ def common_factor(monomials: Iterable[Monomial]) -> Monomial:
 
 
 def multiply(a: Monomial, b: Monomial) -> Monomial:
-    """The product of two monomials.
-
-    Args:
-        a: A monomial.
-        b: Another.
-    """
+    """The product of two monomials."""
     exponents = dict(a)
     for factor, exponent in b:
         exponents[factor] = exponents.get(factor, 0) + exponent
@@ -196,12 +162,7 @@ def multiply(a: Monomial, b: Monomial) -> Monomial:
 
 
 def divide(monomial: Monomial, divisor: Monomial) -> Monomial:
-    """The quotient of two monomials.
-
-    Args:
-        monomial: What is divided.
-        divisor: A monomial that divides it.
-    """
+    """The quotient of two monomials."""
     if not divisor:
         return monomial
     rest = dict(monomial)
@@ -211,25 +172,12 @@ def divide(monomial: Monomial, divisor: Monomial) -> Monomial:
 
 
 def project(monomial: Monomial, factors: frozenset[int] | set[int]) -> Monomial:
-    """The part of a monomial made of some factors.
-
-    Args:
-        monomial: The monomial.
-        factors: Numbers of the factors that are kept.
-    """
+    """The part of a monomial made of some factors."""
     return tuple((f, e) for f, e in monomial if f in factors)
 
 
 def partition(terms: Terms, level: frozenset[int]) -> dict[Monomial, Terms]:
-    """The terms by their monomials in some factors.
-
-    Args:
-        terms: A sum.
-        level: Numbers of the factors.
-
-    Returns:
-        Monomial in these factors -> the terms of its coefficient.
-    """
+    """The terms by their monomials in some factors."""
     parts: dict[Monomial, Terms] = {}
     for monomial, coefficient in terms.items():
         outer = project(monomial, level)

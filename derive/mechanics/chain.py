@@ -46,56 +46,28 @@ class Domain(Protocol[S_co]):
     """Turns exact expressions into scalars of one kind: floats, polynomials, tape values, SymPy expressions."""
 
     def number(self, value: int | Fraction) -> S_co:
-        """A rational as a scalar.
-
-        Args:
-            value: The number.
-        """
+        """A rational as a scalar."""
 
     def constant(self, expression: Expression) -> S_co:
-        """A cell without joint variables as a scalar.
-
-        Args:
-            expression: The cell, in SI units.
-        """
+        """A cell without joint variables as a scalar."""
 
     def cosine_sine(self, angle: Expression) -> tuple[S_co, S_co]:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle."""
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[S_co, S_co]:
-        """Cosine and sine of theta_i = ``sign*q + theta`` of a revolute joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of theta_i = ``sign*q + theta`` of a revolute joint."""
 
     def joint_offset(self, index: int, joint: Joint) -> S_co:
-        """The offset d_i = ``sign*q + d`` of a prismatic joint [m].
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """The offset d_i = ``sign*q + d`` of a prismatic joint [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Body(Generic[S]):
-    """A rigid body by its ten linear parameters, in a frame that moves with it.
+    """A rigid body by its ten linear parameters, in a frame that moves with it."""
 
-    Attributes:
-        mass: m.
-        first_moment: m r, with r the centre of mass.
-        inertia: Tensor about the frame's origin.
-    """
-
-    mass: S
-    first_moment: Vector[S]
-    inertia: Symmetric[S]
+    mass: S  # m
+    first_moment: Vector[S]  # m r, with r the centre of mass
+    inertia: Symmetric[S]  # tensor about the frame's origin
 
     def __add__(self, other: Body[S]) -> Body[S]:
         return Body(
@@ -107,73 +79,44 @@ class Body(Generic[S]):
 
 @dataclass(frozen=True, slots=True)
 class ChainJoint(Generic[S]):
-    """One joint, with rates counted positive about (along) +z: rate = sign * qd.
+    """One joint, with rates counted positive about (along) +z: rate = sign * qd."""
 
-    Attributes:
-        revolute: Whether the joint turns.
-        sign: +1 or -1.
-        fixed: K_{i-1}, from joint frame i-1 to the axis of joint i.
-        cosine: cos(theta_i).
-        sine: sin(theta_i).
-        offset: d_i, with the variable of a prismatic joint in it.
-        coupling: sign * ratio * rotor inertia: the rotor's momentum about z per unit of rate.
-        armature: What resists the joint's own acceleration: ratio^2 * rotor inertia + armature of the file.
-        viscous: b of b*qd.
-        coulomb: f of f*sign(qd).
-    """
-
-    revolute: bool
-    sign: int
-    fixed: Frame[S]
-    cosine: S
-    sine: S
-    offset: S
-    coupling: S
-    armature: S
-    viscous: S
-    coulomb: S
+    revolute: bool  # whether the joint turns
+    sign: int  # +1 or -1
+    fixed: Frame[S]  # K_{i-1}, from joint frame i-1 to the axis of joint i
+    cosine: S  # cos(theta_i)
+    sine: S  # sin(theta_i)
+    offset: S  # d_i, with the variable of a prismatic joint in it
+    coupling: S  # sign * ratio * rotor inertia: the rotor's momentum about z per unit of rate
+    armature: S  # what resists the joint's own acceleration: ratio^2 * rotor inertia + armature of the file
+    viscous: S  # b of b*qd
+    coulomb: S  # f of f*sign(qd)
 
     def motion(self, zero: S, one: S) -> Frame[S]:
-        """Z_i = Rot(z, theta_i) Trans(z, d_i).
-
-        Args:
-            zero: The scalar 0.
-            one: The scalar 1.
-        """
+        """Z_i = Rot(z, theta_i) Trans(z, d_i)."""
         c, s = self.cosine, self.sine
         return Frame(((c, -s, zero), (s, c, zero), (zero, zero, one)), (zero, zero, self.offset))
 
 
 @dataclass(frozen=True, slots=True)
 class Chain(Generic[S]):
-    """The whole arm.
+    """The whole arm."""
 
-    Attributes:
-        zero: The scalar 0.
-        one: The scalar 1.
-        base: World to frame 0.
-        joints: The joints from the base outwards.
-        tool: K_n times the tool: joint frame n to the end effector.
-        ends: K_i of the standard convention (identity in the modified one): joint frame i to DH frame i.
-        bodies: Link i with the rotors that it carries, in joint frame i; empty without dynamics.
-        gravity: Acceleration of gravity in frame 0 (the base transform taken off).
-        drop: Gravity times the way from the world's origin to frame 0: what a unit mass there loses of its potential
-            energy.
-        ground: What no joint moves and yet has a potential energy, in frame 0: the rotor of joint 1, and what
-            regrouping moves to the base.
-        axial: Masses at the joint frames that resist acceleration along z alone; none unless regrouping makes them.
-    """
-
-    zero: S
-    one: S
-    base: Frame[S]
-    joints: tuple[ChainJoint[S], ...]
-    tool: Frame[S]
+    zero: S  # the scalar 0
+    one: S  # the scalar 1
+    base: Frame[S]  # world to frame 0
+    joints: tuple[ChainJoint[S], ...]  # the joints from the base outwards
+    tool: Frame[S]  # K_n times the tool: joint frame n to the end effector
+    # K_i of the standard convention (identity in the modified one): joint frame i to DH frame i.
     ends: tuple[Frame[S], ...]
-    bodies: tuple[Body[S], ...]
-    gravity: Vector[S]
+    bodies: tuple[Body[S], ...]  # link i with the rotors that it carries, in joint frame i; empty without dynamics
+    gravity: Vector[S]  # acceleration of gravity in frame 0 (the base transform taken off)
+    # Gravity times the way from the world's origin to frame 0: what a unit mass there loses of its potential energy.
     drop: S
+    # What no joint moves and yet has a potential energy, in frame 0: the rotor of joint 1, and what regrouping moves
+    # to the base.
     ground: Body[S]
+    # Masses at the joint frames that resist acceleration along z alone; none unless regrouping makes them.
     axial: tuple[S, ...] = ()
 
     @property
@@ -206,27 +149,14 @@ class Chain(Generic[S]):
         )
 
     def row(self, i: int, convention: Convention) -> Frame[S]:
-        """A_i, the DH transform of row i: DH frame i in DH frame i-1.
-
-        Args:
-            i: From 1.
-            convention: That of the table.
-        """
+        """A_i, the DH transform of row i: DH frame i in DH frame i-1."""
         joint = self.joints[i - 1]
         motion = joint.motion(self.zero, self.one)
         return motion @ self.ends[i - 1] if convention is Convention.STANDARD else joint.fixed @ motion
 
 
 def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
-    """The arm as a chain of joint motions between constant frames.
-
-    Args:
-        robot: The robot.
-        domain: Turns its cells, and its configuration, into scalars.
-
-    Returns:
-        The chain; without bodies where the robot has no links.
-    """
+    """The arm as a chain of joint motions between constant frames."""
     zero, one = domain.number(0), domain.number(1)
     base = constant_frame(robot.base, domain)
     rows = []
@@ -249,33 +179,18 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
 
 
 def constant_vector(cells: tuple[Expression, Expression, Expression], domain: Domain[S]) -> Vector[S]:
-    """Three cells as a vector.
-
-    Args:
-        cells: Cells without joint variables.
-        domain: Turns them into scalars.
-    """
+    """Three cells as a vector."""
     return (domain.constant(cells[0]), domain.constant(cells[1]), domain.constant(cells[2]))
 
 
 def central_inertia(link: Link, domain: Domain[S]) -> Symmetric[S]:
-    """The inertia tensor of a link as the file gives it: about its centre of mass, in the axes of its DH frame.
-
-    Args:
-        link: The link.
-        domain: Turns its cells into scalars.
-    """
+    """The inertia tensor of a link as the file gives it: about its centre of mass, in the axes of its DH frame."""
     i = link.inertia
     return Symmetric(*(domain.constant(cell) for cell in (i.xx, i.yy, i.zz, i.xy, i.xz, i.yz)))
 
 
 def constant_frame(matrix: tuple[tuple[Expression, ...], ...], domain: Domain[S]) -> Frame[S]:
-    """A constant transform.
-
-    Args:
-        matrix: Its cells, 4x4.
-        domain: Turns them into scalars.
-    """
+    """A constant transform."""
     rows = [[domain.constant(cell) for cell in row] for row in matrix[:3]]
     rotation = tuple((row[0], row[1], row[2]) for row in rows)
     return Frame((rotation[0], rotation[1], rotation[2]), (rows[0][3], rows[1][3], rows[2][3]))

@@ -49,24 +49,16 @@ from derive.robot.names import number_of, without_lost_symbols
 from derive.robot.robot import Robot
 from derive.robot.writer import cell_text
 
-ROUND = 180
-"""A constant angle of a base or tool is recognised where it is a multiple of pi by this."""
-
-NEAR = 1e-9
-"""How near to such a multiple it is looked for; whether it is one is then decided exactly."""
+ROUND = 180  # a constant angle of a base or tool is recognised where it is a multiple of pi by this
+NEAR = 1e-9  # how near to such a multiple it is looked for; whether it is one is then decided exactly
 
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """X = Trans(x, a) Rot(x, alpha); the two commute.
+    """X = Trans(x, a) Rot(x, alpha); the two commute."""
 
-    Attributes:
-        a: Length [m].
-        alpha: Angle [rad].
-    """
-
-    a: Expression = ZERO
-    alpha: Expression = ZERO
+    a: Expression = ZERO  # length [m]
+    alpha: Expression = ZERO  # angle [rad]
 
     @property
     def is_one(self) -> bool:
@@ -76,21 +68,13 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Conversion:
-    """An arm in the other convention.
+    """An arm in the other convention."""
 
-    Attributes:
-        source: The arm as it was.
-        result: The same arm; it has no file yet.
-        leaving: The factor that leaves the table: X_n, now in the tool, or X_0, now in the base.
-        entering: The factor that enters it: X_0, out of the base, or X_n, out of the tool.
-        notes: Where the other convention says something else, as sentences.
-    """
-
-    source: Robot
-    result: Description
-    leaving: Factor
-    entering: Factor
-    notes: tuple[str, ...]
+    source: Robot  # the arm as it was
+    result: Description  # the same arm; it has no file yet
+    leaving: Factor  # the factor that leaves the table: X_n, now in the tool, or X_0, now in the base
+    entering: Factor  # the factor that enters it: X_0, out of the base, or X_n, out of the tool
+    notes: tuple[str, ...]  # where the other convention says something else, as sentences
 
     @property
     def factors(self) -> tuple[Factor, ...]:
@@ -103,13 +87,9 @@ def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
     """The arm by the table of the other convention: T, J, B, C, g and tau are the same functions.
 
     Args:
-        robot: The arm.
         entering: What is taken out of the base for the first row (of a modified table), or out of the tool for the last
             row (of a standard one): any factor is right. None for the whole base or tool where it is such a factor,
             and for nothing where it is none.
-
-    Returns:
-        The arm and how it was made.
     """
     to_modified = robot.convention is Convention.STANDARD
     end = robot.base if to_modified else robot.tool
@@ -179,12 +159,7 @@ def _motors(robot: Robot) -> Iterator[tuple[Link, Motor, int]]:
 
 
 class _Cells:
-    """Cells of a robot as exact polynomials, and polynomials as cells again.
-
-    Args:
-        robot: The robot.
-        extra: What else the ring must hold.
-    """
+    """Cells of a robot as exact polynomials, and polynomials as cells again."""
 
     def __init__(self, robot: Robot, extra: Iterable[Expression]) -> None:
         domain = self.domain = PolynomialDomain(robot, extra, rates=False)
@@ -194,19 +169,11 @@ class _Cells:
         self._order = [*(place for place in places if ranks[place]), *(place for place in places if not ranks[place])]
 
     def frame(self, matrix: Sequence[Sequence[Expression]]) -> Frame[Polynomial]:
-        """A constant transform.
-
-        Args:
-            matrix: Its cells.
-        """
+        """A constant transform."""
         return constant_frame(tuple(map(tuple, matrix)), self.domain)
 
     def factor(self, factor: Factor) -> Frame[Polynomial]:
-        """X = Trans(x, a) Rot(x, alpha).
-
-        Args:
-            factor: Its cells.
-        """
+        """X = Trans(x, a) Rot(x, alpha)."""
         domain = self.domain
         zero, one = domain.number(0), domain.number(1)
         c, s = domain.cosine_sine(factor.alpha)
@@ -216,23 +183,13 @@ class _Cells:
     def matrix(
         self, frame: Frame[Polynomial], before: Sequence[Sequence[Expression]]
     ) -> tuple[tuple[Expression, ...], ...]:
-        """The cells of a transform.
-
-        Args:
-            frame: The transform.
-            before: Cells whose form is kept where they still hold.
-        """
+        """The cells of a transform."""
         known = [cell for row in before for cell in row]
         rows = frame.rows(self.domain.number(0), self.domain.number(1))
         return tuple(tuple(self.cell(entry, known) for entry in row) for row in rows)
 
     def cell(self, value: Polynomial, known: Iterable[Expression] = ()) -> Expression:
-        """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order.
-
-        Args:
-            value: The polynomial.
-            known: Cells whose form is kept.
-        """
+        """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order."""
         for cell in known:
             for written in (cell, _negated(cell)):
                 if self.domain.constant(written) == value:
@@ -254,37 +211,21 @@ def _negated(cell: Expression) -> Expression:
 
 @dataclass(frozen=True, slots=True)
 class _Body:
-    """A link without its rotors.
+    """A link without its rotors."""
 
-    Attributes:
-        mass: Its cell.
-        com: Centre of mass.
-        inertia: About the centre of mass.
-    """
-
-    mass: Expression
-    com: Vector[Polynomial]
-    inertia: Matrix[Polynomial]
+    mass: Expression  # its cell
+    com: Vector[Polynomial]  # centre of mass
+    inertia: Matrix[Polynomial]  # about the centre of mass
 
     def through(self, frame: Frame[Polynomial]) -> _Body:
-        """The body, known in some frame, seen from the frame in which that one is given.
-
-        Args:
-            frame: That frame.
-        """
+        """The body, known in some frame, seen from the frame in which that one is given."""
         turn = frame.rotation
         com = add(frame.position, multiply(turn, self.com))
         return _Body(self.mass, com, matmul(matmul(turn, self.inertia), transpose(turn)))
 
 
 def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
-    """The links in the frames of the other table, and what it says otherwise.
-
-    Args:
-        robot: The arm as it was.
-        cells: Its cells.
-        moved: The factors of its new rows.
-    """
+    """The links in the frames of the other table, and what it says otherwise."""
     to_modified = robot.convention is Convention.STANDARD
     rows = [Factor(joint.a, joint.alpha) for joint in robot.joints] if to_modified else moved
     rotors = {i: motor for _, motor, i in _motors(robot)}
@@ -353,11 +294,7 @@ def _on_the_ground(robot: Robot) -> Iterator[str]:
 
 
 def has_equal_poses(conversion: Conversion) -> bool:
-    """Whether both tables, multiplied out in exact arithmetic, give one T.
-
-    Args:
-        conversion: From one convention into the other.
-    """
+    """Whether both tables, multiplied out in exact arithmetic, give one T."""
     source, result = conversion.source, Robot.of(conversion.result)
     values, angles = robot_cells(result)
     calls = [Call(name, (angle,)) for angle in angles for name in ("cos", "sin")]

@@ -60,29 +60,16 @@ from derive.mechanics.vectors import (
 
 @dataclass(frozen=True, slots=True)
 class _Composite(Generic[S]):
-    """All that a joint carries and how it moves, seen from its link, in its frame.
+    """All that a joint carries and how it moves, seen from its link, in its frame."""
 
-    Attributes:
-        mass: m.
-        first: h = sum m x.
-        second: P = sum m x x^T.
-        first_rate: h' = sum m x'.
-        second_rate: E = sum m x' x^T.
-    """
-
-    mass: S
-    first: Vector[S]
-    second: Symmetric[S]
-    first_rate: Vector[S]
-    second_rate: Matrix[S]
+    mass: S  # m
+    first: Vector[S]  # h = sum m x
+    second: Symmetric[S]  # P = sum m x x^T
+    first_rate: Vector[S]  # h' = sum m x'
+    second_rate: Matrix[S]  # E = sum m x' x^T
 
     def to_parent(self, joint: ChainJoint[S], rate: S) -> _Composite[S]:
-        """Seen from link i-1, in joint frame i-1.
-
-        Args:
-            joint: Joint i.
-            rate: Its rate.
-        """
+        """Seen from link i-1, in joint frame i-1."""
         c, s, fixed, p, mass = joint.cosine, joint.sine, joint.fixed.rotation, origin(joint), self.mass
         # before the joint's turn, which for a revolute joint adds rate z x x to every x'
         first, (x, y, z) = turn_vector(c, s, self.first), turn_vector(c, s, self.first_rate)
@@ -112,13 +99,7 @@ class _Composite(Generic[S]):
         return _Composite(mass, moved, shifted, first_rate, second_rate)
 
     def column(self, joint: ChainJoint[S], omega: Vector[S], zero: S) -> _ColumnWrench[S]:
-        """What begins its way inward in joint frame j.
-
-        Args:
-            joint: Joint j, which carries this.
-            omega: Angular velocity of link j.
-            zero: The scalar 0.
-        """
+        """What begins its way inward in joint frame j."""
         (x, y, z), (hx, hy, hz), (rx, ry, _) = omega, self.first, self.first_rate
         m, p, e = self.mass, self.second, self.second_rate
         if not joint.revolute:
@@ -144,30 +125,16 @@ class _Composite(Generic[S]):
 
 @dataclass(frozen=True, slots=True)
 class _ColumnWrench(Generic[S]):
-    """What goes inward for joint j.
+    """What goes inward for joint j."""
 
-    Attributes:
-        force: Of the wrench of column j of C.
-        moment: Of the same.
-        unit: Force that accelerates joint j alone.
-        eta: Moment of the same.
-        kappa: Moment whose part along z_i is C_ji.
-    """
-
-    force: Vector[S]
-    moment: Vector[S]
-    unit: Vector[S]
-    eta: Vector[S]
-    kappa: Vector[S]
+    force: Vector[S]  # of the wrench of column j of C
+    moment: Vector[S]  # of the same
+    unit: Vector[S]  # force that accelerates joint j alone
+    eta: Vector[S]  # moment of the same
+    kappa: Vector[S]  # moment whose part along z_i is C_ji
 
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _ColumnWrench[S]:
-        """From joint frame i to i-1.
-
-        Args:
-            joint: Joint i.
-            omega: Angular velocity of link i-1.
-            rate: Of joint i.
-        """
+        """From joint frame i to i-1."""
         p = origin(joint)
         force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
         moment = add(to_parent(joint, self.moment), cross(p, force))
@@ -181,16 +148,7 @@ class _ColumnWrench(Generic[S]):
 
 
 def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
-    """C(q, qd) in Christoffel form: C + C^T = dB/dt, C qd is the velocity torque.
-
-    Args:
-        chain: The arm.
-        qd: Joint velocities, n entries.
-        half: The scalar 1/2.
-
-    Returns:
-        nxn, row by row.
-    """
+    """C(q, qd) in Christoffel form: C + C^T = dB/dt, C qd is the velocity torque."""
     rates = along_axes(chain, qd)
     omegas = angular_velocities(chain, rates)
     composites = _composites(chain, rates, half)

@@ -22,13 +22,7 @@ def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S, base: tuple[Vector
     """T = qd^T B qd / 2, on a base that stands.
 
     Args:
-        chain: The arm, in base parameters or not.
-        qd: Joint velocities, n entries.
-        half: The scalar 1/2.
         base: Velocity and angular velocity of frame 0 in its own axes; None where it stands.
-
-    Returns:
-        The energy [J].
     """
     twice, once = chain.zero, chain.zero
     velocity, omega = base or (chain.null, chain.null)
@@ -53,16 +47,7 @@ def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S, base: tuple[Vector
 
 
 def potential_energy(chain: Chain[S], meeting: int = 0) -> S:
-    """U = -sum m g.p over links and rotors.
-
-    Args:
-        chain: The arm, in base parameters or not, but without axial masses.
-        meeting: The link, from 1, to which gravity is turned outward and what it carries is moved inward; 0 for the
-            base.
-
-    Returns:
-        The energy [J].
-    """
+    """U = -sum m g.p over links and rotors."""
     assert not chain.axial, "axial masses have no place"
     mass, moment = chain.zero, chain.null
     for i in range(chain.n - 1, meeting - 1, -1):

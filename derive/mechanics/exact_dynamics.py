@@ -21,31 +21,20 @@ from derive.robot.description import Inertia
 from derive.robot.expression import ZERO, Name
 from derive.robot.robot import Robot
 
+# The ten parameters of a body: mass, first moments, inertia about the origin of its joint frame.
 PARTS = ("m", "hx", "hy", "hz", "xx", "yy", "zz", "xy", "xz", "yz")
-"""The ten parameters of a body: mass, first moments, inertia about the origin of its joint frame."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lump:
-    """A lumped parameter as a generator of the ring of `Dynamics`.
+    """A lumped parameter as a generator of the ring of `Dynamics`."""
 
-    Attributes:
-        generator: Its index in that ring.
-        value: What it is, in the ring of the user's symbols.
-    """
-
-    generator: int
-    value: Polynomial
+    generator: int  # its index in that ring
+    value: Polynomial  # what it is, in the ring of the user's symbols
 
 
 class Dynamics:
-    """B and what follows from it, in lumped parameters; joints count from 0.
-
-    Args:
-        robot: A robot with links.
-        domain: The ring of the user's symbols.
-        max_terms: Budget for one product of polynomials, see `Ring`.
-    """
+    """B and what follows from it, in lumped parameters; joints count from 0."""
 
     def __init__(self, robot: Robot, domain: PolynomialDomain, max_terms: int = 10**9) -> None:
         self.robot = robot
@@ -78,13 +67,7 @@ class Dynamics:
         return inertia_matrix(self.chain)
 
     def derivative(self, i: int, j: int, k: int) -> Polynomial:
-        """dB_ij/dq_k.
-
-        Args:
-            i: Row of B.
-            j: Column of B.
-            k: Joint variable.
-        """
+        """dB_ij/dq_k."""
         key = (min(i, j), max(i, j), k)
         if key not in self._derivatives:
             value = self.inertia_matrix[i][j]
@@ -92,13 +75,7 @@ class Dynamics:
         return self._derivatives[key]
 
     def christoffel(self, i: int, j: int, k: int) -> Polynomial:
-        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
-
-        Args:
-            i: Joint of the torque.
-            j: Joint of one velocity.
-            k: Joint of the other.
-        """
+        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1)."""
         key = (i, min(j, k), max(j, k))
         if key not in self._christoffel:
             d = self.derivative
@@ -107,24 +84,11 @@ class Dynamics:
         return self._christoffel[key]
 
     def skew(self, i: int, j: int, k: int) -> Polynomial:
-        """The coefficient of qd_k in N_ij, N = Bdot - 2C: dB_jk/dq_i - dB_ik/dq_j.
-
-        Args:
-            i: Row of N.
-            j: Column of N.
-            k: Joint of the velocity.
-        """
+        """The coefficient of qd_k in N_ij, N = Bdot - 2C: dB_jk/dq_i - dB_ik/dq_j."""
         return self.derivative(j, k, i) - self.derivative(i, k, j)
 
     def split(self, p: Polynomial) -> tuple[list[tuple[Lump, Polynomial]], Polynomial]:
-        """A polynomial as sum of lump * coefficient, and the rest that has no lump in it.
-
-        Args:
-            p: Linear in all lumps together.
-
-        Returns:
-            The pairs, and the rest: rotors, armatures, numbers.
-        """
+        """A polynomial as sum of lump * coefficient, and the rest that has no lump in it."""
         parts = self._coefficients(p)
         ring = self.lumped.ring
         if sum(len(coefficient) for _, coefficient in parts) == len(p):
@@ -138,19 +102,11 @@ class Dynamics:
         return [(lump, p.partial(lump.generator)) for lump in self.lumps if degrees[lump.generator]]
 
     def expanded_size(self, p: Polynomial) -> int:
-        """Number of terms once the user's symbols are put in (before terms meet).
-
-        Args:
-            p: In lumped parameters.
-        """
+        """Number of terms once the user's symbols are put in (before terms meet)."""
         return len(p) + sum((len(lump.value) - 1) * len(c) for lump, c in self._coefficients(p))
 
     def expand(self, p: Polynomial) -> Polynomial:
-        """A polynomial in the ring of the user's symbols.
-
-        Args:
-            p: In lumped parameters.
-        """
+        """A polynomial in the ring of the user's symbols."""
         key = p.key()
         if key not in self._expanded:
             parts, rest = self.split(p)

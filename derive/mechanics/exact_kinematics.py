@@ -17,12 +17,7 @@ PolynomialVector = Vector[Polynomial]
 
 
 class Kinematics:
-    """Frames and Jacobians of one robot.
-
-    Args:
-        robot: The robot.
-        domain: The ring to work in.
-    """
+    """Frames and Jacobians of one robot."""
 
     def __init__(self, robot: Robot, domain: PolynomialDomain) -> None:
         self.robot = robot
@@ -34,12 +29,7 @@ class Kinematics:
     # -- frames
 
     def transform(self, i: int, j: int) -> PolynomialFrame:
-        """DH frame j in DH frame i, without base and tool.
-
-        Args:
-            i: The reference, from 0.
-            j: The frame, from 0; also before i.
-        """
+        """DH frame j in DH frame i, without base and tool."""
         if (i, j) not in self._frames:
             if i == j:
                 found = Frame(identity(self.chain.zero, self.chain.one), self.chain.null)
@@ -51,11 +41,7 @@ class Kinematics:
         return self._frames[i, j]
 
     def frame(self, i: int) -> PolynomialFrame:
-        """DH frame i in the world: base A_1 ... A_i.
-
-        Args:
-            i: From 0.
-        """
+        """DH frame i in the world: base A_1 ... A_i."""
         return self.chain.base @ self.transform(0, i)
 
     @cached_property
@@ -64,11 +50,7 @@ class Kinematics:
         return self.joint_frame(self.robot.n) @ self.chain.tool
 
     def joint_frame(self, i: int) -> PolynomialFrame:
-        """Joint frame i in the world; its z axis is the axis of joint i.
-
-        Args:
-            i: From 1; joint frame 0 is the base.
-        """
+        """Joint frame i in the world; its z axis is the axis of joint i."""
         while len(self._joint_frames) <= i:
             joint = self.chain.joints[len(self._joint_frames) - 1]
             step = joint.fixed @ joint.motion(self.chain.zero, self.chain.one)
@@ -78,47 +60,27 @@ class Kinematics:
     # -- Jacobians, as lists of columns
 
     def axis(self, i: int) -> PolynomialVector:
-        """Axis of joint i in the world, in the sense of a positive rate of its variable.
-
-        Args:
-            i: From 1.
-        """
+        """Axis of joint i in the world, in the sense of a positive rate of its variable."""
         z = column(self.joint_frame(i).rotation, 2)
         return z if self.robot.joints[i - 1].sign > 0 else scale(-1, z)
 
     def linear_columns(self, point: PolynomialVector) -> list[PolynomialVector]:
-        """The derivatives of a point with respect to every joint variable: n columns of J_v.
-
-        Args:
-            point: The point in the world.
-        """
+        """The derivatives of a point with respect to every joint variable: n columns of J_v."""
         d = self.domain.derivative
         return [(d(point[0], k), d(point[1], k), d(point[2], k)) for k in range(self.robot.n)]
 
     def angular_columns(self, last: int) -> list[PolynomialVector]:
-        """Angular velocity of a link per unit of every rate, in the world: n columns of J_w.
-
-        Args:
-            last: The link, from 1; 0 is the base.
-        """
+        """Angular velocity of a link per unit of every rate, in the world: n columns of J_w."""
         joints = enumerate(self.robot.joints, start=1)
         return [self.axis(k) if k <= last and joint.is_revolute else self.chain.null for k, joint in joints]
 
     def com(self, i: int) -> PolynomialVector:
-        """Centre of mass of link i in the world.
-
-        Args:
-            i: From 1.
-        """
+        """Centre of mass of link i in the world."""
         frame = self.frame(i)
         return add(frame.position, multiply(frame.rotation, constant_vector(self.robot.links[i - 1].com, self.domain)))
 
     def motor_place(self, i: int) -> PolynomialVector:
-        """Where the rotor of joint i sits, in the world.
-
-        Args:
-            i: From 1.
-        """
+        """Where the rotor of joint i sits, in the world."""
         carrier = self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed
         if self.robot.convention is Convention.STANDARD:
             return carrier.position
@@ -126,11 +88,7 @@ class Kinematics:
         return add(carrier.position, scale(along, column(carrier.rotation, 2)))
 
     def motor_angular_columns(self, i: int) -> list[PolynomialVector]:
-        """Angular velocity of rotor i per unit of every rate: that of link i-1, and ratio*z for joint i.
-
-        Args:
-            i: The joint of the rotor, from 1.
-        """
+        """Angular velocity of rotor i per unit of every rate: that of link i-1, and ratio*z for joint i."""
         columns = self.angular_columns(i - 1)
         motor = self.robot.links[i - 1].motor or Motor()
         z = column((self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed).rotation, 2)
@@ -158,8 +116,7 @@ class Kinematics:
         return [self.domain.derivative(self.potential, k) for k in range(self.robot.n)]
 
 
-JacobianColumn = tuple[Polynomial, ...]
-"""Linear velocity, then angular velocity, per unit of one rate."""
+JacobianColumn = tuple[Polynomial, ...]  # linear velocity, then angular velocity, per unit of one rate
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,26 +126,14 @@ class Reference:
     Moving the point adds multiples of the angular rows to the linear ones, and turning the axes turns both: neither
     changes the rank of J, nor the determinant of all six rows. In the middle of the arm the entries are shortest
     (Siciliano et al., Robotics, sec. 3.3).
-
-    Attributes:
-        frame: DH frame in whose axes it is, None for the world.
-        point: DH frame whose origin is the point of the last link, None for the end effector.
     """
 
-    frame: int | None = None
-    point: int | None = None
+    frame: int | None = None  # DH frame in whose axes it is, None for the world
+    point: int | None = None  # DH frame whose origin is the point of the last link, None for the end effector
 
 
 def jacobian_columns(kinematics: Kinematics, reference: Reference) -> list[JacobianColumn]:
-    """The columns of the Jacobian of another point of the last link, in the axes of another frame.
-
-    Args:
-        kinematics: The robot's frames.
-        reference: The point and the axes.
-
-    Returns:
-        n columns of six entries.
-    """
+    """The columns of the Jacobian of another point of the last link, in the axes of another frame."""
     robot, seen_from = kinematics.robot, reference.frame
 
     def _frame(i: int) -> PolynomialFrame:

@@ -20,7 +20,6 @@ class FloatDomain:
     """Cells of a robot whose parameters all have numbers, at joint positions.
 
     Args:
-        robot: The robot.
         q: Joint variables [rad or m], n entries.
         values: Numbers of the parameters; None for those of the robot file.
     """
@@ -30,50 +29,25 @@ class FloatDomain:
         self.values = parameter_values(robot) if values is None else dict(values)
 
     def number(self, value: int | Fraction) -> float:
-        """A rational as a float.
-
-        Args:
-            value: The number.
-        """
+        """A rational as a float."""
         return float(value)
 
     def constant(self, expression: Expression) -> float:
-        """The value of a cell.
-
-        Args:
-            expression: The cell.
-
-        Raises:
-            ExpressionError: A symbol has no number, or the value is not finite.
-        """
+        """The value of a cell."""
         return to_float(expression, self.values)
 
     def cosine_sine(self, angle: Expression) -> tuple[float, float]:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle."""
         value = self.constant(angle)
         return math.cos(value), math.sin(value)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[float, float]:
-        """Cosine and sine of the angle of a revolute joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of the angle of a revolute joint."""
         value = joint.sign * self.q[index] + self.constant(joint.theta)
         return math.cos(value), math.sin(value)
 
     def joint_offset(self, index: int, joint: Joint) -> float:
-        """Displacement of a prismatic joint along its axis [m].
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Displacement of a prismatic joint along its axis [m]."""
         return joint.sign * self.q[index] + self.constant(joint.d)
 
 
@@ -81,16 +55,7 @@ def value_at(robot: Robot, name: str, q: Sequence[float]) -> Sequence[Sequence[f
     """T, J, B or g of a robot at a configuration, by the recursions of the generated functions.
 
     Args:
-        robot: The robot; symbols without a number have those of its figure.
-        name: T (4x4), J (6xn), B (nxn) or g (nx1).
         q: Joint variables [rad or m], n entries.
-
-    Returns:
-        The rows of the matrix, in SI units, world frame.
-
-    Raises:
-        KeyError: Another name.
-        ExpressionError: A symbol has no number, or a cell has no finite value.
     """
     known = {symbol for symbol, _ in robot.parameters}
     further = tuple((symbol, value) for symbol, value in robot.figure.values if symbol not in known)

@@ -68,12 +68,7 @@ def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques:
     zeros of a chain's inertia matrix (Featherstone, Rigid Body Dynamics Algorithms, section 6.5).
 
     Args:
-        inertia: B(q), nxn, symmetric positive definite.
-        bias: Bias torques C qd + g + friction, n entries.
         torques: tau, n entries [N m or N].
-
-    Returns:
-        qdd, n entries.
     """
     n = len(torques)
     qdd = [torque - b for torque, b in zip(torques, bias, strict=True)]
@@ -94,21 +89,13 @@ def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques:
 
 @dataclass(frozen=True, slots=True)
 class _Articulated(Generic[F]):
-    """How a link with joints beyond it answers: force = M a + H^T alpha + f, moment = H a + I alpha + n.
+    """How a link with joints beyond it answers: force = M a + H^T alpha + f, moment = H a + I alpha + n."""
 
-    Attributes:
-        mass: M, symmetric.
-        coupling: H, from acceleration to moment.
-        inertia: I, symmetric.
-        force: f, at no acceleration.
-        moment: n, at no acceleration.
-    """
-
-    mass: Symmetric[F]
-    coupling: Matrix[F]
-    inertia: Symmetric[F]
-    force: Vector[F]
-    moment: Vector[F]
+    mass: Symmetric[F]  # M, symmetric
+    coupling: Matrix[F]  # H, from acceleration to moment
+    inertia: Symmetric[F]  # I, symmetric
+    force: Vector[F]  # f, at no acceleration
+    moment: Vector[F]  # n, at no acceleration
 
     def __add__(self, other: _Articulated[F]) -> _Articulated[F]:
         return _Articulated(
@@ -120,11 +107,7 @@ class _Articulated(Generic[F]):
         )
 
     def to_parent(self, joint: ChainJoint[F]) -> _Articulated[F]:
-        """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^.
-
-        Args:
-            joint: Joint i.
-        """
+        """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^."""
         p = origin(joint)
         mass, inertia = tensor_to_parent(joint, self.mass), tensor_to_parent(joint, self.inertia)
         turned = matrix_to_parent(joint, self.coupling)
@@ -138,12 +121,7 @@ class _Articulated(Generic[F]):
         return _Articulated(mass, moved, shifted, force, moment)
 
     def release(self, joint: ChainJoint[F], torque: F) -> tuple[_Release[F], _Articulated[F]]:
-        """What the joint needs, and the link as the one before feels it while the joint gives way.
-
-        Args:
-            joint: The joint that carries this.
-            torque: What accelerates it, positive along +z.
-        """
+        """What the joint needs, and the link as the one before feels it while the joint gives way."""
         mass, coupling, inertia = self.mass.matrix, self.coupling, self.inertia.matrix
         if joint.revolute:
             upper, lower = coupling[2], inertia[2]
@@ -167,17 +145,11 @@ class _Articulated(Generic[F]):
 
 @dataclass(frozen=True, slots=True)
 class _Release(Generic[S]):
-    """What a joint needs to find its own acceleration: (rest - upper . a - lower . alpha) / D, divided already.
+    """What a joint needs to find its own acceleration: (rest - upper . a - lower . alpha) / D, divided already."""
 
-    Attributes:
-        rest: (tau - s . p) / D.
-        upper: U / D, that meets the acceleration of the origin.
-        lower: U / D, that meets the angular acceleration.
-    """
-
-    rest: S
-    upper: Vector[S]
-    lower: Vector[S]
+    rest: S  # (tau - s . p) / D
+    upper: Vector[S]  # U / D, that meets the acceleration of the origin
+    lower: Vector[S]  # U / D, that meets the angular acceleration
 
 
 def articulated_accelerations(
@@ -186,13 +158,7 @@ def articulated_accelerations(
     """The accelerations qdd that torques give an arm, by articulated bodies.
 
     Args:
-        chain: The arm.
-        qd: Joint velocities, n entries.
         torques: tau less friction, n entries [N m or N].
-        choices: One for each joint, those by which the chain was arranged; or none.
-
-    Returns:
-        qdd, n entries.
     """
     releases = _releases(chain, along_axes(chain, qd), along_axes(chain, torques), choices)
     a = alpha = chain.null

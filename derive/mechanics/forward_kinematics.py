@@ -35,11 +35,7 @@ from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, scale
 
 
 def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
-    """Joint frames 1..n in the world frame.
-
-    Args:
-        chain: The arm.
-    """
+    """Joint frames 1..n in the world frame."""
     poses: list[Frame[S]] = []
     pose = chain.base
     for joint in chain.joints:
@@ -49,32 +45,17 @@ def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
 
 
 def forward_kinematics(chain: Chain[S]) -> Frame[S]:
-    """T = base A_1 ... A_n tool: the end effector in the world frame.
-
-    Args:
-        chain: The arm.
-    """
+    """T = base A_1 ... A_n tool: the end effector in the world frame."""
     return joint_poses(chain)[-1] @ chain.tool
 
 
 def link_transforms(chain: Chain[S]) -> list[Frame[S]]:
-    """Base A_1 ... A_i for i = 1..n: DH frames 1..n in the world frame, without the tool.
-
-    Args:
-        chain: The arm.
-    """
+    """Base A_1 ... A_i for i = 1..n: DH frames 1..n in the world frame, without the tool."""
     return [pose @ end for pose, end in zip(joint_poses(chain), chain.ends, strict=True)]
 
 
 def jacobian(chain: Chain[S]) -> list[list[S]]:
-    """J(q): (v, omega) = J qd for the origin of the end effector, tool included, in the world frame.
-
-    Args:
-        chain: The arm.
-
-    Returns:
-        6xn, row by row, linear rows first.
-    """
+    """J(q): (v, omega) = J qd for the origin of the end effector, tool included, in the world frame."""
     poses = joint_poses(chain)
     end = (poses[-1] @ chain.tool).position
     columns: list[list[S]] = []
@@ -86,14 +67,7 @@ def jacobian(chain: Chain[S]) -> list[list[S]]:
 
 
 def jacobian_end(chain: Chain[S]) -> list[list[S]]:
-    """J(q) in the axes of the end effector: (v, omega) = J qd for its origin, by recursion from there to the base.
-
-    Args:
-        chain: The arm; base and tool are rotations.
-
-    Returns:
-        6xn, row by row, linear rows first.
-    """
+    """J(q) in the axes of the end effector: (v, omega) = J qd for its origin, by recursion from there to the base."""
     columns: list[list[S]] = []
     inverted = chain.inverted
     for joint, pose in zip(inverted.joints, joint_poses(inverted), strict=True):
@@ -104,15 +78,7 @@ def jacobian_end(chain: Chain[S]) -> list[list[S]]:
 
 
 def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:
-    """dJ/dt(q, qd): the acceleration of the end effector is J qdd + dJ/dt qd, in the world frame.
-
-    Args:
-        chain: The arm.
-        qd: Joint velocities, n entries.
-
-    Returns:
-        6xn, row by row, linear rows first.
-    """
+    """dJ/dt(q, qd): the acceleration of the end effector is J qdd + dJ/dt qd, in the world frame."""
     rates = along_axes(chain, qd)
     poses = joint_poses(chain)
     end = (poses[-1] @ chain.tool).position
@@ -148,21 +114,11 @@ class RootField(Field, Protocol):
 R = TypeVar("R", bound=RootField)
 
 RPY, ZYZ = "rpy", "zyz"
-TILTED = {RPY: 0, ZYZ: 2}
-"""Column of R that the second turn tilts."""
+TILTED = {RPY: 0, ZYZ: 2}  # column of R that the second turn tilts
 
 
 def analytic_jacobian(kind: str, tilted: Vector[R], jacobian: Sequence[Sequence[R]]) -> list[list[R]]:
-    """J_A(q): rows of velocity, then of the rates of the angles, roll, pitch, yaw or phi, theta, psi.
-
-    Args:
-        kind: `RPY` or `ZYZ`.
-        tilted: Column ``TILTED[kind]`` of the end effector's rotation; its first two entries are not both zero.
-        jacobian: The geometric Jacobian, 6xn, world frame.
-
-    Returns:
-        6xn, row by row.
-    """
+    """J_A(q): rows of velocity, then of the rates of the angles, roll, pitch, yaw or phi, theta, psi."""
     x, y, z = tilted
     square = x * x + y * y
     inverse, inverse_root = 1 / square, 1 / square.sqrt()

@@ -16,19 +16,11 @@ from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.joint_motion import axis, body_to_parent, generalized_force, origin, to_child, to_parent
 from derive.mechanics.vectors import S, Vector, add, cross, scale
 
-Wrench = tuple[Vector[S], Vector[S]]
-"""Force, and moment about the origin of the frame in whose axes both are written."""
+Wrench = tuple[Vector[S], Vector[S]]  # force, and moment about the origin of the frame in whose axes both are written
 
 
 def inertia_matrix(chain: Chain[S]) -> list[list[S]]:
-    """B(q), symmetric, in the joint variables: kinetic energy is qd^T B qd / 2.
-
-    Args:
-        chain: The arm.
-
-    Returns:
-        nxn, row by row.
-    """
+    """B(q), symmetric, in the joint variables: kinetic energy is qd^T B qd / 2."""
     composites = list(chain.bodies)
     for i in range(chain.n - 1, 0, -1):
         composites[i - 1] = composites[i - 1] + body_to_parent(chain.joints[i], composites[i])
@@ -46,13 +38,7 @@ def inertia_matrix(chain: Chain[S]) -> list[list[S]]:
 
 
 def unit_wrench(chain: Chain[S], joint: ChainJoint[S], body: Body[S]) -> Wrench[S]:
-    """The wrench that gives a joint a unit acceleration from rest.
-
-    Args:
-        chain: The arm.
-        joint: Joint j.
-        body: All that it carries, in its joint frame.
-    """
+    """The wrench that gives a joint a unit acceleration from rest."""
     x, y, _ = body.first_moment
     if joint.revolute:
         return (-y, x, chain.zero), (body.inertia.xz, body.inertia.yz, body.inertia.zz)
@@ -60,21 +46,13 @@ def unit_wrench(chain: Chain[S], joint: ChainJoint[S], body: Body[S]) -> Wrench[
 
 
 def wrench_to_parent(joint: ChainJoint[S], wrench: Wrench[S]) -> Wrench[S]:
-    """A wrench of joint frame i at the origin, and in the axes, of joint frame i-1.
-
-    Args:
-        joint: Joint i.
-        wrench: In joint frame i.
-    """
+    """A wrench of joint frame i at the origin, and in the axes, of joint frame i-1."""
     force = to_parent(joint, wrench[0])
     return force, add(to_parent(joint, wrench[1]), cross(origin(joint), force))
 
 
 def gravity_vector(chain: Chain[S]) -> list[S]:
     """g(q) = dU/dq.
-
-    Args:
-        chain: The arm.
 
     Returns:
         n entries [N m or N].

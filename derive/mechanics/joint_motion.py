@@ -26,43 +26,24 @@ from derive.mechanics.vectors import (
 
 
 def along_axes(chain: Chain[S], values: Sequence[S]) -> list[S]:
-    """Derivatives of the joint variables counted positive about (along) +z of the joints: sign_i * value_i.
-
-    Args:
-        chain: The arm.
-        values: Velocities or accelerations of the variables, or joint torques, n entries.
-    """
+    """Derivatives of the joint variables counted positive about (along) +z of the joints: sign_i * value_i."""
     return [value if joint.sign > 0 else -value for joint, value in zip(chain.joints, values, strict=True)]
 
 
 def to_child(joint: ChainJoint[S], v: Vector[S]) -> Vector[S]:
-    """A vector of joint frame i-1 in the axes of joint frame i.
-
-    Args:
-        joint: Joint i.
-        v: The vector.
-    """
+    """A vector of joint frame i-1 in the axes of joint frame i."""
     x, y, z = multiply(transpose(joint.fixed.rotation), v)
     c, s = joint.cosine, joint.sine
     return (c * x + s * y, c * y - s * x, z)
 
 
 def to_parent(joint: ChainJoint[S], v: Vector[S]) -> Vector[S]:
-    """A vector of joint frame i in the axes of joint frame i-1.
-
-    Args:
-        joint: Joint i.
-        v: The vector.
-    """
+    """A vector of joint frame i in the axes of joint frame i-1."""
     return multiply(joint.fixed.rotation, turn_vector(joint.cosine, joint.sine, v))
 
 
 def angular_velocities(chain: Chain[S], rates: Sequence[S]) -> list[Vector[S]]:
     """Angular velocities of the base and of links 1..n, each in its own joint frame.
-
-    Args:
-        chain: The arm.
-        rates: Joint velocities positive about +z.
 
     Returns:
         n+1 vectors [rad/s], that of the base 0.
@@ -75,30 +56,17 @@ def angular_velocities(chain: Chain[S], rates: Sequence[S]) -> list[Vector[S]]:
 
 
 def axis(joint: ChainJoint[S]) -> Vector[S]:
-    """The joint's axis z_i in joint frame i-1; constant.
-
-    Args:
-        joint: Joint i.
-    """
+    """The joint's axis z_i in joint frame i-1; constant."""
     return column(joint.fixed.rotation, 2)
 
 
 def origin(joint: ChainJoint[S]) -> Vector[S]:
-    """The origin of joint frame i in joint frame i-1; constant for a revolute joint.
-
-    Args:
-        joint: Joint i.
-    """
+    """The origin of joint frame i in joint frame i-1; constant for a revolute joint."""
     return add(joint.fixed.position, scale(joint.offset, axis(joint)))
 
 
 def advance(pose: Frame[S], joint: ChainJoint[S]) -> Frame[S]:
-    """The pose of joint frame i from that of joint frame i-1.
-
-    Args:
-        pose: Joint frame i-1 in any frame, for instance the world.
-        joint: Joint i.
-    """
+    """The pose of joint frame i from that of joint frame i-1."""
     fixed = Frame(matmul(pose.rotation, joint.fixed.rotation), pose.position)
     moved = add(pose.position, multiply(pose.rotation, joint.fixed.position))
     moved = add(moved, scale(joint.offset, column(fixed.rotation, 2)))
@@ -108,24 +76,12 @@ def advance(pose: Frame[S], joint: ChainJoint[S]) -> Frame[S]:
 
 
 def turn_vector(c: S, s: S, v: Vector[S]) -> Vector[S]:
-    """Rot(z) v.
-
-    Args:
-        c: Cosine of the angle.
-        s: Sine of the angle.
-        v: The vector.
-    """
+    """Rot(z) v."""
     return (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
 
 
 def turn_about_z(c: S, s: S, tensor: Symmetric[S]) -> Symmetric[S]:
-    """Rot(z) I Rot(z)^T in eight multiplications and eight additions, using s^2 + c^2 = 1.
-
-    Args:
-        c: Cosine of the angle.
-        s: Sine of the angle.
-        tensor: I.
-    """
+    """Rot(z) I Rot(z)^T in eight multiplications and eight additions, using s^2 + c^2 = 1."""
     w = s * (tensor.xx - tensor.yy) + c * (tensor.xy + tensor.xy)
     return Symmetric(
         tensor.xx - s * w,
@@ -138,13 +94,7 @@ def turn_about_z(c: S, s: S, tensor: Symmetric[S]) -> Symmetric[S]:
 
 
 def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
-    """Rot(z) M Rot(z)^T, using s^2 + c^2 = 1.
-
-    Args:
-        c: Cosine of the angle.
-        s: Sine of the angle.
-        m: M, which need not be symmetric.
-    """
+    """Rot(z) M Rot(z)^T, using s^2 + c^2 = 1."""
     w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
     right = (c * m[0][2] - s * m[1][2], s * m[0][2] + c * m[1][2])
     below = (c * m[2][0] - s * m[2][1], s * m[2][0] + c * m[2][1])
@@ -156,32 +106,17 @@ def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
 
 
 def turn_tensor(rotation: Matrix[S], tensor: Symmetric[S]) -> Symmetric[S]:
-    """R I R^T.
-
-    Args:
-        rotation: R.
-        tensor: I.
-    """
+    """R I R^T."""
     return from_matrix(matmul(matmul(rotation, tensor.matrix), transpose(rotation)))
 
 
 def tensor_to_parent(joint: ChainJoint[S], tensor: Symmetric[S]) -> Symmetric[S]:
-    """A symmetric tensor of joint frame i in the axes of joint frame i-1.
-
-    Args:
-        joint: Joint i.
-        tensor: The tensor.
-    """
+    """A symmetric tensor of joint frame i in the axes of joint frame i-1."""
     return turn_tensor(joint.fixed.rotation, turn_about_z(joint.cosine, joint.sine, tensor))
 
 
 def matrix_to_parent(joint: ChainJoint[S], m: Matrix[S]) -> Matrix[S]:
-    """A matrix of joint frame i in the axes of joint frame i-1.
-
-    Args:
-        joint: Joint i.
-        m: The matrix, which need not be symmetric.
-    """
+    """A matrix of joint frame i in the axes of joint frame i-1."""
     fixed = joint.fixed.rotation
     return matmul(matmul(fixed, turn_matrix(joint.cosine, joint.sine, m)), transpose(fixed))
 
@@ -191,12 +126,6 @@ def shift(mass: S, moment: Vector[S], tensor: Symmetric[S], p: Vector[S]) -> Sym
 
     The second moments grow by h p^T + p h^T + m p p^T; the terms of h and of m p go together, but for the products of
     h on the diagonal, which the moments of a force -h and the like need as well.
-
-    Args:
-        mass: m.
-        moment: h, first moment about the old point.
-        tensor: Inertia about the old point.
-        p: The old point as seen from the new one.
     """
     moved = add(moment, scale(mass, p))
     a, b, c = (moment[k] * p[k] + moved[k] * p[k] for k in range(3))
@@ -211,12 +140,7 @@ def shift(mass: S, moment: Vector[S], tensor: Symmetric[S], p: Vector[S]) -> Sym
 
 
 def body_to_parent(joint: ChainJoint[S], body: Body[S]) -> Body[S]:
-    """A body of joint frame i by its parameters in joint frame i-1.
-
-    Args:
-        joint: Joint i.
-        body: The body.
-    """
+    """A body of joint frame i by its parameters in joint frame i-1."""
     p = origin(joint)
     moment = to_parent(joint, body.first_moment)
     moved = shift(body.mass, moment, tensor_to_parent(joint, body.inertia), p)
@@ -224,11 +148,5 @@ def body_to_parent(joint: ChainJoint[S], body: Body[S]) -> Body[S]:
 
 
 def generalized_force(joint: ChainJoint[S], force: Vector[S], moment: Vector[S]) -> S:
-    """Torque of a revolute joint, force of a prismatic one: the component of a wrench along the joint's motion.
-
-    Args:
-        joint: Joint i.
-        force: Force, in joint frame i.
-        moment: Moment about the frame's origin, in joint frame i.
-    """
+    """Torque of a revolute joint, force of a prismatic one: the component of a wrench along the joint's motion."""
     return moment[2] if joint.revolute else force[2]

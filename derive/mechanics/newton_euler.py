@@ -39,48 +39,34 @@ class Place(Enum):
 
 @dataclass(frozen=True, slots=True)
 class FrameChoice:
-    """Choices for one joint and its link; which are cheapest depends on the arm.
+    """Choices for one joint and its link; which are cheapest depends on the arm."""
 
-    Attributes:
-        place: Where the origin stands.
-        held: The link's vectors are written in axes that its joint does not turn, and its body is turned instead; for
-            the last link, and before a parallel axis.
-        second_moments: The parameter that vanishes by regrouping is P_zz = (I_xx + I_yy - I_zz)/2, and moments are
-            written in second moments; else it is I_yy.
-        column: The third column of U comes from the link before (for a slide all of U); else alpha does.
-        squares: So does omega_x^2 + omega_y^2; else all three squares are made.
-        grown: In held axes, where omega gains its z alone, the rest of U is that of the link before with what the joint
-            adds; else it is made from omega and alpha.
-    """
-
-    place: Place = Place.AFTER
+    place: Place = Place.AFTER  # where the origin stands
+    # The link's vectors are written in axes that its joint does not turn, and its body is turned instead; for the
+    # last link, and before a parallel axis.
     held: bool = False
+    # The parameter that vanishes by regrouping is P_zz = (I_xx + I_yy - I_zz)/2, and moments are written in second
+    # moments; else it is I_yy.
     second_moments: bool = False
-    column: bool = True
-    squares: bool = True
+    column: bool = True  # the third column of U comes from the link before (for a slide all of U); else alpha does
+    squares: bool = True  # so does omega_x^2 + omega_y^2; else all three squares are made
+    # In held axes, where omega gains its z alone, the rest of U is that of the link before with what the joint adds;
+    # else it is made from omega and alpha.
     grown: bool = True
 
 
-PLAIN = FrameChoice()
-"""DH frames on the joint axes, turning with the links."""
+PLAIN = FrameChoice()  # DH frames on the joint axes, turning with the links
 
 
 @dataclass(frozen=True, slots=True)
 class LinkMotion(Generic[S]):
-    """The motion of one link, in its joint frame.
+    """The motion of one link, in its joint frame."""
 
-    Attributes:
-        omega: Angular velocity.
-        alpha: Angular acceleration.
-        tensor: U = alpha^ + omega^ omega^; a point at r accelerates with ``acceleration + U r``.
-        acceleration: Acceleration of the origin, less gravity.
-        differences: U_zz - U_yy, U_xx - U_zz and U_yy - U_xx, where they came cheaper than as such.
-    """
-
-    omega: Vector[S]
-    alpha: Vector[S]
-    tensor: Matrix[S]
-    acceleration: Vector[S]
+    omega: Vector[S]  # angular velocity
+    alpha: Vector[S]  # angular acceleration
+    tensor: Matrix[S]  # U = alpha^ + omega^ omega^; a point at r accelerates with ``acceleration + U r``
+    acceleration: Vector[S]  # acceleration of the origin, less gravity
+    # U_zz - U_yy, U_xx - U_zz and U_yy - U_xx, where they came cheaper than as such.
     differences: Vector[S] | None = None
 
     @property
@@ -100,14 +86,7 @@ def link_motions(
     """Motions of the base and of links 1..n, gravity taken as an acceleration of the base.
 
     Args:
-        chain: The arm.
-        rates: Joint velocities positive about +z, n entries.
-        accelerations: Joint accelerations positive about +z, n entries.
-        choices: One for each joint, those by which the chain was arranged; or none.
         base: Motion of frame 0 in its own axes, its acceleration less gravity; None where it stands.
-
-    Returns:
-        n+1 motions, each in its own joint frame.
     """
     x, y, z = chain.gravity
     null = chain.null
@@ -122,16 +101,7 @@ def link_motions(
 def angular_acceleration_tensor(
     omega: Vector[S], alpha: Vector[S], third: Vector[S] | None = None
 ) -> tuple[Matrix[S], Vector[S]]:
-    """U = alpha^ + omega^ omega^ from its definition.
-
-    Args:
-        omega: Angular velocity.
-        alpha: Angular acceleration.
-        third: Its third column, where that is known.
-
-    Returns:
-        U, and the differences U_zz - U_yy, U_xx - U_zz and U_yy - U_xx of its diagonal.
-    """
+    """U = alpha^ + omega^ omega^ from its definition."""
     x, y, z = omega
     xx, yy, zz = x * x, y * y, z * z
     xy, xz, yz = x * y, x * z, y * z
@@ -215,10 +185,6 @@ def inverse_dynamics(
     """Torques and forces of the joints, friction left out.
 
     Args:
-        chain: The arm.
-        qd: Joint velocities, n entries.
-        qdd: Joint accelerations, n entries.
-        choices: One for each joint, those by which the chain was arranged; or none.
         base: Motion of frame 0, as `link_motions` takes it; None where it stands.
 
     Returns:
@@ -255,16 +221,7 @@ def torques_and_wrench(
 
 
 def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = False) -> Wrench[S]:
-    """Force and moment (at the origin) that move a body.
-
-    Args:
-        body: The body, in its joint frame.
-        motion: Its motion, in the same frame.
-        second_moments: P_zz of the body is zero: the moment is written in second moments.
-
-    Returns:
-        m a + U h and sum m r x (U r) + h x a.
-    """
+    """Force and moment (at the origin) that move a body."""
     u, a, h = motion.tensor, motion.acceleration, body.first_moment
     force = add(scale(body.mass, a), multiply(u, h))
     i, differences = body.inertia, motion.diagonal_differences
@@ -285,17 +242,7 @@ def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = Fal
 
 
 def rotor_moment(joint: ChainJoint[S], omega: Vector[S], rate: S, acceleration: S) -> Vector[S]:
-    """Moment that the rotor of a joint asks of the link that carries it, beyond a rigid part of that link.
-
-    Args:
-        joint: Joint i.
-        omega: Angular velocity of link i-1, in its joint frame.
-        rate: Velocity of the joint positive about +z.
-        acceleration: Its acceleration.
-
-    Returns:
-        c (acceleration u + rate omega x u), in joint frame i-1.
-    """
+    """Moment that the rotor of a joint asks of the link that carries it, beyond a rigid part of that link."""
     u = axis(joint)
     turn = cross(omega, u)
     return scale(joint.coupling, add(scale(acceleration, u), scale(rate, turn)))

@@ -48,87 +48,49 @@ from derive.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class FrameMotion(Generic[S]):
-    """How a frame moves.
+    """How a frame moves."""
 
-    Attributes:
-        w: Angular velocity.
-        wd: Angular acceleration.
-        v: Velocity of its origin.
-        vd: Acceleration of its origin, less gravity.
-    """
-
-    w: Vector[S]
-    wd: Vector[S]
-    v: Vector[S]
-    vd: Vector[S]
+    w: Vector[S]  # angular velocity
+    wd: Vector[S]  # angular acceleration
+    v: Vector[S]  # velocity of its origin
+    vd: Vector[S]  # acceleration of its origin, less gravity
 
     def turned(self, rotation: Matrix[S]) -> FrameMotion[S]:
-        """The motion in other axes.
-
-        Args:
-            rotation: Takes vectors into those axes.
-        """
+        """The motion in other axes."""
         w, wd, v, vd = (multiply(rotation, u) for u in (self.w, self.wd, self.v, self.vd))
         return FrameMotion(w, wd, v, vd)
 
     def swept(self, r: Vector[S]) -> Vector[S]:
-        """omegad x r + omega x (omega x r).
-
-        Args:
-            r: From the frame's origin.
-        """
+        """omegad x r + omega x (omega x r)."""
         return add(cross(self.wd, r), cross(self.w, cross(self.w, r)))
 
 
 @dataclass(frozen=True, slots=True)
 class LinkWrench(Generic[S]):
-    """What a link receives from the one before it.
+    """What a link receives from the one before it."""
 
-    Attributes:
-        f: Force.
-        n: Moment about the joint's origin.
-    """
-
-    f: Vector[S]
-    n: Vector[S]
+    f: Vector[S]  # force
+    n: Vector[S]  # moment about the joint's origin
 
 
 @dataclass(frozen=True, slots=True)
 class LinkData(Generic[S]):
-    """What the equations of one link are made of, in the coordinates of the set.
+    """What the equations of one link are made of, in the coordinates of the set."""
 
-    Attributes:
-        revolute: Whether its joint turns.
-        qd: Rate of the joint about (along) +z_{i-1}.
-        qdd: Derivative of the rate.
-        rotation: R_i, frame i in base coordinates.
-        before: R_{i-1}^i, which takes vectors of frame i-1 into frame i.
-        z: z_{i-1} in the coordinates of the set (of link i).
-        p: p*_i, from o_{i-1} to o_i.
-        s: From o_i to the centre of mass.
-        mass: m_i.
-        inertia: I_i about the centre of mass.
-        viscous: b_i.
-    """
-
-    revolute: bool
-    qd: S
-    qdd: S
-    rotation: Matrix[S]
-    before: Matrix[S]
-    z: Vector[S]
-    p: Vector[S]
-    s: Vector[S]
-    mass: S
-    inertia: Matrix[S]
-    viscous: S
+    revolute: bool  # whether its joint turns
+    qd: S  # rate of the joint about (along) +z_{i-1}
+    qdd: S  # derivative of the rate
+    rotation: Matrix[S]  # R_i, frame i in base coordinates
+    before: Matrix[S]  # R_{i-1}^i, which takes vectors of frame i-1 into frame i
+    z: Vector[S]  # z_{i-1} in the coordinates of the set (of link i)
+    p: Vector[S]  # p*_i, from o_{i-1} to o_i
+    s: Vector[S]  # from o_i to the centre of mass
+    mass: S  # m_i
+    inertia: Matrix[S]  # I_i about the centre of mass
+    viscous: S  # b_i
 
     def next_motion(self, m: FrameMotion[S]) -> FrameMotion[S]:
-        """The motion of frame i.
-
-        Args:
-            m: That of frame i-1, in the coordinates of link i.
-        """
+        """The motion of frame i."""
         rate, acceleration = scale(self.qd, self.z), scale(self.qdd, self.z)
         if self.revolute:
             w = add(m.w, rate)
@@ -142,14 +104,7 @@ class LinkData(Generic[S]):
     def step(
         self, previous: FrameMotion[S], motion: FrameMotion[S], following: LinkWrench[S], turn: Matrix[S]
     ) -> LinkStep[S]:
-        """Forces and moments of link i.
-
-        Args:
-            previous: Motion of frame i-1.
-            motion: Motion of frame i.
-            following: Wrench of link i+1, in its own coordinates.
-            turn: Takes that into the coordinates of link i.
-        """
+        """Forces and moments of link i."""
         a = add(motion.swept(self.s), motion.vd)
         resultant = scale(self.mass, a)
         spin = add(multiply(self.inertia, motion.wd), cross(motion.w, multiply(self.inertia, motion.w)))
@@ -162,92 +117,43 @@ class LinkData(Generic[S]):
 
 @dataclass(frozen=True, slots=True)
 class LinkStep(Generic[S]):
-    """All that the recursion computes for one link, in the coordinates of the set.
+    """All that the recursion computes for one link, in the coordinates of the set."""
 
-    Attributes:
-        data: What went in.
-        previous: Motion of frame i-1, in its own coordinates.
-        motion: Motion of frame i.
-        a: Acceleration of the centre of mass.
-        F: Resultant force.
-        N: Resultant moment about the centre of mass.
-        following: Wrench of link i+1, in its own coordinates; the load for the last link.
-        wrench: f_i and n_i.
-        tau: Torque or force about (along) +z_{i-1}, friction b qd included.
-    """
-
-    data: LinkData[S]
-    previous: FrameMotion[S]
-    motion: FrameMotion[S]
-    a: Vector[S]
-    F: Vector[S]
-    N: Vector[S]
-    following: LinkWrench[S]
-    wrench: LinkWrench[S]
-    tau: S
+    data: LinkData[S]  # what went in
+    previous: FrameMotion[S]  # motion of frame i-1, in its own coordinates
+    motion: FrameMotion[S]  # motion of frame i
+    a: Vector[S]  # acceleration of the centre of mass
+    F: Vector[S]  # resultant force
+    N: Vector[S]  # resultant moment about the centre of mass
+    following: LinkWrench[S]  # wrench of link i+1, in its own coordinates; the load for the last link
+    wrench: LinkWrench[S]  # f_i and n_i
+    tau: S  # torque or force about (along) +z_{i-1}, friction b qd included
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedRecursion(Generic[S]):
-    """The whole recursion.
+    """The whole recursion."""
 
-    Attributes:
-        links: The steps of links 1 to n.
-        torques: n entries, in the sense of the joint variables.
-    """
-
-    links: tuple[LinkStep[S], ...]
-    torques: tuple[S, ...]
+    links: tuple[LinkStep[S], ...]  # the steps of links 1 to n
+    torques: tuple[S, ...]  # n entries, in the sense of the joint variables
 
 
 def newton_euler_base(
     robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
 ) -> PrintedRecursion[S]:
-    """The recursion with every vector in base coordinates (axes of frame 0).
-
-    Args:
-        robot: Standard convention, with links, without rotors.
-        domain: Turns the robot's cells and its configuration into scalars: numbers, polynomials or tape nodes.
-        qd: Joint velocities, n entries.
-        qdd: Joint accelerations, n entries.
-        load: f_{n+1} and n_{n+1} (about o_n), what the last link passes on; zero by default.
-
-    Returns:
-        Every vector of every link, and the torques.
-
-    Raises:
-        QuantityError: Another convention, no links, or what these equations lack: rotors, armatures, Coulomb friction.
-    """
+    """The recursion with every vector in base coordinates (axes of frame 0)."""
     return _recursion(robot, domain, qd, qdd, load, base=True)
 
 
 def newton_euler_link(
     robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
 ) -> PrintedRecursion[S]:
-    """The recursion with the vectors of link i in frame i.
-
-    Args:
-        robot: Standard convention, with links, without rotors.
-        domain: Turns the robot's cells and its configuration into scalars: numbers, polynomials or tape nodes.
-        qd: Joint velocities, n entries.
-        qdd: Joint accelerations, n entries.
-        load: f_{n+1} and n_{n+1} (about o_n) in frame n; zero by default.
-
-    Returns:
-        Every vector of every link, and the torques.
-
-    Raises:
-        QuantityError: As for `newton_euler_base`.
-    """
+    """The recursion with the vectors of link i in frame i."""
     return _recursion(robot, domain, qd, qdd, load, base=False)
 
 
 def without_rotors(robot: Robot) -> Robot:
-    """The robot without rotors, armatures and Coulomb friction: what these equations describe.
-
-    Args:
-        robot: A robot with links.
-    """
+    """The robot without rotors, armatures and Coulomb friction: what these equations describe."""
     links = tuple(replace(link, motor=None, armature=ZERO, coulomb=ZERO) for link in robot.links)
     return replace(robot, links=links)
 

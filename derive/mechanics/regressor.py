@@ -31,40 +31,23 @@ from derive.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class Screw(Generic[S]):
-    """A unit rate of one joint, seen from a frame of a link further out.
+    """A unit rate of one joint, seen from a frame of a link further out."""
 
-    Attributes:
-        angular: Angular velocity, in the frame's axes.
-        linear: Velocity of the frame's origin, in the frame's axes.
-    """
-
-    angular: Vector[S]
-    linear: Vector[S]
+    angular: Vector[S]  # angular velocity, in the frame's axes
+    linear: Vector[S]  # velocity of the frame's origin, in the frame's axes
 
     def at(self, place: Vector[S]) -> Vector[S]:
-        """Velocity of a point of the link.
-
-        Args:
-            place: The point in the frame.
-        """
+        """Velocity of a point of the link."""
         return add(self.linear, cross(self.angular, place))
 
     def seen_from(self, frame: Frame[S]) -> Screw[S]:
-        """The screw in another frame fixed on the same link.
-
-        Args:
-            frame: That frame in this one.
-        """
+        """The screw in another frame fixed on the same link."""
         turned = transpose(frame.rotation)
         return Screw(multiply(turned, self.angular), multiply(turned, self.at(frame.position)))
 
 
 def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
-    """The screws of joints 1..k of every link k, in joint frame k, rates counted positive along +z.
-
-    Args:
-        chain: The arm.
-    """
+    """The screws of joints 1..k of every link k, in joint frame k, rates counted positive along +z."""
     found: list[list[Screw[S]]] = []
     for joint in chain.joints:
         found.append(next_screws(chain, joint, found[-1] if found else []))
@@ -72,16 +55,7 @@ def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
 
 
 def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
-    """The screws of the link behind a joint.
-
-    Args:
-        chain: The arm.
-        joint: Joint i.
-        before: Those of link i-1, in joint frame i-1.
-
-    Returns:
-        i screws, in joint frame i.
-    """
+    """The screws of the link behind a joint."""
     outward = [Screw(to_child(joint, screw.angular), to_child(joint, screw.at(origin(joint)))) for screw in before]
     along = (chain.zero, chain.zero, chain.one)
     return [*outward, Screw(along, chain.null) if joint.revolute else Screw(chain.null, along)]
@@ -92,42 +66,25 @@ def with_unit_rotors(robot: Robot) -> Robot:
 
     In its chain ``coupling`` is sign * ratio, ``armature`` is ratio^2, and the body of link i-1 is the rotor of joint
     i, so that its first moment is the rotor's place.
-
-    Args:
-        robot: A robot with links.
     """
     motors = (link.motor and Motor(ONE, ONE, link.motor.ratio) for link in robot.links)
     return replace(robot, links=tuple(Link(motor=motor) for motor in motors))
 
 
 def rotor_place(chain: Chain[S], joint: int) -> Vector[S]:
-    """Where the rotor of a joint sits, in joint frame ``joint - 1``.
-
-    Args:
-        chain: The chain of a robot `with_unit_rotors`.
-        joint: From 1, not the first.
-    """
+    """Where the rotor of a joint sits, in joint frame ``joint - 1``."""
     return chain.bodies[joint - 2].first_moment
 
 
 @dataclass(frozen=True, slots=True)
 class _LinkView(Generic[S]):
-    """A link seen from a frame on it.
+    """A link seen from a frame on it."""
 
-    Attributes:
-        motion: Of the link, in the frame.
-        screws: Of joints 1..k, in the frame.
-    """
-
-    motion: LinkMotion[S]
-    screws: Sequence[Screw[S]]
+    motion: LinkMotion[S]  # of the link, in the frame
+    screws: Sequence[Screw[S]]  # of joints 1..k, in the frame
 
     def seen_from(self, frame: Frame[S]) -> _LinkView[S]:
-        """The same link seen from another frame on it; U is computed anew, for turning it would cost more.
-
-        Args:
-            frame: That frame in this one.
-        """
+        """The same link seen from another frame on it; U is computed anew, for turning it would cost more."""
         turned = transpose(frame.rotation)
         before = self.motion
         acceleration = multiply(turned, add(before.acceleration, multiply(before.tensor, frame.position)))
@@ -136,12 +93,7 @@ class _LinkView(Generic[S]):
         return _LinkView(motion, [screw.seen_from(frame) for screw in self.screws])
 
     def power(self, part: str, screw: Screw[S]) -> S:
-        """What the wrench of a unit parameter does on a unit rate.
-
-        Args:
-            part: Which of the ten parameters.
-            screw: Of the joint that moves, in the frame.
-        """
+        """What the wrench of a unit parameter does on a unit rate."""
         motion = self.motion
         u, (x, y, z), (ax, ay, az) = motion.tensor, motion.omega, motion.alpha
         moment: Vector[S]  # E alpha + omega x (E omega) of the unit tensor E
@@ -170,15 +122,7 @@ class _LinkView(Generic[S]):
 
 
 class Regressor(Generic[S]):
-    """Columns of the regressor of one arm in one state.
-
-    Args:
-        chain: The chain of the robot with unit rotors, see `derive.mechanics.regressor.with_unit_rotors`.
-        qd: Joint velocities, n entries.
-        qdd: Joint accelerations, n entries.
-        ends: Whether the links' parameters are those in the DH frames of the file; else in joint frames.
-        sign: The sign of a velocity; left out where no Coulomb friction is asked for.
-    """
+    """Columns of the regressor of one arm in one state."""
 
     def __init__(
         self,
@@ -200,26 +144,12 @@ class Regressor(Generic[S]):
             self._views = [view.seen_from(end) for view, end in zip(self._joint_views, chain.ends, strict=True)]
 
     def rows(self, parameters: Sequence[Parameter]) -> list[list[S]]:
-        """Y(q, qd, qdd) with tau = Y pi.
-
-        Args:
-            parameters: pi, p entries.
-
-        Returns:
-            nxp, row by row.
-        """
+        """Y(q, qd, qdd) with tau = Y pi."""
         columns = [self.column(parameter) for parameter in parameters]
         return [[column[i] for column in columns] for i in range(self.chain.n)]
 
     def column(self, parameter: Parameter) -> list[S]:
-        """Torques per unit of one parameter.
-
-        Args:
-            parameter: The parameter.
-
-        Returns:
-            n entries; those of joints beyond it are 0.
-        """
+        """Torques per unit of one parameter."""
         i, part = parameter.joint - 1, parameter.part
         if parameter.of_link:
             view = self._views[i]

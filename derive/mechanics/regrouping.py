@@ -23,28 +23,14 @@ from derive.mechanics.vectors import S, Symmetric, add, multiply, scale
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What is moved inward from a link.
+    """What is moved inward from a link."""
 
-    Attributes:
-        second_moments: From a revolute joint's link P_zz, else I_yy.
-        axial: From a prismatic joint's link all but its axial mass; its joint must allow it.
-    """
-
-    second_moments: bool = False
-    axial: bool = False
+    second_moments: bool = False  # from a revolute joint's link P_zz, else I_yy
+    axial: bool = False  # from a prismatic joint's link all but its axial mass; its joint must allow it
 
 
 def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) -> Chain[S]:
-    """The same arm with as many inertial parameters zero as this rule makes.
-
-    Args:
-        chain: The arm.
-        rules: One for each joint, or none.
-        half: The scalar 1/2, for second moments.
-
-    Returns:
-        The arm with other bodies, and axial masses where a rule asks for them.
-    """
+    """The same arm with as many inertial parameters zero as this rule makes."""
     bodies = list(chain.bodies)
     if not bodies:
         return chain

@@ -69,25 +69,14 @@ from derive.mechanics.vectors import (
 
 @dataclass(frozen=True, slots=True)
 class _MovingBody(Generic[S]):
-    """A composite body and how its moments change, in a joint frame.
+    """A composite body and how its moments change, in a joint frame."""
 
-    Attributes:
-        body: Mass, first moment, inertia about the origin.
-        first_rate: hdot = sum m xdot.
-        second_rate: E = sum m xdot x^T.
-    """
-
-    body: Body[S]
-    first_rate: Vector[S]
-    second_rate: Matrix[S]
+    body: Body[S]  # mass, first moment, inertia about the origin
+    first_rate: Vector[S]  # hdot = sum m xdot
+    second_rate: Matrix[S]  # E = sum m xdot x^T
 
     def to_parent(self, joint: ChainJoint[S], origin_rate: Vector[S]) -> _MovingBody[S]:
-        """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot.
-
-        Args:
-            joint: Joint i.
-            origin_rate: pdot.
-        """
+        """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot."""
         p = origin(joint)
         first_rate = to_parent(joint, self.first_rate)
         body = body_to_parent(joint, self.body)
@@ -96,13 +85,7 @@ class _MovingBody(Generic[S]):
         return _MovingBody(body, add(first_rate, scale(body.mass, origin_rate)), second_rate)
 
     def response(self, chain: Chain[S], joint: ChainJoint[S], motion: LinkMotion[S]) -> _Response[S]:
-        """How the wrench on all that joint j carries answers its variable, in frame j, and what its own torque answers.
-
-        Args:
-            chain: The arm.
-            joint: Joint j, which carries this.
-            motion: Of link j.
-        """
+        """Derivatives by q_j of the wrench on all that joint j carries, in frame j, and of its own torque."""
         h, hdot, e, body = self.body.first_moment, self.first_rate, self.second_rate, self.body
         unit, eta = unit_wrench(chain, joint, body)
         zddot = column(motion.tensor, 2)
@@ -126,30 +109,16 @@ class _MovingBody(Generic[S]):
 
 @dataclass(frozen=True, slots=True)
 class _Response(Generic[S]):
-    """What goes inward for joint j.
+    """What goes inward for joint j."""
 
-    Attributes:
-        force: Of the wrench that answers the variable of joint j.
-        moment: Of the same.
-        unit: Force that accelerates joint j alone.
-        eta: Moment of the same.
-        delta: Moment by which the torque of joint j answers the rate of an axis.
-    """
-
-    force: Vector[S]
-    moment: Vector[S]
-    unit: Vector[S]
-    eta: Vector[S]
-    delta: Vector[S]
+    force: Vector[S]  # of the wrench that answers the variable of joint j
+    moment: Vector[S]  # of the same
+    unit: Vector[S]  # force that accelerates joint j alone
+    eta: Vector[S]  # moment of the same
+    delta: Vector[S]  # moment by which the torque of joint j answers the rate of an axis
 
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _Response[S]:
-        """From joint frame i to i-1.
-
-        Args:
-            joint: Joint i.
-            omega: Angular velocity of link i-1.
-            rate: Of joint i.
-        """
+        """From joint frame i to i-1."""
         p = origin(joint)
         force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
         moment = add(to_parent(joint, self.moment), cross(p, force))
@@ -158,12 +127,7 @@ class _Response(Generic[S]):
         return _Response(force, moment, unit, eta, delta)
 
     def inner_derivative(self, inner: ChainJoint[S], motion: LinkMotion[S]) -> S:
-        """d tau_j / d q_i in rates, i < j.
-
-        Args:
-            inner: Joint i.
-            motion: Of link i.
-        """
+        """d tau_j / d q_i in rates, i < j."""
         zddot = column(motion.tensor, 2)
         if not inner.revolute:
             return dot(self.unit, zddot)
@@ -177,14 +141,6 @@ def torque_velocity_derivative(chain: Chain[S], qd: Sequence[S], half: S) -> lis
     """d tau / d qd: 2 C plus viscous friction; that of Coulomb friction is 0.
 
     The factor 2 is on the inertial parameters, where it costs nothing at run time.
-
-    Args:
-        chain: The arm.
-        qd: Joint velocities, n entries.
-        half: The scalar 1/2.
-
-    Returns:
-        nxn, row i for tau_i.
     """
     joints = tuple(replace(joint, coupling=joint.coupling + joint.coupling) for joint in chain.joints)
     doubled = replace(chain, bodies=tuple(body + body for body in chain.bodies), joints=joints)
@@ -197,18 +153,7 @@ def torque_velocity_derivative(chain: Chain[S], qd: Sequence[S], half: S) -> lis
 def torque_position_derivative(
     chain: Chain[S], qd: Sequence[S], qdd: Sequence[S], half: S, choices: Sequence[FrameChoice] = ()
 ) -> list[list[S]]:
-    """d tau / d q.
-
-    Args:
-        chain: The arm.
-        qd: Joint velocities, n entries.
-        qdd: Joint accelerations, n entries.
-        half: The scalar 1/2.
-        choices: One for each joint, those by which the chain was arranged; or none.
-
-    Returns:
-        nxn, row i for tau_i.
-    """
+    """d tau / d q."""
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     motions = link_motions(chain, rates, accelerations, choices)
     wrenches = _carried_wrenches(chain, motions, rates, accelerations, choices)

@@ -28,52 +28,27 @@ Matrix = tuple[Vector[S], Vector[S], Vector[S]]
 
 
 def add(a: Vector[S], b: Vector[S]) -> Vector[S]:
-    """a + b.
-
-    Args:
-        a: A vector.
-        b: Another, in the same axes.
-    """
+    """a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 def subtract(a: Vector[S], b: Vector[S]) -> Vector[S]:
-    """a - b.
-
-    Args:
-        a: A vector.
-        b: Another, in the same axes.
-    """
+    """a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 def scale(factor: Any, a: Vector[S]) -> Vector[S]:
-    """factor * a.
-
-    Args:
-        factor: A scalar, or an int.
-        a: A vector.
-    """
+    """factor * a."""
     return (factor * a[0], factor * a[1], factor * a[2])
 
 
 def dot(a: Vector[S], b: Vector[S]) -> S:
-    """a . b.
-
-    Args:
-        a: A vector.
-        b: Another, in the same axes.
-    """
+    """a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector[S], b: Vector[S]) -> Vector[S]:
-    """a x b.
-
-    Args:
-        a: A vector.
-        b: Another, in the same axes.
-    """
+    """a x b."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -82,21 +57,12 @@ def cross(a: Vector[S], b: Vector[S]) -> Vector[S]:
 
 
 def multiply(m: Matrix[S], v: Vector[S]) -> Vector[S]:
-    """m v.
-
-    Args:
-        m: A matrix, for instance a rotation.
-        v: A vector.
-    """
+    """m v."""
     return (dot(m[0], v), dot(m[1], v), dot(m[2], v))
 
 
 def transpose(m: Matrix[S]) -> Matrix[S]:
-    """The transpose of m.
-
-    Args:
-        m: A matrix.
-    """
+    """The transpose of m."""
     return (
         (m[0][0], m[1][0], m[2][0]),
         (m[0][1], m[1][1], m[2][1]),
@@ -105,32 +71,17 @@ def transpose(m: Matrix[S]) -> Matrix[S]:
 
 
 def column(m: Matrix[S], j: int) -> Vector[S]:
-    """Column j of m.
-
-    Args:
-        m: A matrix.
-        j: From 0.
-    """
+    """Column j of m."""
     return (m[0][j], m[1][j], m[2][j])
 
 
 def identity(zero: S, one: S) -> Matrix[S]:
-    """The unit matrix.
-
-    Args:
-        zero: The scalar 0.
-        one: The scalar 1.
-    """
+    """The unit matrix."""
     return ((one, zero, zero), (zero, one, zero), (zero, zero, one))
 
 
 def matmul(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
-    """a b.
-
-    Args:
-        a: A matrix.
-        b: Another.
-    """
+    """a b."""
     c = [multiply(a, column(b, j)) for j in range(3)]
     return (
         (c[0][0], c[1][0], c[2][0]),
@@ -140,32 +91,17 @@ def matmul(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
 
 
 def add_matrices(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
-    """a + b.
-
-    Args:
-        a: A matrix.
-        b: Another.
-    """
+    """a + b."""
     return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
 
 
 def outer(a: Vector[S], b: Vector[S]) -> Matrix[S]:
-    """a b^T.
-
-    Args:
-        a: A vector.
-        b: Another.
-    """
+    """a b^T."""
     return (scale(a[0], b), scale(a[1], b), scale(a[2], b))
 
 
 def hat(u: Vector[S], zero: S) -> Matrix[S]:
-    """The skew-symmetric matrix u^ of the product u x.
-
-    Args:
-        u: A vector.
-        zero: The scalar 0.
-    """
+    """The skew-symmetric matrix u^ of the product u x."""
     return ((zero, -u[2], u[1]), (u[2], zero, -u[0]), (-u[1], u[0], zero))
 
 
@@ -197,32 +133,18 @@ class Symmetric(Generic[S]):
 
 
 def from_matrix(m: Matrix[S]) -> Symmetric[S]:
-    """A symmetric tensor from the upper triangle of its matrix.
-
-    Args:
-        m: A matrix known to be symmetric.
-    """
+    """A symmetric tensor from the upper triangle of its matrix."""
     return Symmetric(m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2])
 
 
 def axial_tensor(inertia: S, u: Vector[S]) -> Symmetric[S]:
-    """Inertia u u^T of what resists turning about one axis alone.
-
-    Args:
-        inertia: Moment of inertia about the axis.
-        u: Unit vector of the axis.
-    """
+    """Inertia u u^T of what resists turning about one axis alone."""
     v = scale(inertia, u)
     return Symmetric(v[0] * u[0], v[1] * u[1], v[2] * u[2], v[0] * u[1], v[0] * u[2], v[1] * u[2])
 
 
 def steiner(mass: S, r: Vector[S]) -> Symmetric[S]:
-    """Inertia of a point mass about the origin: mass * (r.r 1 - r r^T), the term of Steiner.
-
-    Args:
-        mass: Of the point.
-        r: Where it is.
-    """
+    """Inertia of a point mass about the origin: mass * (r.r 1 - r r^T), the term of Steiner."""
     x, y, z = r
     mx, my, mz = mass * x, mass * y, mass * z
     xx, yy, zz = mx * x, my * y, mz * z
@@ -231,15 +153,10 @@ def steiner(mass: S, r: Vector[S]) -> Symmetric[S]:
 
 @dataclass(frozen=True, slots=True)
 class Frame(Generic[S]):
-    """A rigid transform.
+    """A rigid transform."""
 
-    Attributes:
-        rotation: Its axes as columns, in the parent frame.
-        position: Its origin in the parent frame.
-    """
-
-    rotation: Matrix[S]
-    position: Vector[S]
+    rotation: Matrix[S]  # its axes as columns, in the parent frame
+    position: Vector[S]  # its origin in the parent frame
 
     @property
     def inverse(self) -> Frame[S]:
@@ -248,12 +165,7 @@ class Frame(Generic[S]):
         return Frame(turned, scale(-1, multiply(turned, self.position)))
 
     def rows(self, zero: S, one: S) -> list[list[S]]:
-        """The homogeneous matrix, 4x4.
-
-        Args:
-            zero: The scalar 0.
-            one: The scalar 1.
-        """
+        """The homogeneous matrix, 4x4."""
         top = [[*self.rotation[k], self.position[k]] for k in range(3)]
         return [*top, [zero, zero, zero, one]]
 

@@ -24,24 +24,12 @@ from derive.robot.names import robot_symbols
 BY_RATES = ("C", "N", "Bdot", "tau")
 BY_CONSTANTS = ("B", "g")
 
+# Exact coefficients, and the rates or products of rates that they are multiplied by.
 Pairs = list[tuple[Polynomial, Expr]]
-"""Exact coefficients, and the rates or products of rates that they are multiplied by."""
 
 
 def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matrix, Mapping[Expr, Expr]]:
-    """A dynamic quantity with short names, and what the names mean.
-
-    Args:
-        model: The closed forms.
-        quantity: ``B``, ``C``, ``N``, ``Bdot``, ``g`` or ``tau``.
-        by: ``christoffel`` (default for C, N, Bdot and tau) or ``coefficients`` (default for B and g).
-
-    Returns:
-        The matrix, and symbol to expression for every name in it; a single name needs no number: h, not h1.
-
-    Raises:
-        QuantityError: No such quantity or way.
-    """
+    """A dynamic quantity with short names, and what the names mean."""
     way = by or ("christoffel" if quantity in BY_RATES else "coefficients")
     allowed = {"christoffel": BY_RATES, "coefficients": (*BY_CONSTANTS, *BY_RATES)}
     if way not in allowed:
@@ -81,12 +69,7 @@ def _matrix(model: DynamicModel, quantity: str, writer: _ByChristoffel | _ByCoef
 
 
 class _Names:
-    """Gives names to values, the same one to values that differ by a rational factor.
-
-    Args:
-        letters: Letters to try; the first that collides with no symbol of the robot is taken.
-        model: Whose robot's symbols are taken already.
-    """
+    """Gives names to values, the same one to values that differ by a rational factor."""
 
     def __init__(self, letters: Sequence[str], model: DynamicModel) -> None:
         taken = tuple(robot_symbols(model.robot))
@@ -98,12 +81,7 @@ class _Names:
         self._values: list[Expr] = []
 
     def name(self, key: object, value: Callable[[], Expr]) -> Expr:
-        """The symbol of a value.
-
-        Args:
-            key: Equal for values that share a name.
-            value: Writes the value; called only when it is new.
-        """
+        """The symbol of a value."""
         if key not in self._known:
             self._known[key] = len(self._values)
             self._values.append(value())
@@ -115,11 +93,7 @@ class _Names:
 
 
 class _ByChristoffel:
-    """Writes sums over rates with names for their coefficients, the Christoffel symbols themselves where these occur.
-
-    Args:
-        model: The closed forms.
-    """
+    """Writes sums over rates with names for coefficients, or the Christoffel symbols where these occur."""
 
     def __init__(self, model: DynamicModel) -> None:
         self.names = _Names(("h", "k", "b", "w", "u"), model)
@@ -133,20 +107,11 @@ class _ByChristoffel:
                 self._bases.setdefault(p.normalised()[1], p)
 
     def constant_part(self, p: Polynomial, written: Expr) -> Expr:
-        """An entry of B or g as the model writes it.
-
-        Args:
-            p: The entry.
-            written: As the model writes it.
-        """
+        """An entry of B or g as the model writes it."""
         return written
 
     def rate_sum(self, pairs: Pairs) -> Expr:
-        """sum p * rate, each p a multiple of a name, equal names collected: ``h*(qd1 + qd2)``, but ``2*h*qd1 + h*qd2``.
-
-        Args:
-            pairs: p and rate.
-        """
+        """Sum of p * rate, each p a multiple of a name, equal names collected: ``h*(qd1 + qd2)``."""
         collected: dict[Expr, list[Expr]] = {}
         for p, rate in pairs:
             if p:
@@ -167,11 +132,7 @@ class _ByChristoffel:
 
 
 class _ByCoefficients:
-    """Writes polynomials as sums of named constants times what moves.
-
-    Args:
-        model: The closed forms.
-    """
+    """Writes polynomials as sums of named constants times what moves."""
 
     def __init__(self, model: DynamicModel) -> None:
         self.names = _Names(("a", "p", "k", "w", "u"), model)
@@ -181,23 +142,14 @@ class _ByCoefficients:
         self._moving = frozenset(i for i, f in enumerate(model.form.table.factors) if f.kind in kinds)
 
     def constant_part(self, p: Polynomial, written: Expr) -> Expr:
-        """An entry of B or g with a name for the coefficient of every monomial in sines, cosines and variables.
-
-        Args:
-            p: The entry.
-            written: As the model writes it.
-        """
+        """An entry of B or g with a name for the coefficient of every monomial in sines, cosines and variables."""
         dynamics = self._model.dynamics
         expanded = dynamics.expand(p) if p.ring is dynamics.lumped.ring else p
         parts = partition(self._form.table.terms(expanded), self._moving)
         return sympy.Add(*(self._named(rest) * self._form.monomial(outer) for outer, rest in parts.items()))
 
     def rate_sum(self, pairs: Pairs) -> Expr:
-        """sum p * rate, every p with names for its constants.
-
-        Args:
-            pairs: p and rate.
-        """
+        """sum p * rate, every p with names for its constants."""
         return sympy.Add(*(self.constant_part(p, None) * rate for p, rate in pairs if p))
 
     def _named(self, terms: Terms) -> Expr:

@@ -29,9 +29,6 @@ class Assumptions:
     """Puts symbols with assumptions into whatever a model gives out.
 
     A mass is a symbol that is by itself the mass of a link or rotor, unless the file gives it the number zero.
-
-    Args:
-        robot: The robot.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -76,12 +73,7 @@ class Assumptions:
 
 
 class View:
-    """Something that a model gives out, such as its inverse kinematics, with the symbols of `Assumptions`.
-
-    Args:
-        value: What it is in plain symbols.
-        assumed: Puts symbols in.
-    """
+    """Something that a model gives out, such as its inverse kinematics, with the symbols of `Assumptions`."""
 
     def __init__(self, value: Any, assumed: Assumptions) -> None:
         self._value, self._assumed = value, assumed

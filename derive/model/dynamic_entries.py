@@ -17,22 +17,15 @@ from derive.model.dynamic_model import MAX_DYNAMIC_TERMS
 from derive.model.entries import Entries, KinematicEntries, of_polynomials
 from derive.robot.expression import ZERO
 
-Triple = tuple[int, int, int]
-"""i, j, k of the Christoffel symbol c_ijk, from 1, with j <= k."""
+Triple = tuple[int, int, int]  # i, j, k of the Christoffel symbol c_ijk, from 1, with j <= k
 
 
 class RateTerm(NamedTuple):
-    """A summand of an entry of C or N: sign * c_triple * qd_k.
+    """A summand of an entry of C or N: sign * c_triple * qd_k."""
 
-    Attributes:
-        sign: +1 or -1.
-        triple: The Christoffel symbol.
-        k: The joint whose velocity it is multiplied by, from 1.
-    """
-
-    sign: int
-    triple: Triple
-    k: int
+    sign: int  # +1 or -1
+    triple: Triple  # the Christoffel symbol
+    k: int  # the joint whose velocity it is multiplied by, from 1
 
 
 class ModelEntries(KinematicEntries):
@@ -46,15 +39,7 @@ class ModelEntries(KinematicEntries):
         return self._inertia(self.model.dynamics, self.model.dynamic_form)
 
     def inertia_part(self, i: int, of_rotor: bool) -> Entries:
-        """The part of B that link i contributes without any rotor, or the rotor of joint i without its armature, nxn.
-
-        Args:
-            i: The link or joint.
-            of_rotor: Whether the rotor is meant.
-
-        Returns:
-            Its entries.
-        """
+        """The part of B, nxn, of link i without any rotor, or of the rotor of joint i without its armature."""
         dynamics = Dynamics(only_body(self.robot, i, of_rotor), self.model.domain, MAX_DYNAMIC_TERMS)
         return self._inertia(dynamics, DynamicForm(dynamics, self.model.form))
 
@@ -136,16 +121,7 @@ class ModelEntries(KinematicEntries):
         return of_polynomials([[self.model.kinematics.potential]], self.model.form.potential)
 
     def christoffel(self, i: int, j: int, k: int) -> Entries:
-        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), 1x1.
-
-        Args:
-            i: Joint of the torque.
-            j: Joint of one velocity.
-            k: Joint of the other velocity; c_ijk = c_ikj.
-
-        Returns:
-            Its one entry.
-        """
+        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), 1x1."""
         model, key = self.model, ("christoffel", *_triple(i, j, k))
         if key not in self._kept and not self._inertia_is_affordable:
             self._kept[key] = _too_long((1, 1))
@@ -155,16 +131,7 @@ class ModelEntries(KinematicEntries):
         return self._kept[key]
 
     def inertia_derivative(self, i: int, j: int, k: int) -> Entries:
-        """dB_ij/dq_k, 1x1.
-
-        Args:
-            i: Row of B.
-            j: Column of B.
-            k: The joint.
-
-        Returns:
-            Its one entry.
-        """
+        """dB_ij/dq_k, 1x1."""
         model = self.model
         if not self._inertia_is_affordable:
             return _too_long((1, 1))
@@ -186,27 +153,11 @@ class ModelEntries(KinematicEntries):
         return tuple(triple for triple in found if self.christoffel(*triple).terms(1, 1))
 
     def coriolis_sum(self, i: int, j: int) -> tuple[RateTerm, ...]:
-        """C_ij = sum_k c_ijk qd_k (Siciliano et al., Robotics, section 7.2.1), without what is zero.
-
-        Args:
-            i: The row.
-            j: The column.
-
-        Returns:
-            The summands, by k.
-        """
+        """C_ij = sum_k c_ijk qd_k (Siciliano et al., Robotics, section 7.2.1), without what is zero."""
         return self._nonzero(RateTerm(1, _triple(i, j, k), k) for k in self._joints)
 
     def skew_sum(self, i: int, j: int) -> tuple[RateTerm, ...]:
-        """N_ij = sum_k (c_jik - c_ijk) qd_k, for dB_ij/dq_k = c_ijk + c_jik (ibidem, eq. 7.47).
-
-        Args:
-            i: The row.
-            j: The column.
-
-        Returns:
-            The summands that are not zero, by k.
-        """
+        """N_ij = sum_k (c_jik - c_ijk) qd_k, for dB_ij/dq_k = c_ijk + c_jik (ibidem, eq. 7.47)."""
         pairs = ((RateTerm(1, _triple(j, i, k), k), RateTerm(-1, _triple(i, j, k), k)) for k in self._joints)
         return self._nonzero(term for pair in pairs for term in pair)
 
@@ -215,22 +166,12 @@ class ModelEntries(KinematicEntries):
         return tuple(term for term in terms if term.triple in known)
 
     def rate_value(self, terms: Iterable[RateTerm]) -> Expr:
-        """A sum over rates with the Christoffel symbols put in.
-
-        Args:
-            terms: Its summands.
-
-        Returns:
-            The SymPy expression.
-        """
+        """A sum over rates with the Christoffel symbols put in."""
         qd = self.model.qd
         return sympy.Add(*(sign * self.christoffel(*triple).entry(1, 1) * qd[k - 1] for sign, triple, k in terms))
 
     def torque_value(self, i: int) -> Expr:
         """The equation of motion of joint i, not collected: B qdd + c qd qd + g + friction.
-
-        Args:
-            i: The joint.
 
         Returns:
             The SymPy expression [N m or N].
@@ -247,9 +188,6 @@ class ModelEntries(KinematicEntries):
     def friction(self, i: int) -> Expr:
         """Friction of joint i, as the file gives it: b qd + f sign(qd).
 
-        Args:
-            i: The joint.
-
         Returns:
             The SymPy expression [N m or N].
         """
@@ -257,14 +195,7 @@ class ModelEntries(KinematicEntries):
         return expression_to_sympy(link.viscous) * rate + expression_to_sympy(link.coulomb) * sympy.sign(rate)
 
     def is_skew(self, limit: int) -> bool:
-        """Whether the entries of N + N^T, N = dB/dt - 2C, cancel when multiplied out.
-
-        Args:
-            limit: Most terms of dB/dt and of C for which it is tried.
-
-        Returns:
-            True if they cancel; False also where they are too long.
-        """
+        """Whether the entries of N + N^T, N = dB/dt - 2C, cancel when multiplied out."""
         if not (self.Bdot.is_short(limit) and self.C.is_short(limit)):
             return False
         rate, c = self.Bdot.entry, self.C.entry

@@ -27,46 +27,27 @@ from derive.robot.options.style import Grouping, Rates
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """Which entries are expanded in the user's symbols, by their number of terms.
+    """Which entries are expanded in the user's symbols, by their number of terms."""
 
-    Attributes:
-        entry: An entry with at most so many terms is expanded in any case.
-        long_entry: So many where the whole quantity stays within ``quantity``.
-        quantity: Terms of a whole matrix or table.
-    """
-
-    entry: int = 40
-    long_entry: int = 400
-    quantity: int = 1500
+    entry: int = 40  # an entry with at most so many terms is expanded in any case
+    long_entry: int = 400  # so many where the whole quantity stays within ``quantity``
+    quantity: int = 1500  # terms of a whole matrix or table
 
 
-Combination = dict[Expr, Fraction]
-"""Rates or products of rates, and their rational factors."""
+Combination = dict[Expr, Fraction]  # rates or products of rates, and their rational factors
 
 
 @dataclass(frozen=True, slots=True)
 class RateWriting:
-    """How a sum of coefficients times rates is written.
+    """How a sum of coefficients times rates is written."""
 
-    Attributes:
-        rates: How the rates are collected.
-        grouping: What is grouped first in a coefficient.
-        limit: Coefficients with at most so many terms are expanded in the user's symbols.
-    """
-
-    rates: Rates
-    grouping: Grouping
-    limit: int
+    rates: Rates  # how the rates are collected
+    grouping: Grouping  # what is grouped first in a coefficient
+    limit: int  # coefficients with at most so many terms are expanded in the user's symbols
 
 
 class DynamicForm:
-    """Writes the polynomials of `Dynamics`.
-
-    Args:
-        dynamics: The closed forms.
-        form: The lecture form over the ring of the user's symbols.
-        budget: What is expanded.
-    """
+    """Writes the polynomials of `Dynamics`."""
 
     def __init__(self, dynamics: Dynamics, form: LectureForm, budget: Budget | None = None) -> None:
         self.dynamics = dynamics
@@ -83,25 +64,12 @@ class DynamicForm:
     # -- entries
 
     def limit(self, entries: Iterable[Polynomial]) -> int:
-        """The longest entry that is expanded when a whole quantity is to be written.
-
-        Args:
-            entries: Its entries, in lumped parameters.
-
-        Returns:
-            A number of terms.
-        """
+        """The longest entry that is expanded when a whole quantity is to be written."""
         total = sum(self.dynamics.expanded_size(p) for p in entries)
         return self.budget.long_entry if total <= self.budget.quantity else self.budget.entry
 
     def entry(self, p: Polynomial, limit: int, grouping: Grouping | None = None) -> Expr:
-        """One entry as a SymPy expression.
-
-        Args:
-            p: In lumped parameters.
-            limit: It is expanded where it has at most so many terms.
-            grouping: What is grouped first; by default what the style says of inertia.
-        """
+        """One entry as a SymPy expression."""
         if not p:
             return sympy.S.Zero
         short = self.dynamics.expanded_size(p) <= limit
@@ -132,12 +100,7 @@ class DynamicForm:
     # -- sums over rates
 
     def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], writing: RateWriting) -> Expr:
-        """sum p * rate, collected as the style says: ``h*(qd1 + qd2)``, or ``h*qd1 + h*qd2``.
-
-        Args:
-            pairs: Coefficients in lumped parameters, and rates or products of rates.
-            writing: How coefficients and rates are written.
-        """
+        """sum p * rate, collected as the style says: ``h*(qd1 + qd2)``, or ``h*qd1 + h*qd2``."""
         known = [(p, rate) for p, rate in pairs if p]
         if all(self.dynamics.expanded_size(p) <= writing.limit for p, _ in known):
             if writing.rates is Rates.TERM:
@@ -204,11 +167,7 @@ class DynamicForm:
         return sympy.Add(*parts)
 
     def energy(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
-        """A sum over rates by bodies: ``m1*l1**2*qd1**2/2 + m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...)/2``.
-
-        Args:
-            pairs: Coefficients in lumped parameters, and products of rates.
-        """
+        """A sum over rates by bodies: ``m1*l1**2*qd1**2/2 + m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...)/2``."""
         bodies: dict[Monomial, list[Expr]] = {}
         factored: dict[tuple[tuple[Expr, Fraction], ...], Expr] = {}
         for (body, geometry), rates in self._combinations(pairs).items():
@@ -234,13 +193,7 @@ class DynamicForm:
 
 
 def times_rate(value: Expr, rate: Expr, rates: Rates) -> Expr:
-    """value * rate, multiplied out where the style says so.
-
-    Args:
-        value: What is multiplied.
-        rate: A velocity, an acceleration or a product of them.
-        rates: How rates are collected.
-    """
+    """value * rate, multiplied out where the style says so."""
     if rates is Rates.EXPANDED and value.is_Add:
         return sympy.Add(*(term * rate for term in value.args))
     return value * rate

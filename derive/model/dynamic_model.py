@@ -18,21 +18,15 @@ from derive.model.dynamic_form import DynamicForm, RateWriting
 from derive.model.regressor_forms import IdentifiedModel
 from derive.robot.options.style import Grouping, Kinetic
 
-MAX_DYNAMIC_TERMS = 400_000
-"""Budget of one entry of B; beyond it only the generated functions remain."""
+MAX_DYNAMIC_TERMS = 400_000  # budget of one entry of B; beyond it only the generated functions remain
 
 
 @dataclass(frozen=True)
 class Energy:
-    """Kinetic and potential energy.
+    """Kinetic and potential energy."""
 
-    Attributes:
-        kinetic: T = 1/2 qd^T B qd [J].
-        potential: U = -sum m g0.p, over links and rotors [J].
-    """
-
-    kinetic: Expr
-    potential: Expr
+    kinetic: Expr  # T = 1/2 qd^T B qd [J]
+    potential: Expr  # U = -sum m g0.p, over links and rotors [J]
 
     def _repr_latex_(self) -> str:
         kinetic, potential = sympy.latex(self.kinetic), sympy.latex(self.potential)

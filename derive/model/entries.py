@@ -23,17 +23,12 @@ from derive.model.model import Model
 
 @dataclass(frozen=True, slots=True)
 class Entries:
-    """A matrix whose entries are counted first and written one by one; vectors are columns, scalars 1x1.
+    """A matrix whose entries are counted first and written one by one; vectors are columns, scalars 1x1."""
 
-    Attributes:
-        shape: Rows and columns.
-        terms: (row, column), from 1 -> number of terms of the entry when multiplied out; 0 if it is zero.
-        entry: (row, column), from 1 -> the entry as a SymPy expression.
-    """
-
-    shape: tuple[int, int]
+    shape: tuple[int, int]  # rows and columns
+    # (row, column), from 1 -> number of terms of the entry when multiplied out; 0 if it is zero.
     terms: Callable[[int, int], int]
-    entry: Callable[[int, int], Expr]
+    entry: Callable[[int, int], Expr]  # (row, column), from 1 -> the entry as a SymPy expression
 
     @property
     def places(self) -> list[tuple[int, int]]:
@@ -41,14 +36,7 @@ class Entries:
         return [(i, j) for i in range(1, self.shape[0] + 1) for j in range(1, self.shape[1] + 1)]
 
     def is_short(self, limit: int) -> bool:
-        """Whether all entries together have at most so many terms; a long matrix is not counted to its end.
-
-        Args:
-            limit: The number of terms.
-
-        Returns:
-            True if it is short.
-        """
+        """Whether all entries together have at most so many terms; a long matrix is not counted to its end."""
         total = 0
         for place in self.places:
             total += self.terms(*place)
@@ -57,15 +45,7 @@ class Entries:
         return True
 
     def part(self, rows: Sequence[int], columns: Sequence[int]) -> Entries:
-        """Some rows and columns.
-
-        Args:
-            rows: Rows to keep, from 1.
-            columns: Columns to keep, from 1.
-
-        Returns:
-            The smaller matrix, in the given order of rows and columns.
-        """
+        """Some rows and columns."""
         return Entries(
             (len(rows), len(columns)),
             lambda i, j: self.terms(rows[i - 1], columns[j - 1]),
@@ -74,11 +54,7 @@ class Entries:
 
 
 class KinematicEntries:
-    """Closed-form kinematics of a model, entry by entry; joints, links and frames count from 1 as in `Model`.
-
-    Args:
-        model: The model.
-    """
+    """Closed-form kinematics of a model, entry by entry; joints, links and frames count from 1 as in `Model`."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -89,39 +65,17 @@ class KinematicEntries:
     # -- kinematics
 
     def A(self, i: int) -> Entries:
-        """A_i, 4x4: DH frame i in DH frame i-1.
-
-        Args:
-            i: Row of the table.
-
-        Returns:
-            Its entries.
-        """
+        """A_i, 4x4: DH frame i in DH frame i-1."""
         return self._keep(("A", i), lambda: _written((4, 4), lambda: self.model.A(i)))
 
     def transform(self, i: int, j: int) -> Entries:
-        """T_j^i, 4x4: DH frame j in DH frame i, without base and tool.
-
-        Args:
-            i: The reference, from 0.
-            j: The frame, from 0.
-
-        Returns:
-            Its entries.
-        """
+        """T_j^i, 4x4: DH frame j in DH frame i, without base and tool."""
         if self._long.is_long(i, j):
             return self._keep(("T", i, j), lambda: _written((4, 4), lambda: self.model.transform(i, j)))
         return self._keep(("T", i, j), lambda: self._frame(self.model.kinematics.transform(i, j)))
 
     def frame(self, i: int) -> Entries:
-        """T_i, 4x4: DH frame i in the world, base included.
-
-        Args:
-            i: The frame, from 0.
-
-        Returns:
-            Its entries.
-        """
+        """T_i, 4x4: DH frame i in the world, base included."""
         if self._long.is_long(0, i):
             return self._keep(("frame", i), lambda: _written((4, 4), lambda: self.model.frame(i)))
         return self._keep(("frame", i), lambda: self._frame(self.model.kinematics.frame(i)))
@@ -185,39 +139,15 @@ class KinematicEntries:
     # -- links and rotors
 
     def body_position(self, i: int, of_rotor: bool) -> Entries:
-        """Where the centre of mass of link i is, or the rotor of joint i, 3x1 [m], world frame.
-
-        Args:
-            i: The link or joint.
-            of_rotor: Whether the rotor is meant.
-
-        Returns:
-            Its entries.
-        """
+        """Where the centre of mass of link i is, or the rotor of joint i, 3x1 [m], world frame."""
         return self._columns([self._body_position(i, of_rotor)])
 
     def linear_jacobian(self, i: int, of_rotor: bool) -> Entries:
-        """J_v of link i or of the rotor of joint i, 3xn: velocity of its centre of mass per rate, world frame.
-
-        Args:
-            i: The link or joint.
-            of_rotor: Whether the rotor is meant.
-
-        Returns:
-            Its entries.
-        """
+        """J_v of link i or of the rotor of joint i, 3xn: velocity of its centre of mass per rate, world frame."""
         return self._columns(self.model.kinematics.linear_columns(self._body_position(i, of_rotor)))
 
     def angular_jacobian(self, i: int, of_rotor: bool) -> Entries:
-        """J_w of link i or of the rotor of joint i, its spin included, 3xn: angular velocity per rate, world frame.
-
-        Args:
-            i: The link or joint.
-            of_rotor: Whether the rotor is meant.
-
-        Returns:
-            Its entries.
-        """
+        """J_w of link i or of the rotor of joint i, its spin included, 3xn: angular velocity per rate, world frame."""
         kinematics = self.model.kinematics
         return self._columns(kinematics.motor_angular_columns(i) if of_rotor else kinematics.angular_columns(i))
 
@@ -232,14 +162,7 @@ class KinematicEntries:
 
 
 def of_matrix(matrix: Matrix) -> Entries:
-    """Entries of a matrix that is already there.
-
-    Args:
-        matrix: The SymPy matrix.
-
-    Returns:
-        Its entries, counted before terms meet.
-    """
+    """Entries of a matrix that is already there."""
     return _written(matrix.shape, lambda: matrix)
 
 
@@ -250,14 +173,7 @@ def _written(shape: tuple[int, int], make: Callable[[], Matrix]) -> Entries:
 
 
 def expanded_terms(expression: Expr) -> int:
-    """Number of terms of a nested expression when multiplied out, before terms meet.
-
-    Args:
-        expression: The SymPy expression.
-
-    Returns:
-        The number; a subexpression that occurs often is counted once.
-    """
+    """Number of terms of a nested expression when multiplied out, before terms meet."""
     return _count(expression, {})
 
 
@@ -277,15 +193,7 @@ def _count(expression: Expr, known: dict[Expr, int]) -> int:
 
 
 def of_polynomials(rows: Sequence[Sequence[Polynomial]], write: Callable[[Polynomial], Expr]) -> Entries:
-    """Entries that are polynomials already.
-
-    Args:
-        rows: The matrix.
-        write: Makes the SymPy expression of an entry.
-
-    Returns:
-        Its entries; their numbers of terms are exact.
-    """
+    """Entries that are polynomials already."""
     return Entries(
         (len(rows), len(rows[0])), lambda i, j: len(rows[i - 1][j - 1]), lambda i, j: write(rows[i - 1][j - 1])
     )

@@ -30,14 +30,10 @@ Values = Mapping[str, Fraction]
 DIGITS = 50
 POINTS = 8
 TRIALS = 240
-CLOSE = mpmath.mpf(10) ** -30
-"""Relative difference below which two values with fifty digits are the same number."""
-
-LARGEST = mpmath.mpf(10) ** 300
-"""Values beyond it do not fit into a float and count as none."""
-
+CLOSE = mpmath.mpf(10) ** -30  # relative difference below which two values with fifty digits are the same number
+LARGEST = mpmath.mpf(10) ** 300  # values beyond it do not fit into a float and count as none
+# Relative difference that a reader sees in a few digits; a counter-example should show one.
 VISIBLE = mpmath.mpf(10) ** -3
-"""Relative difference that a reader sees in a few digits; a counter-example should show one."""
 
 
 def _real_root(value: Real) -> Real:
@@ -58,17 +54,11 @@ _FUNCTIONS: Mapping[str, Callable[..., Real]] = {
 
 @dataclass(frozen=True, slots=True)
 class CounterExample:
-    """A point at which two formulas differ.
+    """A point at which two formulas differ."""
 
-    Attributes:
-        values: A number for every name in them, in SI units and radians.
-        printed: Value of the formula in question.
-        right: Value of the derived one.
-    """
-
-    values: tuple[tuple[str, Fraction], ...]
-    printed: float
-    right: float
+    values: tuple[tuple[str, Fraction], ...]  # a number for every name in them, in SI units and radians
+    printed: float  # value of the formula in question
+    right: float  # value of the derived one
 
 
 def _compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> tuple[int, CounterExample | None]:
@@ -94,10 +84,6 @@ def _compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> tu
 
 def evaluate(expression: Expression, values: Values) -> Real | None:
     """The value of a formula with the working precision of mpmath.
-
-    Args:
-        expression: The formula.
-        values: A number for every name in it.
 
     Returns:
         The value; None where it is no real number or does not fit into a float.
@@ -128,15 +114,7 @@ def _value(e: Expression, values: Values) -> Real:
 
 
 def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
-    """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive.
-
-    Args:
-        robot: Its joints tell angles from lengths.
-        wanted: The names that need a value.
-
-    Yields:
-        A number for every name; the same points each time.
-    """
+    """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive."""
     rng = random.Random(1)
     angles = {joint.variable for joint in robot.joints if joint.is_revolute}
     for trial in range(TRIALS):
@@ -150,53 +128,22 @@ def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """The outcome of a comparison.
+    """The outcome of a comparison."""
 
-    Attributes:
-        equal: Whether the formulas are equal wherever both are defined.
-        exact: Whether that was decided identically, by algebra; otherwise it was by their values with fifty digits at
-            random points.
-        counter_example: A point where they differ; None where they are equal.
-    """
-
-    equal: bool
+    equal: bool  # whether the formulas are equal wherever both are defined
+    # Whether that was decided identically, by algebra; otherwise it was by their values with fifty digits at random
+    # points.
     exact: bool
-    counter_example: CounterExample | None = None
+    counter_example: CounterExample | None = None  # a point where they differ; None where they are equal
 
 
 def difference(robot: Robot, ours: Expression, theirs: Expression) -> Polynomial:
-    """A polynomial that is identically zero if the formulas are equal: the cross-multiplied difference.
-
-    Args:
-        robot: Its joints tell angles from lengths.
-        ours: One formula, in the robot's own names.
-        theirs: The other.
-
-    Returns:
-        The difference of the numerators over a common denominator.
-
-    Raises:
-        CheckError: A formula divides by zero everywhere.
-        ExpressionError: A formula that the ring cannot hold.
-        TooManyTerms: A formula that is too long when multiplied out.
-    """
+    """A polynomial that is identically zero if the formulas are equal: the cross-multiplied difference."""
     return QuotientRing(robot, (ours, theirs)).difference(ours, theirs)
 
 
 def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
-    """Whether two formulas are equal wherever both are defined.
-
-    Args:
-        robot: Its joints tell angles from lengths.
-        ours: The derived formula.
-        theirs: The printed one.
-
-    Returns:
-        The verdict, with a counter-example where they differ.
-
-    Raises:
-        CheckError: A formula divides by zero, or has no real value at any of many points.
-    """
+    """Whether two formulas are equal wherever both are defined."""
     try:
         ring = QuotientRing(robot, (ours, theirs))
         zero, proves = not ring.difference(ours, theirs), ring.faithful
@@ -214,20 +161,7 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
 
 
 def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
-    """Whether an expression equals a scalar quantity.
-
-    Args:
-        model: The robot's model.
-        quantity: A scalar quantity; ``T[1,4]`` is the entry in row 1, column 4 of T here, as no scalar equals a matrix.
-        expression: Text in the notation of lecture notes (c12, qd1, ...) or a SymPy expression.
-
-    Returns:
-        The verdict, with a counter-example where they differ.
-
-    Raises:
-        QuantityError: No such quantity, or a matrix.
-        CheckError: The expression cannot be read.
-    """
+    """Whether an expression equals a scalar quantity."""
     if isinstance(expression, str):
         theirs = read_formula(expression, model.robot)
     else:
@@ -239,36 +173,12 @@ def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
 
 
 def equal(model: DynamicModel, quantity: str, expression: object) -> bool:
-    """Whether an expression equals a scalar quantity.
-
-    Args:
-        model: The robot's model.
-        quantity: A scalar quantity such as ``T[1,4]``.
-        expression: Text in the notation of lecture notes or a SymPy expression.
-
-    Returns:
-        True if they are equal wherever both are defined.
-
-    Raises:
-        QuantityError: No such quantity, or a matrix.
-        CheckError: The expression cannot be read.
-    """
+    """Whether an expression equals a scalar quantity."""
     return verdict(model, quantity, expression).equal
 
 
 def scalar_quantity(model: DynamicModel, text: str) -> Expr:
-    """A quantity that is one expression.
-
-    Args:
-        model: The robot's model.
-        text: Its name; the last two indices (one for a vector) may pick an entry of a matrix.
-
-    Returns:
-        The expression.
-
-    Raises:
-        QuantityError: No such quantity, or a matrix.
-    """
+    """A quantity that is one expression."""
     quantity, indices, entry = parse(model, text)
     if entry is not None:
         return pick(quantity.value(model, *indices), entry, text)

@@ -29,20 +29,15 @@ if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of t
     from derive.model.singularities.aspects import Aspects
     from derive.model.singularities.singularities import Singularities
 
+# Attributes of a model that are the same in every style.
 STYLELESS = ("domain", "kinematics", "dynamics", "inertia_limit", "christoffel_limit")
-"""Attributes of a model that are the same in every style."""
-
+# Attributes of a model that hold FLINT's polynomials or functions, and are not pickled.
 MADE_AGAIN = (
     *("domain", "kinematics", "form", "_long", "jacobian_columns", "_write"),
     *("dynamics", "dynamic_form", "standard_set", "base_set", "inverse", "workspace", "aspects"),
 )
-"""Attributes of a model that hold FLINT's polynomials or functions, and are not pickled."""
-
-ITSELF = ("robot", "style", "q", "qd", "qdd", "_view")
-"""Attributes of every model."""
-
-SHORT_ROOT = 4
-"""Most terms under the roots of the orientation angles that are worth simplifying."""
+ITSELF = ("robot", "style", "q", "qd", "qdd", "_view")  # attributes of every model
+SHORT_ROOT = 4  # most terms under the roots of the orientation angles that are worth simplifying
 
 
 class KinematicModel:

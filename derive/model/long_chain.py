@@ -32,83 +32,46 @@ from derive.robot.robot import Robot
 
 
 class LeafDomain(Generic[S]):
-    """A `derive.mechanics.chain.Domain` whose scalars are made of the exact cells, angles and offsets of an arm.
-
-    Args:
-        domain: A polynomial domain in which every angle is a generator by itself.
-        scalar: Makes a scalar of a polynomial.
-    """
+    """A `derive.mechanics.chain.Domain` whose scalars are made of the exact cells, angles and offsets of an arm."""
 
     def __init__(self, domain: PolynomialDomain, scalar: Callable[[Polynomial], S]) -> None:
         self._domain = domain
         self._scalar = scalar
 
     def number(self, value: int | Fraction) -> S:
-        """A rational.
-
-        Args:
-            value: The number.
-        """
+        """A rational."""
         return self._scalar(self._domain.number(value))
 
     def constant(self, expression: Expression) -> S:
-        """A cell without joint variables.
-
-        Args:
-            expression: The cell.
-        """
+        """A cell without joint variables."""
         return self._scalar(self._domain.constant(expression))
 
     def cosine_sine(self, angle: Expression) -> tuple[S, S]:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle."""
         cosine, sine = self._domain.cosine_sine(angle)
         return self._scalar(cosine), self._scalar(sine)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[S, S]:
-        """Cosine and sine of ``sign*q + theta`` of a revolute joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of ``sign*q + theta`` of a revolute joint."""
         cosine, sine = self._domain.joint_cosine_sine(index, joint)
         return self._scalar(cosine), self._scalar(sine)
 
     def joint_offset(self, index: int, joint: Joint) -> S:
-        """``sign*q + d`` of a prismatic joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """``sign*q + d`` of a prismatic joint."""
         return self._scalar(self._domain.joint_offset(index, joint))
 
 
 @dataclass(frozen=True)
 class NestedKinematics(Generic[S]):
-    """T and J of a chain, nested from the base outwards.
+    """T and J of a chain, nested from the base outwards."""
 
-    Attributes:
-        end: The end effector in the world.
-        linear: Columns of the linear part of J, world frame.
-        angular: Columns of the angular part of J, world frame.
-    """
-
-    end: Frame[S]
-    linear: tuple[Vector[S], ...]
-    angular: tuple[Vector[S], ...]
+    end: Frame[S]  # the end effector in the world
+    linear: tuple[Vector[S], ...]  # columns of the linear part of J, world frame
+    angular: tuple[Vector[S], ...]  # columns of the angular part of J, world frame
 
 
 def nested_kinematics(chain: Chain[S]) -> NestedKinematics[S]:
-    """T and J of an arm from the end effector inwards.
-
-    Args:
-        chain: The arm.
-    """
+    """T and J of an arm from the end effector inwards."""
     zero, end = chain.zero, chain.tool
     linear: list[Vector[S]] = []
     angular: list[Vector[S]] = []
@@ -128,31 +91,20 @@ def nested_kinematics(chain: Chain[S]) -> NestedKinematics[S]:
     return NestedKinematics(end=chain.base @ end, linear=tuple(linear), angular=tuple(angular))
 
 
+# Entries of a transform with more terms are nested from the recursion instead of derived as polynomials.
 MAX_TERMS = 300
-"""Entries of a transform with more terms are nested from the recursion instead of derived as polynomials."""
-
-ALWAYS_SHORT = 8
-"""Arms with so few joints are never long; measuring them would be wasted."""
+ALWAYS_SHORT = 8  # arms with so few joints are never long; measuring them would be wasted
 
 
 class LongChain:
-    """An arm of which some transforms are too long to expand: says which, and writes those.
-
-    Args:
-        robot: The robot.
-    """
+    """An arm of which some transforms are too long to expand: says which, and writes those."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self._reach: dict[int, int] = {}  # by frame the last one up to which its transforms are short
 
     def is_long(self, i: int, j: int) -> bool:
-        """Whether the entries of the transform between two DH frames are too long to expand.
-
-        Args:
-            i: One frame, from 0.
-            j: The other.
-        """
+        """Whether the entries of the transform between two DH frames are too long to expand."""
         if self.robot.n <= ALWAYS_SHORT:
             return False
         start, end = sorted((i, j))
@@ -180,26 +132,11 @@ class LongChain:
         return nested_kinematics(self.chain)
 
     def frame(self, i: int) -> Matrix:
-        """DH frame i in the world.
-
-        Args:
-            i: From 0.
-
-        Returns:
-            4x4.
-        """
+        """DH frame i in the world."""
         return frame_matrix(_product([self.chain.base, *self._rows(0, i)]))
 
     def transform(self, i: int, j: int) -> Matrix:
-        """DH frame j in DH frame i, without base and tool.
-
-        Args:
-            i: The reference, from 0.
-            j: The frame.
-
-        Returns:
-            4x4.
-        """
+        """DH frame j in DH frame i, without base and tool."""
         if i < j:
             return frame_matrix(_product(self._rows(i, j)))
         t = self.transform(j, i)
@@ -222,13 +159,9 @@ def _product(frames: Sequence[Frame[S]]) -> Frame[S]:
 
 @dataclass(frozen=True, slots=True)
 class TermCount:
-    """A number of terms, as a scalar of the recursions.
+    """A number of terms, as a scalar of the recursions."""
 
-    Attributes:
-        value: The number; 0 for what is zero.
-    """
-
-    value: int
+    value: int  # the number; 0 for what is zero
 
     def __add__(self, other: Any, /) -> TermCount:
         return TermCount(self.value + _count(other))
@@ -249,10 +182,6 @@ def _count(scalar: Any) -> int:
 
 
 def nested_term_counts(robot: Robot) -> NestedKinematics[TermCount]:
-    """Numbers of terms of the entries of T and J, without multiplying out.
-
-    Args:
-        robot: The robot.
-    """
+    """Numbers of terms of the entries of T and J, without multiplying out."""
     alone = PolynomialDomain(robot, rates=False, offsets=True, sums=lambda group: False)
     return nested_kinematics(build_chain(robot, LeafDomain(alone, lambda p: TermCount(len(p)))))

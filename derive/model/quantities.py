@@ -13,37 +13,27 @@ from derive.model.dynamic_model import DynamicModel
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
 
-ANY = range(1, FILE_LIMITS.joints + 1)
-"""Any number of joints."""
+ANY = range(1, FILE_LIMITS.joints + 1)  # any number of joints
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One row of the registry.
+    """One row of the registry."""
 
-    Attributes:
-        name: As the user writes it.
-        symbol: As notes write it, in LaTeX; i, j, k stand for its indices.
-        shape: Rows and columns, ``6xn``: n joints, m = n - 3, k indices, p standard and b base parameters, s solutions;
-            empty for a scalar.
-        unit: SI unit of its entries; empty where these differ or have none.
-        summary: What it is, for lists.
-        indices: How many indices it takes (alternatives allowed); further ones pick an entry.
-        formula: The function of the model and the indices; by default the model's attribute or method of that name.
-        words: What books and people call it besides; case counts where it is one letter, spaces and signs never do.
-        joints: For how many joints it is defined.
-        function: The generated function that computes it or from whose result it follows at once; empty if none does.
-    """
-
-    name: str
-    symbol: str
+    name: str  # as the user writes it
+    symbol: str  # as notes write it, in LaTeX; i, j, k stand for its indices
+    # Rows and columns, ``6xn``: n joints, m = n - 3, k indices, p standard and b base parameters, s solutions; empty
+    # for a scalar.
     shape: str
-    unit: str
-    summary: str
-    indices: tuple[int, ...] = (0,)
+    unit: str  # SI unit of its entries; empty where these differ or have none
+    summary: str  # what it is, for lists
+    indices: tuple[int, ...] = (0,)  # how many indices it takes (alternatives allowed); further ones pick an entry
+    # The function of the model and the indices; by default the model's attribute or method of that name.
     formula: Callable[..., Expr] | None = None
+    # What books and people call it besides; case counts where it is one letter, spaces and signs never do.
     words: tuple[str, ...] = ()
-    joints: range = ANY
+    joints: range = ANY  # for how many joints it is defined
+    # The generated function that computes it or from whose result it follows at once; empty if none does.
     function: str = ""
 
     @property
@@ -58,34 +48,15 @@ class Quantity:
         return f"{self.name}[{letters}]" if letters else self.name
 
     def shape_of(self, robot: Robot) -> str:
-        """Its shape for a robot: ``6x2``; empty for a scalar.
-
-        Args:
-            robot: The robot.
-        """
+        """Its shape for a robot: ``6x2``; empty for a scalar."""
         return self.shape.replace("n", str(robot.n)).replace("m", str(robot.n - 3))
 
     def is_of(self, robot: Robot) -> bool:
-        """Whether a robot has it.
-
-        Args:
-            robot: The robot.
-        """
+        """Whether a robot has it."""
         return robot.n in self.joints and (robot.has_dynamics or not self.dynamic)
 
     def value(self, model: DynamicModel, *indices: int) -> Expr:
-        """The quantity of a model.
-
-        Args:
-            model: The closed forms.
-            indices: As many as the quantity takes, from 1.
-
-        Returns:
-            The matrix or expression.
-
-        Raises:
-            QuantityError: No such link, joint or frame, or a quantity that this robot has not.
-        """
+        """The quantity of a model."""
         if model.n not in self.joints:
             first, last = self.joints[0], self.joints[-1]
             allowed = f"{first} joints" if first == last else f"{first} joints or more" if last == ANY[-1] else ""
@@ -328,11 +299,10 @@ _DYNAMIC = (
     ),
 )  # fmt: skip
 
+# Every quantity that can be asked for by name, in the order of lists.
 REGISTRY = {quantity.name: quantity for quantity in (*_KINEMATIC, *_DYNAMIC)}
-"""Every quantity that can be asked for by name, in the order of lists."""
-
+# What is described by sentences, and has no entries: attributes of the model.
 DESCRIBED = {
     "workspace": "where the arm reaches, in formulas, if no joint has limits",
     "aspects": "sets of configurations without a singularity; whether the arm is cuspidal",
 }
-"""What is described by sentences, and has no entries: attributes of the model."""

@@ -20,16 +20,6 @@ def evaluate(model: DynamicModel, text: str) -> Expr:
 
     ``T[2]`` is frame 2; ``T[1,4]`` is the entry in row 1, column 4 where j = 4 is no frame of this robot, and frame 4
     in frame 1 where it is: an entry is always meant by a second bracket, ``T[][1,4]`` or ``T[0,2][1,4]``.
-
-    Args:
-        model: The closed forms.
-        text: The name, with indices from 1.
-
-    Returns:
-        The matrix or expression.
-
-    Raises:
-        QuantityError: Unknown name, wrong number of indices or an entry outside.
     """
     quantity, indices, entry = parse(model, text)
     value = quantity.value(model, *indices)
@@ -37,18 +27,7 @@ def evaluate(model: DynamicModel, text: str) -> Expr:
 
 
 def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tuple[int, ...] | None]:
-    """What a name with indices asks for.
-
-    Args:
-        model: Says how many frames there are.
-        text: The name, with indices from 1.
-
-    Returns:
-        The registry row, its indices and the entry, if one is asked for.
-
-    Raises:
-        QuantityError: Unknown name or wrong number of indices.
-    """
+    """What a name with indices asks for."""
     written = re.sub(r"\(([\d,\s]+)\)", r"[\1]", re.sub(r"^\s*T\((\d+\s*,\s*\d+)\)", r"T[][\1]", text))
     match = _ASKED.fullmatch(written)
     if match is None or not match[1]:
@@ -144,16 +123,7 @@ def _integers(text: str | None, whole: str) -> tuple[int, ...]:
 
 
 def pick(value: Expr, entry: tuple[int, ...], text: str) -> Expr:
-    """One entry of a matrix.
-
-    Args:
-        value: The matrix.
-        entry: Row and column from 1; a vector takes one index.
-        text: What was asked for, for messages.
-
-    Raises:
-        QuantityError: A scalar, or no such entry.
-    """
+    """One entry of a matrix."""
     shape = getattr(value, "shape", None)
     if shape is None:
         raise QuantityError(f"an entry of {text!r}", allowed="no entry, for it is a scalar")

@@ -24,20 +24,12 @@ AXES = ("x", "y", "z")
 
 
 def kinematics_alone(robot: Robot) -> Robot:
-    """A robot without links: nobody asks what it weighs.
-
-    Args:
-        robot: The robot.
-    """
+    """A robot without links: nobody asks what it weighs."""
     return replace(robot, links=(), gravity=None)
 
 
 class HandCurve:
-    """The end effector of a motion.
-
-    Args:
-        motion: The motion.
-    """
+    """The end effector of a motion."""
 
     def __init__(self, motion: Motion) -> None:
         self._motion = motion
@@ -46,14 +38,8 @@ class HandCurve:
     def __call__(self, t: Array) -> tuple[Array, Array]:
         """Position and velocity.
 
-        Args:
-            t: Times [s], (times,).
-
         Returns:
             p [m] and v [m/s] in the world frame, (times, 3) each.
-
-        Raises:
-            QuantityError: A symbol of the table has no number.
         """
         times = np.asarray(t, dtype=float)
         q, qd, _ = self._motion(times)
@@ -86,11 +72,7 @@ class HandCurve:
 
     @cached_property
     def formula(self) -> tuple[Expr, Expr, Expr]:
-        """x, y, z of the end effector as formulas of time, of a motion by curves.
-
-        Raises:
-            QuantityError: The motion is not given by curves.
-        """
+        """x, y, z of the end effector as formulas of time, of a motion by curves."""
         curves = self._motion.plan.curves
         if not curves:
             raise QuantityError("no formula of the hand", remedy="only curves: have one")
@@ -104,9 +86,6 @@ class HandCurve:
         """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27).
 
         Symbols of lengths are taken as positive.
-
-        Raises:
-            QuantityError: The arm is too long for closed forms.
         """
         model = KinematicModel(self._robot)
         columns, _ = model.jacobian_columns
@@ -115,16 +94,7 @@ class HandCurve:
 
 
 def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
-    """The curve of the hand as people write it.
-
-    Args:
-        motion: Of any kind; by curves with its formulas of time, else in the joint variables, without velocities.
-        as_latex: Whether it is LaTeX.
-
-    Yields:
-        Lines: position, then velocity by exact derivation, in the symbols of the robot; what is always zero is left
-        out.
-    """
+    """The curve of the hand as people write it."""
     yield ("% " if as_latex else "") + "hand"
     hand, plain = HandCurve(motion), Symbol(TIME.name)
     by_time = [hand.formula, [entry.diff(TIME) for entry in hand.formula]] if motion.plan.curves else [hand.position]
@@ -140,15 +110,7 @@ def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
 
 
 def printed_weights(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
-    """Which joint moves the hand most.
-
-    Args:
-        motion: Any.
-        as_latex: Whether it is LaTeX.
-
-    Yields:
-        A line for each joint: by how much the hand moves when the joint moves by one.
-    """
+    """Which joint moves the hand most."""
     for joint, weight in zip(motion.plan.robot.joints, HandCurve(motion).weights, strict=True):
         if as_latex:
             yield f"\\lVert J_{{{latex(Symbol(joint.variable))}}} \\rVert = {latex(weight)}"

@@ -24,52 +24,30 @@ from derive.motion.torques.functions import Functions
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.robot import Robot
 
-NEAR = 0.05
-"""Singular value of J, relative to the largest, below which its direction is damped."""
-
-DAMPING = 0.05
-"""Damping at a singular configuration, relative to the largest singular value."""
-
-CLOSED = 1e-12
-"""Distance at which the hand has arrived, relative to how far it goes."""
-
-CORRECTIONS = 50
-"""Most corrections at the end."""
-
-
-ANEW = 12
-"""How often corrections begin anew, farther and farther aside, where they stop short of the target."""
-
-DESCENTS = 200
-"""Most steps of each of these."""
+NEAR = 0.05  # singular value of J, relative to the largest, below which its direction is damped
+DAMPING = 0.05  # damping at a singular configuration, relative to the largest singular value
+CLOSED = 1e-12  # distance at which the hand has arrived, relative to how far it goes
+CORRECTIONS = 50  # most corrections at the end
+ANEW = 12  # how often corrections begin anew, farther and farther aside, where they stop short of the target
+DESCENTS = 200  # most steps of each of these
 
 
 @dataclass(frozen=True, slots=True)
 class Increments:
-    """A displacement of the hand in small steps.
+    """A displacement of the hand in small steps."""
 
-    Attributes:
-        q: Joint variables after each step, the start first, (steps + 1, n).
-        error: Distance from the target after the last step, before any correction [m].
-        corrections: Steps towards the target after that.
-        closed: Distance from the target then [m].
-        damped: How many steps were damped.
-        factor: What vanishes at the singularity that was nearest where the arm came nearest to one, also while it was
-            corrected; empty where it came near none.
-        turn: Angle to the target's orientation before any correction [rad]; None where the arm is not free to turn.
-        turned: That angle after the corrections.
-        anew: How often corrections began anew, aside of where those with J^+ stop.
-    """
-
-    q: Array
-    error: float
-    corrections: int
-    closed: float
-    damped: int
+    q: Array  # joint variables after each step, the start first, (steps + 1, n)
+    error: float  # distance from the target after the last step, before any correction [m]
+    corrections: int  # steps towards the target after that
+    closed: float  # distance from the target then [m]
+    damped: int  # how many steps were damped
+    # What vanishes at the singularity that was nearest where the arm came nearest to one, also while it was
+    # corrected; empty where it came near none.
     factor: str
+    # Angle to the target's orientation before any correction [rad]; None where the arm is not free to turn.
     turn: float | None = None
-    turned: float = 0.0
-    anew: int = 0
+    turned: float = 0.0  # that angle after the corrections
+    anew: int = 0  # how often corrections began anew, aside of where those with J^+ stop
 
     @property
     def is_closed(self) -> bool:
@@ -78,12 +56,7 @@ class Increments:
 
 
 class Walker:
-    """Moves the hand of a robot in small steps.
-
-    Args:
-        robot: The robot.
-        values: Numbers of all symbols.
-    """
+    """Moves the hand of a robot in small steps."""
 
     def __init__(self, robot: Robot, values: Mapping[str, float]) -> None:
         self._robot = kinematics_alone(robot)
@@ -91,11 +64,7 @@ class Walker:
         self._functions = Functions(self._robot, frozenset({"forward_kinematics", "jacobian"}), values)
 
     def place(self, q: Array) -> Array:
-        """Where the hand is, (3,) [m].
-
-        Args:
-            q: Joint variables, (n,).
-        """
+        """Where the hand is, (3,) [m]."""
         return self.pose(q)[:3, 3]
 
     def pose(self, q: Array) -> Array:
@@ -108,10 +77,6 @@ class Walker:
         Args:
             q: Joint variables at the start, (n,).
             target: Where the hand goes, (3,) [m], or its pose, (4, 4).
-            steps: How many displacements.
-
-        Returns:
-            The way, and how well it ends: the error before correction falls with the length of a step.
         """
         way = self._off(target, q)
         rows, near = [q], []
@@ -190,18 +155,7 @@ class Walker:
 
 
 def increments_of(motion: Motion, steps: int) -> list[Increments]:
-    """The displacements between the points of a path, each along a straight line from where the plan is.
-
-    Args:
-        motion: Of a path, with a base that stands.
-        steps: Displacements of each segment.
-
-    Returns:
-        One for each segment.
-
-    Raises:
-        QuantityError: The base moves, or there is no path.
-    """
+    """The displacements between the points of a path, each along a straight line from where the plan is."""
     if motion.base is not None:
         raise QuantityError("increments of an arm whose base moves", allowed="a base that stands")
     if not motion.plan.steps:
@@ -214,16 +168,7 @@ def increments_of(motion: Motion, steps: int) -> list[Increments]:
 
 
 def printed_increments(motion: Motion, steps: int, found: Sequence[Increments] = ()) -> Iterator[str]:
-    """How well incremental inverse kinematics does.
-
-    Args:
-        motion: Of a path.
-        steps: Displacements of each segment.
-        found: Where they lead, if that is known.
-
-    Yields:
-        A line for each segment: the errors before correction with these steps and with twice as many, and after.
-    """
+    """How well incremental inverse kinematics does."""
     pairs = zip(found or increments_of(motion, steps), increments_of(motion, 2 * steps), strict=True)
     for segment, (ours, finer) in zip(motion.trajectory.segments, pairs, strict=True):
         first, second = (_size(each.error, each.turn) for each in (ours, finer))

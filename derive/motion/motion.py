@@ -40,8 +40,7 @@ from derive.robot.names import free_symbols
 if TYPE_CHECKING:  # simulations are imported where there is one
     from derive.motion.simulation.simulation import Run
 
-MOST_SAMPLES = 1_000_000
-"""Of a motion: a thousand seconds at a kilohertz."""
+MOST_SAMPLES = 1_000_000  # of a motion: a thousand seconds at a kilohertz
 
 
 @dataclass(frozen=True)
@@ -200,9 +199,6 @@ class Motion:
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration.
-
-        Args:
-            t: Times [s], (...).
 
         Returns:
             q, qd, qdd, (..., n) each [rad or m, per s, per s^2].

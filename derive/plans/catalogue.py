@@ -20,9 +20,8 @@ from derive.robot.units import in_symbol_units
 _FOLDER = files("derive.plans") / "built_in"
 _SUFFIX = ".yaml"
 
+# How far a joint goes in a new plan, where its limits let it: a revolute one [rad], a prismatic one [m].
 STRIDE = {True: math.pi / 4, False: 0.2}
-"""How far a joint goes in a new plan, where its limits let it: a revolute one [rad], a prismatic one [m]."""
-
 _NEW = """\
 # Motion plan. What it asks of the joints:  derive move {name}.yaml       All outputs:  derive move --help
 robot: {robot}
@@ -54,18 +53,7 @@ def plan_names() -> tuple[str, ...]:
 
 
 def plan_bytes(path_or_name: str | Path) -> bytes:
-    """Contents of a plan, or of a built-in one.
-
-    Args:
-        path_or_name: Path of a YAML file, or one of `plan_names`; ``./name`` is a file of that name.
-
-    Returns:
-        Its bytes, at most one more than a file may have.
-
-    Raises:
-        RobotFileError: The file cannot be read.
-        UnknownRobotError: Neither a file nor the name of a plan.
-    """
+    """Contents of a plan, or of a built-in one."""
     text = str(path_or_name)
     if text in plan_names():
         return (_FOLDER / f"{text}{_SUFFIX}").read_bytes()
@@ -80,16 +68,7 @@ def plan_bytes(path_or_name: str | Path) -> bytes:
 
 
 def new_plan_text(name: str, robot: Robot, source: str) -> str:
-    """A commented plan that moves every joint of a robot there and back.
-
-    Args:
-        name: Of the file, without its ending.
-        robot: The robot.
-        source: How the plan calls it: a name of the catalogue, or a path.
-
-    Returns:
-        The YAML text; symbols without a number have the number 1, or 9.81 for g.
-    """
+    """A commented plan that moves every joint of a robot there and back."""
     numbers = parameter_values(robot)
     missing = [symbol for symbol in free_symbols(robot) if symbol not in numbers]
     typed = {symbol: in_symbol_units(robot, symbol, number("9.81" if symbol == "g" else 1)) for symbol in missing}

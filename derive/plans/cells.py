@@ -14,19 +14,12 @@ from derive.robot.names import file_symbols
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 from derive.robot.robot import Robot
 
-TIME = "t"
-"""The letter of time in curves."""
-
-Read = Callable[[KeyPath], Expression]
-"""Reads a cell."""
+TIME = "t"  # the letter of time in curves
+Read = Callable[[KeyPath], Expression]  # reads a cell
 
 
 class PlanCells:
     """The cells of a plan.
-
-    Args:
-        document: The plan.
-        robot: Its robot.
 
     Attributes:
         cells: Expressions as written, in SI units and radians.
@@ -55,11 +48,7 @@ class PlanCells:
         return numbers | {name: evaluate(expression, numbers) for name, expression in self.values.items()}
 
     def check_used(self) -> None:
-        """Refuse numbers of symbols that neither the robot nor any cell that was read has.
-
-        Raises:
-            RobotFileError: At the first such symbol.
-        """
+        """Refuse numbers of symbols that neither the robot nor any cell that was read has."""
         robot = self._robot
         known = {*file_symbols(robot), *(name for name, _ in robot.parameters)}
         known |= set(self.cells.first_use)
@@ -69,30 +58,12 @@ class PlanCells:
                 raise self._document.error(("values", name), found, remedy=near_miss(name, known) or "remove it")
 
     def keys(self, path: KeyPath) -> tuple[str, ...]:
-        """The keys of a mapping.
-
-        Args:
-            path: Where it stands.
-
-        Returns:
-            In the order of the file; none where there is no mapping.
-        """
+        """The keys of a mapping."""
         node = self._document.find(path)
         return tuple(node.entries) if isinstance(node, YamlMapping) else ()
 
     def number(self, path: KeyPath, read: Read) -> Expression:
-        """A cell whose symbols all have numbers, and whose value exists.
-
-        Args:
-            path: Where it stands.
-            read: One of the readers of `cells`.
-
-        Returns:
-            The expression, SI units and radians.
-
-        Raises:
-            RobotFileError: A symbol has no number, or the value does not exist.
-        """
+        """A cell whose symbols all have numbers, and whose value exists."""
         return self._with_numbers(path, read(path), self.numbers)
 
     def _with_numbers(self, path: KeyPath, value: Expression, numbers: Mapping[str, Fraction | float]) -> Expression:
@@ -104,87 +75,32 @@ class PlanCells:
         return value
 
     def check_symbols(self, path: KeyPath, value: Expression, known: Mapping[str, object]) -> None:
-        """Refuse symbols without a number.
-
-        Args:
-            path: Where the cell stands.
-            value: What was read there.
-            known: Symbols that it may have.
-
-        Raises:
-            RobotFileError: It has another one.
-        """
+        """Refuse symbols without a number."""
         for name in names(value):
             if name not in known:
                 remedy = near_miss(name, known) or f"write values: {{{name}: ...}}"
                 raise self._document.error(path, f"the symbol '{name}' has no number", remedy=remedy)
 
     def formula(self, path: KeyPath, read: Read) -> Expression:
-        """A formula of time.
-
-        Args:
-            path: Where it stands.
-            read: One of the readers of `cells`.
-
-        Returns:
-            The expression in `TIME` and symbols with numbers.
-
-        Raises:
-            RobotFileError: A symbol has no number.
-        """
+        """A formula of time."""
         value = read(path)
         self.check_symbols(path, value, {**self.numbers, TIME: 0})
         return value
 
     def plain(self, path: KeyPath) -> Expression:
-        """A quantity that is always in SI units.
-
-        Args:
-            path: Where it stands.
-
-        Returns:
-            The expression.
-        """
+        """A quantity that is always in SI units."""
         return self.number(path, self.cells.plain)
 
     def size(self, value: Expression) -> float:
-        """The number of an expression.
-
-        Args:
-            value: What was read.
-        """
+        """The number of an expression."""
         return evaluate(value, self.numbers)
 
     def positive(self, path: KeyPath, default: Expression, allowed: str = "a time above zero [s]") -> Expression:
-        """A quantity above zero.
-
-        Args:
-            path: Where it stands.
-            default: What stands for a cell that is left out.
-            allowed: What it is, for the message.
-
-        Returns:
-            The expression.
-
-        Raises:
-            RobotFileError: Zero or negative.
-        """
+        """A quantity above zero."""
         return default if self._document.scalar(path) is None else self._least(path, allowed, above=True)
 
     def not_negative(self, path: KeyPath, allowed: str, remedy: str = "") -> Expression:
-        """A quantity of zero or more.
-
-        Args:
-            path: Where it stands.
-            allowed: What it is, for the message.
-            remedy: What to do about another one.
-
-        Returns:
-            The expression; zero for a cell that is left out.
-
-        Raises:
-            RobotFileError: Negative.
-        """
+        """A quantity of zero or more."""
         return self._least(path, allowed, remedy)
 
     def _least(self, path: KeyPath, allowed: str, remedy: str = "", *, above: bool = False) -> Expression:
@@ -198,14 +114,7 @@ class PlanCells:
         """One cell a joint.
 
         Args:
-            path: Where the list stands.
             read: One of the readers of `cells`; None for angles and lengths in the units of the robot.
-
-        Returns:
-            The expressions.
-
-        Raises:
-            RobotFileError: Not one a joint, or an angle for a slide.
         """
         robot, count = self._robot, self._document.length(path)
         if count != robot.n:

@@ -15,9 +15,6 @@ def plan_text(keys: Mapping[str, Any]) -> str:
 
     Args:
         keys: Numbers, texts of cells, lists, arrays and mappings; None and False count as left out.
-
-    Returns:
-        YAML; it is JSON, too.
     """
     return json.dumps(_plain(keys), indent=1, ensure_ascii=False)
 
@@ -42,12 +39,6 @@ def waypoints(points: ArrayLike, times: ArrayLike | None) -> dict[str, Any]:
     Args:
         points: One row a configuration, (points, n).
         times: Of the segments [s], (points - 1,), or one for all; None where limits decide.
-
-    Returns:
-        Its keys ``points`` and ``path``.
-
-    Raises:
-        ValueError: The points are no rows, or there is another number of times.
     """
     rows = np.asarray(points)
     if rows.ndim != 2 or len(rows) < 2:

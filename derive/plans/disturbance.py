@@ -13,41 +13,21 @@ from derive.robot.names import robot_symbols
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 from derive.robot.robot import Robot
 
-PAYLOAD = "payload"
-"""The key of a body among the numbers of the plant."""
+PAYLOAD = "payload"  # the key of a body among the numbers of the plant
 
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """What pushes a joint for a time.
+    """What pushes a joint for a time."""
 
-    Attributes:
-        joint: Index of the joint.
-        torque: Torque or force [N m or N].
-        start: When it begins [s].
-        end: When it ends [s].
-    """
-
-    joint: int
-    torque: Expression
-    start: Expression
-    end: Expression
+    joint: int  # index of the joint
+    torque: Expression  # torque or force [N m or N]
+    start: Expression  # when it begins [s]
+    end: Expression  # when it ends [s]
 
 
 def plant_numbers(document: Document, robot: Robot, numbers: PlanCells) -> dict[str, Expression]:
-    """Numbers of symbols that differ in the simulated arm.
-
-    Args:
-        document: The plan.
-        robot: Its robot.
-        numbers: Its cells.
-
-    Returns:
-        Numbers by name.
-
-    Raises:
-        RobotFileError: The robot has no such symbol.
-    """
+    """Numbers of symbols that differ in the simulated arm."""
     node, symbols, found = document.find(("plant",)), (*robot_symbols(robot), PAYLOAD), {}
     for name in node.entries if isinstance(node, YamlMapping) else ():
         if name not in symbols:
@@ -59,19 +39,7 @@ def plant_numbers(document: Document, robot: Robot, numbers: PlanCells) -> dict[
 
 
 def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[Disturbance, ...]:
-    """What pushes the joints.
-
-    Args:
-        document: The plan.
-        robot: Its robot.
-        numbers: Its cells.
-
-    Returns:
-        One for each row.
-
-    Raises:
-        RobotFileError: The robot has no such joint, or an end is not after its start.
-    """
+    """What pushes the joints."""
     variables, found = tuple(joint.variable for joint in robot.joints), []
     for k in range(document.length(("disturbance",))):
         path: KeyPath = ("disturbance", k)

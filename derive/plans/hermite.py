@@ -21,25 +21,14 @@ from sympy import Expr, Float, Integer, Poly, Rational, Symbol, expand
 
 from derive.arrays import Array
 
-MOST_PRINTED = 8
-"""Pieces of a joint in a segment that are printed."""
-
-ORDERS = 4
-"""Position and its derivatives up to the jerk."""
-
+MOST_PRINTED = 8  # pieces of a joint in a segment that are printed
+ORDERS = 4  # position and its derivatives up to the jerk
 TIME = Symbol("t", real=True)
 
 
 @cache
 def basis(k: int) -> tuple[tuple[int, ...], ...]:
-    """Coefficients of ``i! h_i``, then of ``i! (-1)**i h_i(1 - u)``, from the constant on; all are integers.
-
-    Args:
-        k: Number of values at each end.
-
-    Returns:
-        2k polynomials of 2k coefficients each.
-    """
+    """Coefficients of ``i! h_i``, then of ``i! (-1)**i h_i(1 - u)``, from the constant on; all are integers."""
     starts, ends = [], []
     for i in range(k):
         start = [0] * (2 * k)
@@ -68,16 +57,12 @@ def _derived(k: int, order: int) -> Array:
 class Piece:
     """A polynomial of one joint on an interval of time.
 
-    Attributes:
-        start: Time of its first end [s].
-        duration: Its length [s], positive.
-        values: Position, velocity, ... at the first end, then at the second; as many at both.
-
     Of many pieces in floats, none of which is printed, these are Python's: SymPy's take a hundred times as long.
     """
 
-    start: Expr
-    duration: Expr
+    start: Expr  # time of its first end [s]
+    duration: Expr  # its length [s], positive
+    # Position, velocity, ... at the first end, then at the second; as many at both.
     values: tuple[tuple[Expr, ...], tuple[Expr, ...]]
 
     @property
@@ -119,16 +104,7 @@ def symbolic(value: Expr) -> Expr:
 
 
 def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
-    """Coefficients of a piece by powers of unit time.
-
-    Args:
-        numbers: Values at both ends, (2k,).
-        k: Number of values at each end.
-        duration: Its length [s].
-
-    Returns:
-        (2k,), the highest power first.
-    """
+    """Coefficients of a piece by powers of unit time."""
     scale = [duration**i / factorial(i) for i in range(k)]
     weights = numbers * np.array(scale * 2)
     weights[0], weights[k] = 0.0, numbers[k] - numbers[0]
@@ -142,13 +118,8 @@ def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int)
 
     Args:
         piece_numbers: Values at both ends of the piece of each point, (points, 2k).
-        k: Number of values at each end.
         u: Where, from 0 to 1, (points,).
         duration: Of the piece of each point [s], (points,).
-        order: 0 for the position, 1 for the velocity, ...
-
-    Returns:
-        The values, (points,).
     """
     rows = _derived(k, order)
     powers = np.zeros((2 * k, u.size))
@@ -166,13 +137,5 @@ def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int)
 
 
 def joined(ends: Sequence[tuple[Expr, ...]], times: Sequence[Expr]) -> tuple[Piece, ...]:
-    """Pieces through points at which everything is known.
-
-    Args:
-        ends: Position, velocity, ... at each point.
-        times: When [s], ascending.
-
-    Returns:
-        One piece fewer than points.
-    """
+    """Pieces through points at which everything is known."""
     return tuple(Piece(times[j], times[j + 1] - times[j], (ends[j], ends[j + 1])) for j in range(len(times) - 1))

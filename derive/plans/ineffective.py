@@ -10,11 +10,8 @@ from derive.robot.options.inverse import FREEDOMS
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.robot import Robot
 
-OF_PATHS = ("points", "profile", "via", "spline")
-"""Keys of a plan that are about its path."""
-
-Idle = tuple[KeyPath, str, str]
-"""A key without effect: its place, what is found, and what to do."""
+OF_PATHS = ("points", "profile", "via", "spline")  # keys of a plan that are about its path
+Idle = tuple[KeyPath, str, str]  # a key without effect: its place, what is found, and what to do
 
 
 def check_effects(document: Document, robot: Robot, given: str, points: Iterable[str], steps: Sequence[Step]) -> None:

@@ -16,41 +16,27 @@ from derive.plans.profile import Curve
 from derive.robot.expression import Expression
 from derive.robot.reading.document import Document, KeyPath
 
-KEPT = 8
-"""Single times whose transforms are kept: plant and controller ask for the same."""
-
+KEPT = 8  # single times whose transforms are kept: plant and controller ask for the same
+# Where a plan has the formulas of its position and its angles.
 PATHS: dict[str, KeyPath] = {
     **{key: ("base", key) for key in ("x", "y", "z")},
     **{angle: ("base", "rpy", k) for k, angle in enumerate(("roll", "pitch", "yaw"))},
 }
-"""Where a plan has the formulas of its position and its angles."""
 
 
 @dataclass(frozen=True, slots=True)
 class MovingBase:
-    """Where the base of the robot file stands in the world.
+    """Where the base of the robot file stands in the world."""
 
-    Attributes:
-        place: x, y, z as formulas of t [m].
-        angles: Roll, pitch, yaw as formulas of t [rad]: R = Rz(yaw) Ry(pitch) Rx(roll).
-    """
-
-    place: tuple[Expression, ...]
-    angles: tuple[Expression, ...]
+    place: tuple[Expression, ...]  # x, y, z as formulas of t [m]
+    angles: tuple[Expression, ...]  # roll, pitch, yaw as formulas of t [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)
 
 
 def read_base(document: Document, numbers: PlanCells) -> MovingBase | None:
     """The block ``base`` of a plan.
 
-    Args:
-        document: The plan.
-        numbers: Its cells.
-
     Returns:
         The base; None where it stands still.
-
-    Raises:
-        RobotFileError: A formula has a symbol without a number.
     """
     if document.find(("base",)) is None:
         return None
@@ -63,22 +49,13 @@ def read_base(document: Document, numbers: PlanCells) -> MovingBase | None:
 
 @dataclass(frozen=True)
 class BaseCurve:
-    """The transform of a moving base and its derivatives, exact.
+    """The transform of a moving base and its derivatives, exact."""
 
-    Attributes:
-        transform: From the base of the robot file to the world, (4, 4), in the symbol `TIME`.
-    """
-
-    transform: Matrix
+    transform: Matrix  # from the base of the robot file to the world, (4, 4), in the symbol `TIME`
 
     @classmethod
     def of(cls, place: tuple[Expr, ...], angles: tuple[Expr, ...]) -> BaseCurve:
-        """The transform of formulas.
-
-        Args:
-            place: x, y, z.
-            angles: Roll, pitch, yaw.
-        """
+        """The transform of formulas."""
         (ca, sa), (cb, sb), (cc, sc) = ((cos(angle), sin(angle)) for angle in angles)
         roll = Matrix([[1, 0, 0], [0, ca, -sa], [0, sa, ca]])
         pitch = Matrix([[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]])
@@ -88,15 +65,7 @@ class BaseCurve:
         return cls(whole)
 
     def __call__(self, t: Array, order: int) -> Array:
-        """The transform, or a derivative of it by time.
-
-        Args:
-            t: Times [s], (times,).
-            order: 0, 1 or 2.
-
-        Returns:
-            (times, 4, 4).
-        """
+        """The transform, or a derivative of it by time."""
         return np.stack([curve.sampled(t, order) for curve in self._curves], axis=-1).reshape(-1, 4, 4)
 
     @cached_property

@@ -25,113 +25,56 @@ from derive.robot.reading.document import Document, KeyPath, YamlMapping, YamlSc
 from derive.robot.reading.schema import check_structure
 from derive.robot.robot import Robot
 
-Most = tuple[Expression | None, ...]
-"""The largest value of each joint; None where nothing limits it."""
+Most = tuple[Expression | None, ...]  # the largest value of each joint; None where nothing limits it
 
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """Who moves the arm in a simulation.
+    """Who moves the arm in a simulation."""
 
-    Attributes:
-        law: ``none``, ``pd``, ``pd-gravity`` or ``computed-torque``.
-        kp: Gain of the position, one a joint.
-        kd: Gain of the velocity, one a joint.
-        period: Time between two samples of the controller [s]; None for a continuous one.
-    """
-
-    law: str
-    kp: Vector
-    kd: Vector
-    period: Expression | None
+    law: str  # ``none``, ``pd``, ``pd-gravity`` or ``computed-torque``
+    kp: Vector  # gain of the position, one a joint
+    kd: Vector  # gain of the velocity, one a joint
+    period: Expression | None  # time between two samples of the controller [s]; None for a continuous one
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A motion as its file describes it.
+    """A motion as its file describes it."""
 
-    Attributes:
-        robot: The robot.
-        title: Free text for people.
-        sample: Time between two rows of a table [s].
-        places: Where robot, sample, period and formulas stand in the file, by ``robot``, ``curves, q1``, ``base, x``.
-        points: By name, in the order of the file.
-        start: Name of the first point of the path; empty where curves are given.
-        steps: The segments.
-        curves: Each joint variable as an expression in `TIME`; empty where a path is given.
-        duration: How long curves last [s].
-        recording: A CSV file with the motion, or None.
-        base: How the base moves, or None.
-        speed: Largest speed of each joint, by default that of the robot; None where nothing limits it.
-        acceleration: Largest acceleration of each joint.
-        torque: Largest torque of each joint, by default that of the robot.
-        values: Numbers of symbols of the robot.
-        control: Who moves the arm in a simulation.
-        friction: ``none``, ``smooth`` or ``exact``.
-        plant: Numbers of symbols in the simulated arm that the controller does not know.
-        plant_payload: What the tool carries all the time and the controller does not know.
-        disturbances: What pushes joints in a simulation.
-        source: Name of the file, for messages.
-        digest: SHA-256 of its bytes.
-        remarks: On its robot, on the numbers that it gives it, and on its loads.
-    """
-
-    robot: Robot
-    title: str
-    sample: Expression
+    robot: Robot  # the robot
+    title: str  # free text for people
+    sample: Expression  # time between two rows of a table [s]
+    # Where robot, sample, period and formulas stand in the file, by ``robot``, ``curves, q1``, ``base, x``.
     places: Mapping[str, Location]
-    points: Mapping[str, Point]
-    start: str
-    steps: tuple[Step, ...]
-    curves: Mapping[str, Expression]
-    duration: Expression
-    recording: Path | None
-    base: MovingBase | None
-    speed: Most
-    acceleration: Most
-    torque: Most
-    values: Mapping[str, Expression]
-    control: Control
-    friction: str
-    plant: Mapping[str, Expression]
-    plant_payload: Payload | None
-    disturbances: tuple[Disturbance, ...]
-    source: str
-    digest: str
-    remarks: tuple[Remark, ...] = ()
+    points: Mapping[str, Point]  # by name, in the order of the file
+    start: str  # name of the first point of the path; empty where curves are given
+    steps: tuple[Step, ...]  # the segments
+    curves: Mapping[str, Expression]  # each joint variable as an expression in `TIME`; empty where a path is given
+    duration: Expression  # how long curves last [s]
+    recording: Path | None  # a CSV file with the motion, or None
+    base: MovingBase | None  # how the base moves, or None
+    speed: Most  # largest speed of each joint, by default that of the robot; None where nothing limits it
+    acceleration: Most  # largest acceleration of each joint
+    torque: Most  # largest torque of each joint, by default that of the robot
+    values: Mapping[str, Expression]  # numbers of symbols of the robot
+    control: Control  # who moves the arm in a simulation
+    friction: str  # ``none``, ``smooth`` or ``exact``
+    plant: Mapping[str, Expression]  # numbers of symbols in the simulated arm that the controller does not know
+    plant_payload: Payload | None  # what the tool carries all the time and the controller does not know
+    disturbances: tuple[Disturbance, ...]  # what pushes joints in a simulation
+    source: str  # name of the file, for messages
+    digest: str  # SHA-256 of its bytes
+    remarks: tuple[Remark, ...] = ()  # on its robot, on the numbers that it gives it, and on its loads
 
 
 def load_plan(path: str | Path) -> Plan:
-    """Read a plan.
-
-    Args:
-        path: Of a YAML file, or the name of a built-in plan.
-
-    Returns:
-        The plan.
-
-    Raises:
-        RobotFileError: The file cannot be read or is no plan.
-        UnknownRobotError: Neither a file nor the name of a plan.
-    """
+    """Read a plan."""
     return plan_from_bytes(plan_bytes(path), str(path))
 
 
 def plan_from_bytes(data: bytes, source: str) -> Plan:
-    """Read a plan from the bytes of a file.
-
-    Args:
-        data: YAML in UTF-8.
-        source: Name for messages; the path of a robot is relative to its folder.
-
-    Returns:
-        The plan.
-
-    Raises:
-        RobotFileError: The bytes are no plan.
-        ExpressionError: A cell is outside the grammar.
-        UnknownRobotError: The robot is neither a file nor a catalogue name.
-    """
+    """Read a plan from the bytes of a file."""
     root = read_tree(data, source)
     if not isinstance(root, YamlMapping):
         allowed = "allowed: keys such as robot, points, path"

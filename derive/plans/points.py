@@ -13,80 +13,47 @@ Vector = tuple[Expression, ...]
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the end effector shall be.
+    """Where the end effector shall be."""
 
-    Attributes:
-        position: In the world frame [m].
-        angles: Roll, pitch, yaw, or Euler angles ZYZ [rad]; None for a position alone.
-        is_zyz: Which of the two.
-    """
-
-    position: Vector
-    angles: Vector | None
-    is_zyz: bool
+    position: Vector  # in the world frame [m]
+    angles: Vector | None  # roll, pitch, yaw, or Euler angles ZYZ [rad]; None for a position alone
+    is_zyz: bool  # which of the two
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A named configuration.
+    """A named configuration."""
 
-    Attributes:
-        name: Its name.
-        q: Joint variables [rad or m]; None where it is a pose.
-        pose: The pose, None where it is given by joint variables.
-        branch: Words of the name of the solution, such as ``elbow up``; empty for the nearest.
-        location: Where it stands in the plan.
-    """
-
-    name: str
-    q: Vector | None
-    pose: Pose | None
-    branch: str
-    location: Location
+    name: str  # its name
+    q: Vector | None  # joint variables [rad or m]; None where it is a pose
+    pose: Pose | None  # the pose, None where it is given by joint variables
+    branch: str  # words of the name of the solution, such as ``elbow up``; empty for the nearest
+    location: Location  # where it stands in the plan
 
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """A body that the tool carries, in the frame of the end effector.
+    """A body that the tool carries, in the frame of the end effector."""
 
-    Attributes:
-        mass: [kg].
-        com: Centre of mass [m].
-        inertia: Principal moments about it [kg m^2].
-    """
-
-    mass: Expression = ZERO
-    com: Vector = (ZERO, ZERO, ZERO)
-    inertia: Vector = (ZERO, ZERO, ZERO)
+    mass: Expression = ZERO  # [kg]
+    com: Vector = (ZERO, ZERO, ZERO)  # centre of mass [m]
+    inertia: Vector = (ZERO, ZERO, ZERO)  # principal moments about it [kg m^2]
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One segment of the path.
+    """One segment of the path."""
 
-    Attributes:
-        to: Name of the point at its end.
-        time: Its length [s]; None where limits decide.
-        profile: How the arm goes.
-        stops: Whether it stands at the end.
-        cruise: Trapezoid: top speed as a multiple of distance by time; None for the usual one.
-        straight: Whether the end effector moves on a line.
-        through: Point of an arc in space; empty for none.
-        by_hand: Whether the end effector moves on a spline in space, through this point and those beside it.
-        payload: What the tool carries.
-        location: Where it stands in the plan.
-    """
-
-    to: str
-    time: Expression | None
-    profile: Profile
-    stops: bool
-    cruise: Expression | None
-    straight: bool
-    through: str
-    by_hand: bool
-    payload: Payload | None
-    location: Location
+    to: str  # name of the point at its end
+    time: Expression | None  # its length [s]; None where limits decide
+    profile: Profile  # how the arm goes
+    stops: bool  # whether it stands at the end
+    cruise: Expression | None  # trapezoid: top speed as a multiple of distance by time; None for the usual one
+    straight: bool  # whether the end effector moves on a line
+    through: str  # point of an arc in space; empty for none
+    by_hand: bool  # whether the end effector moves on a spline in space, through this point and those beside it
+    payload: Payload | None  # what the tool carries
+    location: Location  # where it stands in the plan
 
     @property
     def in_space(self) -> bool:

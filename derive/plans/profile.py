@@ -39,8 +39,7 @@ from derive.plans.hermite import TIME, Piece, joined
 
 ZERO = Integer(0)
 
-KEPT = 4096
-"""How many parts of formulas a process keeps as functions."""
+KEPT = 4096  # how many parts of formulas a process keeps as functions
 
 
 class Profile(StrEnum):
@@ -55,17 +54,15 @@ class Profile(StrEnum):
     FASTEST = "fastest"
 
 
+# How many values a polynomial from point to point is given at each end.
 VALUES = {Profile.CUBIC: 2, Profile.QUINTIC: 3, Profile.SEPTIC: 4}
-"""How many values a polynomial from point to point is given at each end."""
-
+# Largest speed and acceleration from 0 to 1 in one second, from rest to rest.
 UNIT_PEAKS: dict[Profile, tuple[Expr, Expr]] = {
     Profile.CUBIC: (Rational(3, 2), Integer(6)),
     Profile.QUINTIC: (Rational(15, 8), 10 / sqrt(3)),
     Profile.SEPTIC: (Rational(35, 16), 84 * sqrt(5) / 25),
     Profile.HARMONIC: (pi / 2, pi**2 / 2),
 }
-"""Largest speed and acceleration from 0 to 1 in one second, from rest to rest."""
-
 CRUISE = Rational(3, 2)
 """Speed of a trapezoid as a multiple of distance by time where nothing else is said: a third of the time each to speed
 up, to go on and to slow down."""
@@ -73,17 +70,11 @@ up, to go on and to slow down."""
 
 @dataclass(frozen=True, slots=True)
 class Cosine:
-    """A harmonic piece from rest to rest: ``q = q0 + (q1 - q0)(1 - cos(pi u))/2``.
+    """A harmonic piece from rest to rest: ``q = q0 + (q1 - q0)(1 - cos(pi u))/2``."""
 
-    Attributes:
-        start: Time of its first end [s].
-        duration: Its length [s], positive.
-        values: Position at both ends.
-    """
-
-    start: Expr
-    duration: Expr
-    values: tuple[tuple[Expr], tuple[Expr]]
+    start: Expr  # time of its first end [s]
+    duration: Expr  # its length [s], positive
+    values: tuple[tuple[Expr], tuple[Expr]]  # position at both ends
 
     @property
     def end(self) -> Expr:
@@ -93,17 +84,11 @@ class Cosine:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A formula of the time since the motion began.
+    """A formula of the time since the motion began."""
 
-    Attributes:
-        start: Time of its first end [s].
-        duration: Its length [s], positive.
-        formulas: Position, velocity and acceleration, in the symbol `derive.plans.hermite.TIME`.
-    """
-
-    start: Expr
-    duration: Expr
-    formulas: tuple[Expr, Expr, Expr]
+    start: Expr  # time of its first end [s]
+    duration: Expr  # its length [s], positive
+    formulas: tuple[Expr, Expr, Expr]  # position, velocity and acceleration, in the symbol `derive.plans.hermite.TIME`
 
     @property
     def end(self) -> Expr:
@@ -111,15 +96,7 @@ class Curve:
         return self.start + self.duration
 
     def sampled(self, t: Array, order: int) -> Array:
-        """A derivative at some times.
-
-        Args:
-            t: Times [s], (points,).
-            order: 0 for the position, 1 for the velocity, 2 for the acceleration.
-
-        Returns:
-            The values, (points,).
-        """
+        """A derivative at some times."""
         return np.broadcast_to(_on_array(self.formulas[order])(t), t.shape)
 
 
@@ -159,14 +136,7 @@ def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Ex
     """From standing to standing.
 
     Args:
-        profile: A polynomial of `VALUES`, or harmonic.
-        start: When it begins [s].
         duration: How long it takes [s].
-        q0: Where from.
-        q1: Where to.
-
-    Returns:
-        One piece.
     """
     if profile is Profile.HARMONIC:
         return (Cosine(start, duration, ((q0,), (q1,))),)
@@ -180,14 +150,7 @@ def trapezoid(start: Expr, duration: Expr, q0: Expr, q1: Expr, speed: Expr) -> t
     With D = |q1 - q0| the time to speed up is T - D/V, and V lies in (D/T, 2 D/T].
 
     Args:
-        start: When it begins [s].
         duration: How long it takes [s].
-        q0: Where from.
-        q1: Where to.
-        speed: V, positive; anything where q1 = q0.
-
-    Returns:
-        Three pieces, two where nothing is left of constant speed, one where nothing moves.
     """
     way = q1 - q0
     if way == 0:
@@ -207,10 +170,6 @@ def via_velocities(times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Ex
 
     Args:
         times: When each point is passed [s].
-        positions: Of one joint.
-
-    Returns:
-        One velocity per point, zero at both ends (Craig, 7.3, the heuristic).
     """
     slopes = [(positions[j + 1] - positions[j]) / (times[j + 1] - times[j]) for j in range(len(times) - 1)]
     inner = [(before + after) / 2 if float(before) * float(after) > 0 else ZERO for before, after in pairwise(slopes)]
@@ -225,10 +184,6 @@ def spline(times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Piece, ...
 
     Args:
         times: When each point is passed [s], rationals.
-        positions: Of one joint.
-
-    Returns:
-        One cubic fewer than points.
     """
     count = len(times)
     lengths = [times[j + 1] - times[j] for j in range(count - 1)]

@@ -27,16 +27,7 @@ class Spread(Protocol):
     """How pieces of work that do not depend on each other are done at once."""
 
     def __call__(self, work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
-        """Do the work.
-
-        Args:
-            work: Done with each piece.
-            pieces: The pieces.
-            sizes: How long each takes, roughly and relative to each other.
-
-        Returns:
-            The result of each piece.
-        """
+        """Do the work."""
 
 
 def build_program(
@@ -52,17 +43,7 @@ def build_program(
     All are traced on one graph; then the cheapest formulation of each is chosen, of one independently of the others.
 
     Args:
-        robot: The robot.
-        effort: How long the cheapest programs are looked for.
-        names: Only the functions of these names.
-        inverse: Whether inverse kinematics is wanted, too, which takes a derivation of its own.
         spread: How the choices are spread over processes, None for this one; the program does not depend on it.
-
-    Returns:
-        The program.
-
-    Raises:
-        QuantityError: A cell divides by zero or has no real root once the parameters have their numbers.
     """
     trace = Trace(robot, effort)
     rows = [row for row in ROWS if row.interface.name in names and row.exists(robot)]
@@ -87,8 +68,7 @@ class _Inverse:
     """Inverse kinematics, which is derived in a place of its own."""
 
     trace: Trace
-    size = 5_000
-    """As long as a search among so many operations: 0.3 s of the 1.7 s of a PUMA 560's program."""
+    size = 5_000  # as long as a search among so many operations: 0.3 s of the 1.7 s of a PUMA 560's program
 
     def solved(self) -> Solved:
         """The program, or why there is none."""
@@ -112,15 +92,7 @@ class _Traced:
 
     @classmethod
     def of(cls, row: Row, trace: Trace) -> _Traced:
-        """Trace a function.
-
-        Args:
-            row: The function.
-            trace: Of the robot.
-
-        Returns:
-            What is worth improving.
-        """
+        """Trace a function."""
         columns = row.columns(trace) if row.columns else ()
         try:
             formulations = trace.choice.near(row.formulations(trace), row.margin)

@@ -32,27 +32,17 @@ def _has_regressor(robot: Robot) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """A generated function.
+    """A generated function."""
 
-    Attributes:
-        interface: What it takes and gives.
-        formulations: The ways to compute it, of which the cheapest is emitted.
-        exists: Which robots have it.
-        margin: How many times the cheapest a formulation may cost as traced to be improved at all; None for all.
-        search: Whether a long search for shared parts pays.
-        columns: Names of the columns of the result.
-        is_optional: Whether it is left out where it has no value in any configuration.
-        without_value: What stands for it there otherwise.
-    """
-
-    interface: Interface
-    formulations: Callable[[Trace], Iterable[Formulation]]
-    exists: Callable[[Robot], bool] = _always
+    interface: Interface  # what it takes and gives
+    formulations: Callable[[Trace], Iterable[Formulation]]  # the ways to compute it, of which the cheapest is emitted
+    exists: Callable[[Robot], bool] = _always  # which robots have it
+    # How many times the cheapest a formulation may cost as traced to be improved at all; None for all.
     margin: float | None = None
-    search: bool = True
-    columns: Callable[[Trace], tuple[Column, ...]] | None = None
-    is_optional: bool = False
-    without_value: Callable[[Trace], Formulation] | None = None
+    search: bool = True  # whether a long search for shared parts pays
+    columns: Callable[[Trace], tuple[Column, ...]] | None = None  # names of the columns of the result
+    is_optional: bool = False  # whether it is left out where it has no value in any configuration
+    without_value: Callable[[Trace], Formulation] | None = None  # what stands for it there otherwise
 
     @property
     def may_lack_value(self) -> bool:
@@ -60,6 +50,7 @@ class Row:
         return self.is_optional or self.without_value is not None
 
 
+# In the order in which they are printed.
 ROWS = (
     Row(
         interface=Interface(
@@ -332,6 +323,4 @@ ROWS = (
         columns=identification.base_columns,
     ),
 )
-"""In the order in which they are printed."""
-
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

@@ -40,15 +40,11 @@ DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
 nodes, or `FREE`, one that does not exist with the joints that are free where the caller has them."""
 
-WORSE = 1000
-"""By this factor the error of a branch may be larger than that of the best one."""
-
+WORSE = 1000  # by this factor the error of a branch may be larger than that of the best one
+# A branch whose pose is farther off than this part of the arm's reach is none: the pose is not reached.
 CLOSED = Fraction(str(POLICY.closed))
-"""A branch whose pose is farther off than this part of the arm's reach is none: the pose is not reached."""
-
+# Base and tool that are rotations to so much make poses that are accepted as such, though no formula is exact.
 NEARLY_EXACT = 1e-7
-"""Base and tool that are rotations to so much make poses that are accepted as such, though no formula is exact."""
-
 INTERFACE = Interface(
     "inverse_kinematics",
     (POSE, GIVEN, NEAR),
@@ -91,11 +87,7 @@ class Mask:
 
 
 class TapeField:
-    """Values of a tape as numbers for a graph of solutions (`derive.inverse.closed.elementary_solver.Field`).
-
-    Args:
-        domain: Makes values of the robot's cells.
-    """
+    """Values of a tape as numbers for a graph of solutions (`derive.inverse.closed.elementary_solver.Field`)."""
 
     def __init__(self, domain: TapeDomain) -> None:
         self.domain = domain
@@ -103,110 +95,55 @@ class TapeField:
         self._as_found: dict[tuple[Ref, Ref], tuple[Value, Value]] = {}
 
     def number(self, value: int | Fraction) -> Value:
-        """A rational number.
-
-        Args:
-            value: The number.
-        """
+        """A rational number."""
         return self.domain.number(value)
 
     def constant(self, expression: Expression) -> Value:
-        """A parameter, or a constant of the arm.
-
-        Args:
-            expression: Of the robot's symbols.
-        """
+        """A parameter, or a constant of the arm."""
         return self.domain.constant(expression)
 
     def divide(self, a: Value, b: Value) -> Value:
-        """The quotient; where the divisor is zero, what floats make of it.
-
-        Args:
-            a: The dividend.
-            b: The divisor.
-        """
+        """The quotient; where the divisor is zero, what floats make of it."""
         return a / b
 
     def sqrt(self, a: Value) -> Value:
-        """The square root; 0 of negative numbers.
-
-        Args:
-            a: The radicand.
-        """
+        """The square root; 0 of negative numbers."""
         return a.maximum(0).sqrt()
 
     def is_zero(self, a: Value, scale: Value) -> Mask:
-        """Whether a coefficient is zero within rounding.
-
-        Args:
-            a: The number.
-            scale: The size that it usually has.
-        """
+        """Whether a coefficient is zero within rounding."""
         if not a.depends_on_arguments:  # a length of the arm, and no matter of the pose
             return ~Mask(self.number(0).less(abs(a)))
         return ~Mask((scale * Fraction(ZERO)).less(abs(a)))
 
     def has_root(self, a: Value, scale: Value) -> Mask:
-        """Whether a number is not below zero, but for rounding.
-
-        Args:
-            a: The radicand.
-            scale: The size of what it is the difference of.
-        """
+        """Whether a number is not below zero, but for rounding."""
         if is_nowhere_negative(a.graph, a.ref):
             return self.truth(True)
         return ~Mask(a.less(abs(scale) * -Fraction(BEYOND)))
 
     def merges(self, a: Value, scale: Value) -> Mask:
-        """Whether the two roots of a number are one within rounding.
-
-        Args:
-            a: The radicand.
-            scale: The size of what it is the difference of.
-        """
+        """Whether the two roots of a number are one within rounding."""
         return ~Mask((abs(scale) * Fraction(MERGED)).less(a))
 
     def select(self, mask: Mask, a: Value, b: Value) -> Value:
-        """One of two numbers.
-
-        Args:
-            mask: What decides.
-            a: Where it holds.
-            b: Elsewhere.
-        """
+        """One of two numbers."""
         return mask.value.select(a, b)
 
     def never(self, mask: Mask) -> bool:
-        """Whether a mask is known to hold nowhere.
-
-        Args:
-            mask: The mask.
-        """
+        """Whether a mask is known to hold nowhere."""
         return mask.never
 
     def truth(self, value: bool) -> Mask:
-        """A mask that holds everywhere or nowhere.
-
-        Args:
-            value: Which of the two.
-        """
+        """A mask that holds everywhere or nowhere."""
         return Mask(self.number(int(value)))
 
     def cosine_sine(self, angle: Value) -> tuple[Value, Value]:
-        """Of a joint that is given.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Of a joint that is given."""
         return angle.cos(), angle.sin()
 
     def angle(self, cosine: Value, sine: Value) -> Value:
-        """The angle of a cosine and a sine; that of the opposite point is half a turn away.
-
-        Args:
-            cosine: Times any positive number.
-            sine: Times the same number.
-        """
+        """The angle of a cosine and a sine; that of the opposite point is half a turn away."""
         cosine, sine = self._as_found.get((cosine.ref, sine.ref), (cosine, sine))
         key = node_of(sine.ref), node_of(cosine.ref)
         y, x, angle = self._angles.setdefault(key, (sine, cosine, sine.arctangent(cosine)))
@@ -216,47 +153,27 @@ class TapeField:
         return angle if y.ref == sine.ref and x.ref == cosine.ref else sine.arctangent(cosine)
 
     def unit(self, cosine: Value, sine: Value) -> tuple[Value, Value]:
-        """A point that lies on the unit circle but for rounding, moved there by a Newton step for 1/sqrt(c^2 + s^2).
-
-        Args:
-            cosine: Of an angle, nearly.
-            sine: Of the angle, nearly.
-        """
+        """A point that lies on the unit circle but for rounding, moved there by a Newton step for 1/sqrt(c^2 + s^2)."""
         scale = Fraction(3, 2) - (cosine * cosine + sine * sine) * Fraction(1, 2)
         moved = cosine * scale, sine * scale
         self._as_found[moved[0].ref, moved[1].ref] = cosine, sine
         return moved
 
     def conic(self, coefficients: Sequence[Value]) -> Sequence[tuple[Value, Value, Mask, Mask, Mask]]:
-        """The common points of the unit circle and a conic.
-
-        Args:
-            coefficients: Of c^2, c s, s^2, c, s and 1.
-        """
+        """The common points of the unit circle and a conic."""
         return line_points(self, coefficients)
 
     def general(self, formula: Formula, values: Mapping[str, Value]) -> Sequence[Any]:
-        """Graphs with eigenvalue problems have no program (`derive.programs.inverse_search`).
-
-        Args:
-            formula: The node's formula.
-            values: Numbers of all generators that are known.
-
-        Raises:
-            NotImplementedError: Always.
-        """
+        """Graphs with eigenvalue problems have no program (`derive.programs.inverse_search`)."""
         raise NotImplementedError
 
 
+# A program, what finds the solutions without one, or None and the reason why there is neither.
 Solved = tuple[Inverse | InverseSearch | None, str]
-"""A program, what finds the solutions without one, or None and the reason why there is neither."""
 
 
 def solved(trace: Trace) -> Solved:
     """Inverse kinematics of a robot as its file asks for it.
-
-    Args:
-        trace: Of the robot.
 
     Returns:
         The program or what takes its place, or None and the reason why there is none.
@@ -281,15 +198,7 @@ def _without_formulas(robot: Robot, reason: str) -> SolutionGraph:
 
 
 def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
-    """The program of all branches.
-
-    Args:
-        trace: Of the robot.
-        graph: How its joints follow from the pose, with a closed form.
-
-    Returns:
-        The function.
-    """
+    """The program of all branches."""
     domain, n = trace.domain, trace.n
     field = TapeField(domain)
     pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
@@ -318,14 +227,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
 
 
 def around(graph: SolutionGraph) -> Around:
-    """Where solutions that are alone are looked for where others are free.
-
-    Args:
-        graph: Says which joints are solved for.
-
-    Returns:
-        Numbers; those of joints that are given are zero.
-    """
+    """Where solutions that are alone are looked for where others are free."""
     joints = range(graph.robot.n)
     return Around(
         motions=MOTIONS,
@@ -347,14 +249,7 @@ def _in_words(robot: Robot, graph: SolutionGraph) -> tuple[str, ...]:
 
 
 def count_text(graph: SolutionGraph) -> str:
-    """How many solutions a pose has.
-
-    Args:
-        graph: The solution.
-
-    Returns:
-        A sentence.
-    """
+    """How many solutions a pose has."""
     most = graph.count or graph.leaves
     solutions = "one solution" if most == 1 else f"up to {most} solutions"
     if graph.complete and not graph.everywhere:

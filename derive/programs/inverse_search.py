@@ -26,15 +26,11 @@ from derive.programs.tape.scalars import Q, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot.options.inverse import FREEDOMS
 
-FRAME_ENTRIES = 12
-"""Of the first three rows of a frame."""
-
+FRAME_ENTRIES = 12  # of the first three rows of a frame
+# Configurations that an arm of six joints can have; so many rows has the result where their number is not known.
 MOST_SOLUTIONS = 16
-"""Configurations that an arm of six joints can have; so many rows has the result where their number is not known."""
-
+# By which singular poses are brought beside, row by row; lengths in the unit.
 MOTIONS = tuple(tuple(entry for row in motion for entry in row) for motion in BESIDE)
-"""By which singular poses are brought beside, row by row; lengths in the unit."""
-
 INTERFACE = Interface(
     "inverse_kinematics",
     (),
@@ -49,27 +45,12 @@ class _AtZero(TapeDomain):
     """The scalars of a robot whose joint variables are zero."""
 
     def argument(self, kind: str, index: int) -> Value:
-        """One entry of an argument; zero if it is a joint variable.
-
-        Args:
-            kind: Of the argument.
-            index: Of the joint, from 0.
-
-        Returns:
-            The entry.
-        """
+        """One entry of an argument; zero if it is a joint variable."""
         return self.number(0) if kind == Q else super().argument(kind, index)
 
 
 def frames(trace: Trace) -> list[Value]:
-    """The constant frames of T = C_1 M_1 C_2 M_2 ... C_n M_n C_(n+1), M_i the motion of joint i about or along z.
-
-    Args:
-        trace: Of the robot.
-
-    Returns:
-        The first three rows of each, one after the other; base and tool are part of the first and the last.
-    """
+    """The constant frames of T = C_1 M_1 C_2 M_2 ... C_n M_n C_(n+1), M_i the motion of joint i about or along z."""
     domain = _AtZero(trace.robot, trace.graph)
     chain = build_chain(replace(trace.robot, links=(), gravity=None), domain)
     between = [joint.fixed @ joint.motion(chain.zero, chain.one) for joint in chain.joints]
@@ -79,10 +60,6 @@ def frames(trace: Trace) -> list[Value]:
 
 def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch | None, str]:
     """What finds all solutions of an arm without formulas.
-
-    Args:
-        trace: Of the robot.
-        graph: Its solution: a general node, or the reason why there is none.
 
     Returns:
         What generated code needs, or None and why there is nothing to be had.

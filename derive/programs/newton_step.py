@@ -37,17 +37,7 @@ INTERFACE = Interface(
 
 
 def newton_step(trace: Trace, graph: SolutionGraph, reach: Value) -> Function:
-    """The program of one step.
-
-    Args:
-        trace: Of the robot.
-        graph: Says which entries of the pose are wanted, and which joints are given.
-        reach: The size of the arm and of the pose.
-
-    Returns:
-        The function; its results are the n joint variables, the error of the configuration that it is given, the
-        square root of the sum of the squares of e, less what T itself is off a pose, and the unit of length.
-    """
+    """The program of one step."""
     joints = [k for k in range(trace.n) if k not in graph.given]
     unit = trace.domain.number(0).less(reach).select(reach, 1)
     fit = _Fit(trace, graph.places, unit)
@@ -66,13 +56,7 @@ def newton_step(trace: Trace, graph: SolutionGraph, reach: Value) -> Function:
 
 
 class _Fit:
-    """What the wanted entries of the pose are off, and how they change with the joints.
-
-    Args:
-        trace: Of the robot.
-        places: The wanted entries, rows and columns from 0.
-        unit: The unit of length.
-    """
+    """What the wanted entries of the pose are off, and how they change with the joints."""
 
     def __init__(self, trace: Trace, places: Sequence[tuple[int, int]], unit: Value) -> None:
         self._places = places
@@ -129,11 +113,6 @@ def least_squares(
 
     It loses the digits of the condition of A, not of its square (Bjorck, Numerical Methods for Least Squares Problems,
     section 2.4), and without square roots.
-
-    Args:
-        columns: Of A, linearly independent.
-        weights: Of the rows.
-        right: The vector b.
     """
     rest = [list(column) for column in (*columns, right)]
     factors: list[list[Value]] = []
@@ -150,10 +129,5 @@ def least_squares(
 
 
 def dot_product(a: Sequence[Value], b: Sequence[Value]) -> Value:
-    """The sum of the products of two rows of values.
-
-    Args:
-        a: At least one value.
-        b: As many.
-    """
+    """The sum of the products of two rows of values."""
     return reduce(Value.__add__, map(Value.__mul__, a, b))

@@ -10,20 +10,18 @@ from math import prod
 from derive.programs.tape.tape import Operations, Output, Tape
 from derive.robot.robot import Robot
 
+# The arguments that a function may take, in words; each has one entry per joint.
 ARGUMENTS: Mapping[str, str] = {
     "q": "joint variables [rad, m]",
     "qd": "joint velocities [rad/s, m/s]",
     "qdd": "joint accelerations [rad/s^2, m/s^2]",
     "tau": "joint torques and forces [N m, N]",
 }
-"""The arguments that a function may take, in words; each has one entry per joint."""
-
 POSE, GIVEN, NEAR, DAMPING = "T", "given", "near", "damping"
 """The arguments of inverse kinematics: the pose of the end effector, the variables of joints that are given, and where
 joints are that no equation determines; and of its Newton step, by how much that is shortened."""
 
-POSE_ENTRIES = 16
-"""Of a pose, a 4x4 matrix row by row."""
+POSE_ENTRIES = 16  # of a pose, a 4x4 matrix row by row
 
 
 class Magnitude(Enum):
@@ -41,65 +39,43 @@ class Magnitude(Enum):
     VELOCITY_TORQUE = auto()
     TORQUE_BY_POSITION = auto()
     TORQUE_BY_VELOCITY = auto()
-    OTHER = auto()
-    """It is verified in a way of its own."""
+    OTHER = auto()  # it is verified in a way of its own
 
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """What a generated function is, whatever the robot.
+    """What a generated function is, whatever the robot."""
 
-    Attributes:
-        name: For instance ``inverse_dynamics``.
-        arguments: Its arguments, in order, of `ARGUMENTS`; empty for what depends on parameters alone.
-        shape: Of the result for one configuration; ``n`` is the number of joints, ``p`` that of the columns; nothing
-            for a scalar.
-        symbol: How the notes write the result.
-        summary: One line.
-        result: What the entries of the result are, with their units.
-        magnitude: What bounds them.
-    """
-
-    name: str
-    arguments: tuple[str, ...]
+    name: str  # for instance ``inverse_dynamics``
+    arguments: tuple[str, ...]  # its arguments, in order, of `ARGUMENTS`; empty for what depends on parameters alone
+    # Of the result for one configuration; ``n`` is the number of joints, ``p`` that of the columns; nothing for a
+    # scalar.
     shape: tuple[int | str, ...]
-    symbol: str
-    summary: str
-    result: str
-    magnitude: Magnitude = Magnitude.OTHER
+    symbol: str  # how the notes write the result
+    summary: str  # one line
+    result: str  # what the entries of the result are, with their units
+    magnitude: Magnitude = Magnitude.OTHER  # what bounds them
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """What the entries of a result at one place along its last axis belong to.
+    """What the entries of a result at one place along its last axis belong to."""
 
-    Attributes:
-        name: Short and plain.
-        formula: What it is in the robot's symbols, in the cell grammar; empty where there is none.
-    """
-
-    name: str
-    formula: str = ""
+    name: str  # short and plain
+    formula: str = ""  # what it is in the robot's symbols, in the cell grammar; empty where there is none
 
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """One generated function of one robot.
+    """One generated function of one robot."""
 
-    Attributes:
-        interface: What it takes and gives.
-        shape: Shape of the result for one configuration.
-        tape: The program; outputs in row-major order of ``shape``.
-        formulation: What the tape was traced through, in words.
-        columns: What the entries along the last axis of the result belong to, where that has names.
-        widths: Lengths of the arguments that have not one entry per joint.
-    """
-
-    interface: Interface
-    shape: tuple[int, ...]
-    tape: Tape
-    formulation: str
+    interface: Interface  # what it takes and gives
+    shape: tuple[int, ...]  # shape of the result for one configuration
+    tape: Tape  # the program; outputs in row-major order of ``shape``
+    formulation: str  # what the tape was traced through, in words
+    # What the entries along the last axis of the result belong to, where that has names.
     columns: tuple[Column, ...] = ()
+    # Lengths of the arguments that have not one entry per joint.
     widths: Mapping[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -142,18 +118,15 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Around:
-    """Where solutions that are alone are looked for where others are free (`derive.inverse.closed.branches`).
+    """Where solutions that are alone are looked for where others are free (`derive.inverse.closed.branches`)."""
 
-    Attributes:
-        motions: Rows of motions A, one after the other, by which poses T are brought beside, A T; lengths in the unit.
-        starts: What is added to the joints of branches, in half turns and units, where poses beside lead nowhere.
-        nudge: What is added to a solution that comes back to itself if it is alone, in radians and units.
-        is_short: Whether there are fewer joints than the task has dimensions, so that poses beside are out of reach.
-    """
-
+    # Rows of motions A, one after the other, by which poses T are brought beside, A T; lengths in the unit.
     motions: tuple[tuple[float, ...], ...]
+    # What is added to the joints of branches, in half turns and units, where poses beside lead nowhere.
     starts: tuple[tuple[float, ...], ...]
+    # What is added to a solution that comes back to itself if it is alone, in radians and units.
     nudge: tuple[float, ...]
+    # Whether there are fewer joints than the task has dimensions, so that poses beside are out of reach.
     is_short: bool
 
     @property
@@ -165,32 +138,22 @@ class Around:
 
 @dataclass(frozen=True, slots=True)
 class Inverse:
-    """Inverse kinematics of one robot.
+    """Inverse kinematics of one robot."""
 
-    Attributes:
-        function: Its tape takes a pose and the given joints; its outputs are the joint variables, branch by branch, and
-            then the code of each branch: its `derive.inverse.numeric.newton.Status`, and more where it is to be checked
-            (`derive.programs.inverse`).
-        step: Its tape takes a configuration, a pose and a damping; its outputs are a configuration that is nearer to
-            the pose, how far the first one is from it, and the unit of length (`derive.programs.newton_step`).
-        branches: How many there are.
-        joints: Number of joints.
-        given: Indices of the joints that are arguments.
-        summary: How many solutions there are, in words.
-        closed: Error of the pose, lengths relative to the reach, up to which a branch in doubt is a solution.
-        around: Where further solutions are looked for.
-        postures: Words for the branches, in their order; empty where none hold.
-    """
-
+    # Its tape takes a pose and the given joints; its outputs are the joint variables, branch by branch, and then the
+    # code of each branch: its `derive.inverse.numeric.newton.Status`, and more where it is to be checked
+    # (`derive.programs.inverse`).
     function: Function
+    # Its tape takes a configuration, a pose and a damping; its outputs are a configuration that is nearer to the
+    # pose, how far the first one is from it, and the unit of length (`derive.programs.newton_step`).
     step: Function
-    branches: int
-    joints: int
-    given: tuple[int, ...]
-    summary: str
-    closed: float
-    around: Around
-    postures: tuple[str, ...] = ()
+    branches: int  # how many there are
+    joints: int  # number of joints
+    given: tuple[int, ...]  # indices of the joints that are arguments
+    summary: str  # how many solutions there are, in words
+    closed: float  # error of the pose, lengths relative to the reach, up to which a branch in doubt is a solution
+    around: Around  # where further solutions are looked for
+    postures: tuple[str, ...] = ()  # words for the branches, in their order; empty where none hold
 
     @property
     def order(self) -> tuple[str, ...]:
@@ -202,97 +165,58 @@ class Inverse:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """One way around a loop of joints (`Closure`), and how its equations split by degree.
+    """One way around a loop of joints (`Closure`), and how its equations split by degree."""
 
-    Attributes:
-        joints: Number of joints of the loop.
-        dropped: Index of the joint whose numbers are carried around.
-        direction: +1 towards the hand, -1 towards the base.
-        eliminated: How many joints beside the dropped one are eliminated.
-        equations: Number of equations.
-        constant: How many combinations do not hold the hidden joint.
-        linear: How many further ones are of the first degree.
-    """
-
-    joints: int
-    dropped: int
-    direction: int
-    eliminated: int
-    equations: int = 0
-    constant: int = 0
-    linear: int = 0
+    joints: int  # number of joints of the loop
+    dropped: int  # index of the joint whose numbers are carried around
+    direction: int  # +1 towards the hand, -1 towards the base
+    eliminated: int  # how many joints beside the dropped one are eliminated
+    equations: int = 0  # number of equations
+    constant: int = 0  # how many combinations do not hold the hidden joint
+    linear: int = 0  # how many further ones are of the first degree
 
 
 @dataclass(frozen=True, slots=True)
 class Elimination:
-    """How all joints follow from one eigenvalue problem (`derive.inverse.general.elimination.Elimination`).
+    """How all joints follow from one eigenvalue problem (`derive.inverse.general.elimination.Elimination`)."""
 
-    Attributes:
-        ways: Where its equations come from.
-        hidden: Index of the joint whose tan(theta/2), or length, is the eigenvalue.
-        multiplied: Index of the joint with whose half angle the equations are multiplied; None for none.
-        rows: How many rows are of degree 0, 1 and 2.
-        finish: Along which way the eliminated joints follow.
-        start: The joint of the arm at which the loop begins.
-        straight: Slides of which no squares occur.
-    """
-
-    ways: tuple[Way, ...]
-    hidden: int
-    multiplied: int | None
-    rows: tuple[int, int, int]
-    finish: Way
-    start: int
-    straight: tuple[int, ...]
+    ways: tuple[Way, ...]  # where its equations come from
+    hidden: int  # index of the joint whose tan(theta/2), or length, is the eigenvalue
+    multiplied: int | None  # index of the joint with whose half angle the equations are multiplied; None for none
+    rows: tuple[int, int, int]  # how many rows are of degree 0, 1 and 2
+    finish: Way  # along which way the eliminated joints follow
+    start: int  # the joint of the arm at which the loop begins
+    straight: tuple[int, ...]  # slides of which no squares occur
 
 
 @dataclass(frozen=True, slots=True)
 class InverseSearch:
-    """Inverse kinematics of a robot without formulas: what the code that finds its solutions needs of the arm.
+    """Inverse kinematics of a robot without formulas: what the code that finds its solutions needs of the arm."""
 
-    Attributes:
-        function: Its tape gives the constant frames between the joints, from parameters alone; its widths are those of
-            the arguments of inverse kinematics.
-        branches: How many rows the result has.
-        joints: Number of joints.
-        given: Indices of the joints that are arguments.
-        entries: The entries of T that are wanted, row and column from 0.
-        eliminations: How joints are found as eigenvalues, the best way first; none for damped Newton from many starts.
-        count: The number of complex solutions of a generic pose; 0 where it is not known.
-        summary: How many solutions there are and how they are found, in words.
-        reason: Why there are no formulas.
-        motions: By which singular poses are brought beside, as `Around` has them.
-    """
-
+    # Its tape gives the constant frames between the joints, from parameters alone; its widths are those of the
+    # arguments of inverse kinematics.
     function: Function
-    branches: int
-    joints: int
-    given: tuple[int, ...]
-    entries: tuple[tuple[int, int], ...]
+    branches: int  # how many rows the result has
+    joints: int  # number of joints
+    given: tuple[int, ...]  # indices of the joints that are arguments
+    entries: tuple[tuple[int, int], ...]  # the entries of T that are wanted, row and column from 0
+    # How joints are found as eigenvalues, the best way first; none for damped Newton from many starts.
     eliminations: tuple[Elimination, ...]
-    count: int
-    summary: str
-    reason: str
-    motions: tuple[tuple[float, ...], ...]
+    count: int  # the number of complex solutions of a generic pose; 0 where it is not known
+    summary: str  # how many solutions there are and how they are found, in words
+    reason: str  # why there are no formulas
+    motions: tuple[tuple[float, ...], ...]  # by which singular poses are brought beside, as `Around` has them
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """All functions of a robot.
+    """All functions of a robot."""
 
-    Attributes:
-        functions: In the order in which they are printed.
-        parameters: Names of the run-time parameters, in the order of the parameter vector.
-        inverse: Inverse kinematics, of a robot for which there is a closed form.
-        without_inverse: Why there is none; empty where there is one, or where nobody asked for it.
-        search: What finds the solutions of a robot that has no closed form.
-    """
-
-    functions: tuple[Function, ...]
-    parameters: tuple[str, ...]
-    inverse: Inverse | None = None
-    without_inverse: str = ""
-    search: InverseSearch | None = None
+    functions: tuple[Function, ...]  # in the order in which they are printed
+    parameters: tuple[str, ...]  # names of the run-time parameters, in the order of the parameter vector
+    inverse: Inverse | None = None  # inverse kinematics, of a robot for which there is a closed form
+    without_inverse: str = ""  # why there is none; empty where there is one, or where nobody asked for it
+    search: InverseSearch | None = None  # what finds the solutions of a robot that has no closed form
 
     def __getitem__(self, name: str) -> Function:
         """The function of that name."""
@@ -332,14 +256,7 @@ class Program:
 
 
 def cost_text(operations: Operations) -> str:
-    """Operation counts as they are printed.
-
-    Args:
-        operations: The counts.
-
-    Returns:
-        ``301 mul, 240 add, 5 sin, 5 cos``; what does not occur is left out.
-    """
+    """Operation counts as they are printed."""
     parts = [f"{count} {name}" for name, count in operations.as_dict().items() if count]
     return ", ".join(parts) or "no operations"
 
@@ -348,11 +265,7 @@ def joint_lines(robot: Robot, escape: Callable[[str], str] | None = None) -> tup
     """The joints of a robot, for the documentation of its functions.
 
     Args:
-        robot: The robot.
         escape: Makes a comment of a name; None for lines without names.
-
-    Returns:
-        One line per joint: place, variable, type and unit, and its name where it has one.
     """
     return tuple(
         f"{i + 1}: {joint.variable}, {joint.type.value} [{'rad' if joint.is_revolute else 'm'}]"

@@ -50,23 +50,7 @@ def publish(
     further: Iterable[str] = (),
     still: Callable[[], bool] = lambda: True,
 ) -> R:
-    """Writes files into a folder that replaces ``target``.
-
-    Args:
-        files: Contents by file name; a name may have a folder and a slash before it.
-        target: The folder; its parent is made if there is none.
-        robot_name: The robot that the folder is for.
-        check: Called with the finished temporary folder; what it raises stops the build, and the old folder stays.
-        further: Names of the files that ``check`` adds.
-        still: Asked when nobody else can replace ``target`` any more: whether it is still what is to be replaced.
-
-    Returns:
-        What ``check`` returned.
-
-    Raises:
-        OvertakenError: It is not; nothing has changed.
-        OutputError: The target is not ours to replace, or the system refused to write.
-    """
+    """Writes files into a folder that replaces ``target``."""
     names = (*files, *further)
     staging, lock = staging_of(target), None
     try:
@@ -97,11 +81,7 @@ def publish(
 
 
 def rewrite(files: Mapping[str, bytes], folder: Path, target: Path) -> None:
-    """Writes those files into the temporary folder of a target that are not in it, or are others.
-
-    Raises:
-        OutputError: The system refused.
-    """
+    """Writes those files into the temporary folder of a target that are not in it, or are others."""
     with _system_errors(target):
         for name, data in files.items():
             if contents(folder / name) != data:
@@ -111,14 +91,7 @@ def rewrite(files: Mapping[str, bytes], folder: Path, target: Path) -> None:
 
 
 def heal(parent: Path) -> None:
-    """Puts in order what a killed build left in a folder of robots.
-
-    Args:
-        parent: The folder; nothing happens if there is none.
-
-    Raises:
-        OutputError: It is no folder, or the system refused.
-    """
+    """Puts in order what a killed build left in a folder of robots."""
     if os.path.lexists(parent) and not parent.is_dir():
         raise OutputError(f"{parent} is not a folder", remedy="choose another --out")
     if parent.is_dir():
@@ -172,17 +145,7 @@ def _take_place(staging: Path, target: Path) -> None:
 
 
 def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> None:
-    """Refuses to replace what derive did not write.
-
-    Args:
-        target: The folder to be written.
-        robot_name: The robot it is for.
-        files: Names of the files that will be written.
-
-    Raises:
-        OutputError: A symbolic link, a file, a folder without a manifest of ours, another robot's folder, or a file of
-            the user's under the name of one to be written.
-    """
+    """Refuses to replace what derive did not write."""
     if target.is_symlink():
         raise _refusal(target, "is a symbolic link", "remove the link, or choose another --out")
     if not os.path.lexists(target):
@@ -203,14 +166,7 @@ def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> 
 
 
 def users_files(target: Path) -> list[str]:
-    """Names in a generated folder that no build has written: they are kept.
-
-    Args:
-        target: The folder.
-
-    Returns:
-        Names of files, links and folders, sorted; those in a folder that a build wrote have it and a slash before them.
-    """
+    """Names in a generated folder that no build has written: they are kept."""
     if target.is_symlink() or not target.is_dir():
         return []
     manifest = read_manifest(target) or {"files": {}}
@@ -223,12 +179,7 @@ def users_files(target: Path) -> list[str]:
 
 
 def carry_over(target: Path, staging: Path) -> None:
-    """Takes the user's files from the old folder into the new one; the old one keeps them until it is removed.
-
-    Args:
-        target: The old folder.
-        staging: The new one.
-    """
+    """Takes the user's files from the old folder into the new one; the old one keeps them until it is removed."""
     for name in users_files(target):
         source, copy = target / name, staging / name
         copy.parent.mkdir(exist_ok=True)
@@ -254,15 +205,7 @@ def _refusal(path: Path, found: str, remedy: str) -> OutputError:
 
 
 def refuse_taken(paths: Iterable[Path], *, force: bool) -> None:
-    """Refuse names of files that are taken, or have no folder, before work is done for them.
-
-    Args:
-        paths: Of the files; devices and pipes, such as ``/dev/null``, are free.
-        force: Whether a file that exists may be overwritten; a folder or a link never is.
-
-    Raises:
-        OutputError: A folder, a link, or a file that stays; or its folder cannot be made.
-    """
+    """Refuse names of files that are taken, or have no folder, before work is done for them."""
     for path in paths:
         if _is_stream(path):
             continue
@@ -278,18 +221,7 @@ def refuse_taken(paths: Iterable[Path], *, force: bool) -> None:
 
 
 def write_files(files: Mapping[Path, bytes], *, force: bool = False) -> list[Path]:
-    """Writes files, all or none; folders are made if there are none.
-
-    Args:
-        files: Contents by path.
-        force: Whether to overwrite files that exist.
-
-    Returns:
-        Their paths, in the order of ``files``.
-
-    Raises:
-        OutputError: See `refuse_taken`, also where a name was taken meanwhile; or the system refused to write.
-    """
+    """Writes files, all or none; folders are made if there are none."""
     refuse_taken(files, force=force)
     written: dict[Path, Path] = {}
     placed: list[Path] = []
@@ -337,15 +269,7 @@ def _taken(path: Path) -> OutputError:
 
 
 def ending_of(path: Path, allowed: Sequence[str]) -> str:
-    """The ending of a file's name, which says its form; a device or a pipe takes the first one.
-
-    Args:
-        path: Of the file.
-        allowed: Endings; none where any will do.
-
-    Raises:
-        DeriveError: The name ends otherwise.
-    """
+    """The ending of a file's name, which says its form; a device or a pipe takes the first one."""
     ending = (*allowed, "")[0] if _is_stream(path) else path.suffix.lower()
     if allowed and ending not in allowed:
         found = f"{path.name!r} has the ending of another kind of file"

@@ -25,31 +25,21 @@ from derive.targets.target import Target, package_name
 from derive.verification.verify import Report, verify
 from derive.version import __version__
 
+# Called with the robot's name and a stage: derive, compile, verify, done or failed.
 Progress = Callable[[str, str], None]
-"""Called with the robot's name and a stage: derive, compile, verify, done or failed."""
 
 
 @dataclass(frozen=True, slots=True)
 class BuildResult:
-    """A robot that was built, or need not be.
+    """A robot that was built, or need not be."""
 
-    Attributes:
-        robot: Its name.
-        folder: Where its files are.
-        files: Their names.
-        unchanged: Whether nothing had to be done.
-        operations: Operation counts by function; empty if nothing was done.
-        report: What the verification found; None if it was off or nothing was done.
-        seconds: Wall time.
-    """
-
-    robot: str
-    folder: Path
-    files: tuple[str, ...]
-    unchanged: bool
-    operations: dict[str, dict[str, int]]
-    report: Report | None
-    seconds: float
+    robot: str  # its name
+    folder: Path  # where its files are
+    files: tuple[str, ...]  # their names
+    unchanged: bool  # whether nothing had to be done
+    operations: dict[str, dict[str, int]]  # operation counts by function; empty if nothing was done
+    report: Report | None  # what the verification found; None if it was off or nothing was done
+    seconds: float  # wall time
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""
@@ -66,15 +56,10 @@ class BuildResult:
 
 @dataclass(frozen=True, slots=True)
 class BuildFailure:
-    """A robot that could not be built.
+    """A robot that could not be built."""
 
-    Attributes:
-        robot: Its name.
-        error: Why.
-    """
-
-    robot: str
-    error: Exception
+    robot: str  # its name
+    error: Exception  # why
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""
@@ -83,21 +68,13 @@ class BuildFailure:
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """How a folder differs from what a build would write.
+    """How a folder differs from what a build would write."""
 
-    Attributes:
-        robot: Name of the robot.
-        folder: The folder.
-        stale: Files with other contents.
-        missing: Files that are not there.
-        extra: Files of an earlier build that this one would not write.
-    """
-
-    robot: str
-    folder: Path
-    stale: tuple[str, ...]
-    missing: tuple[str, ...]
-    extra: tuple[str, ...]
+    robot: str  # name of the robot
+    folder: Path  # the folder
+    stale: tuple[str, ...]  # files with other contents
+    missing: tuple[str, ...]  # files that are not there
+    extra: tuple[str, ...]  # files of an earlier build that this one would not write
 
     @property
     def is_current(self) -> bool:
@@ -117,15 +94,7 @@ class CheckResult:
 
 
 def folder_of(robot: Robot, out: Path) -> Path:
-    """The folder of a robot.
-
-    Args:
-        robot: The robot.
-        out: Parent folder of all robots.
-
-    Returns:
-        The robot's name, as Python can import it, below ``out``.
-    """
+    """The folder of a robot."""
     return out / package_name(robot)
 
 
@@ -143,22 +112,7 @@ def build_robot(
     """Builds one robot into ``out/<robot_name>``: usual targets, those asked for, and those that the folder holds.
 
     Args:
-        robot: The robot.
-        out: Parent folder; made if there is none.
         targets: Names of targets beside those of a usual build; None for no others.
-        only: Whether the folder shall hold the named targets alone.
-        verified: Whether every generated function is compared with the independent recursion first.
-        force: Whether to build even what has not changed.
-        effort: How long the fewest operations are looked for.
-        progress: Told the stages.
-
-    Returns:
-        What was built, how many operations its functions take, and how far off they are.
-
-    Raises:
-        TargetError: An unknown target, or no C compiler for one that needs it.
-        OutputError: The folder cannot or may not be written.
-        VerificationError: A generated function is wrong; the old folder stays.
     """
     started = time.perf_counter()
     tell = progress or (lambda robot, stage: None)
@@ -284,17 +238,7 @@ def check_robot(
     Of compiled libraries only the presence is checked: what a compiler makes of the same text is its own affair.
 
     Args:
-        robot: The robot.
-        out: Parent folder.
         targets: Names of targets beside those of a usual build; None for no others.
-        effort: How long the fewest operations are looked for.
-        only: Whether a build would write the named targets alone.
-
-    Returns:
-        The names of the files that differ.
-
-    Raises:
-        TargetError: An unknown target.
     """
     target = folder_of(robot, out)
     chosen = targets_named(targets, written_targets(target), only=only)

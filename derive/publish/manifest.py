@@ -15,24 +15,13 @@ from derive.targets.target import Source, Target
 
 FILE = "MANIFEST.json"
 GENERATOR = "derive"
-LARGEST = 10_000_000
-"""Bytes of a manifest that is read at all."""
+LARGEST = 10_000_000  # bytes of a manifest that is read at all
 
 
 def manifest_text(
     source: Source, targets: Collection[Target], files: Mapping[str, bytes], effort: Effort = Effort.FULL
 ) -> str:
-    """The manifest of a build.
-
-    Args:
-        source: The robot and its program.
-        targets: What was written.
-        files: Contents by file name.
-        effort: How long the fewest operations were looked for.
-
-    Returns:
-        JSON, keys sorted, one entry a line.
-    """
+    """The manifest of a build."""
     robot = source.robot
     content = {
         "generator": GENERATOR,
@@ -59,9 +48,6 @@ def manifest_text(
 def read_manifest(folder: Path) -> dict[str, Any] | None:
     """The manifest of a folder.
 
-    Args:
-        folder: The folder.
-
     Returns:
         Its content; None if there is none of ours.
     """
@@ -77,27 +63,13 @@ def read_manifest(folder: Path) -> dict[str, Any] | None:
 
 
 def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
-    """Libraries of a folder: compiled from its files, and of other bytes with every compiler.
-
-    Args:
-        manifest: From `read_manifest`.
-
-    Returns:
-        Their names.
-    """
+    """Libraries of a folder: compiled from its files, and of other bytes with every compiler."""
     names = manifest.get("compiled", ())
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
 
 
 def written_targets(folder: Path) -> tuple[str, ...]:
-    """The targets that a folder holds.
-
-    Args:
-        folder: The folder.
-
-    Returns:
-        Their names; none where there is no folder of ours.
-    """
+    """The targets that a folder holds."""
     names = (read_manifest(folder) or {}).get("targets", ())
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
 
@@ -105,18 +77,7 @@ def written_targets(folder: Path) -> tuple[str, ...]:
 def is_current(
     folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort = Effort.FULL
 ) -> bool:
-    """Whether a folder holds, untouched, what these targets of this version make of this robot file.
-
-    Args:
-        folder: The folder.
-        robot_digest: SHA-256 of the robot file.
-        version: Version of the tool.
-        targets: What a build would write.
-        effort: How long it would look for the fewest operations.
-
-    Returns:
-        False also where there is no such folder.
-    """
+    """Whether a folder holds, untouched, what these targets of this version make of this robot file."""
     manifest = read_manifest(folder)
     if manifest is None:
         return False
@@ -133,9 +94,6 @@ def is_current(
 
 def contents(path: Path) -> bytes | None:
     """What a generated file holds.
-
-    Args:
-        path: The file.
 
     Returns:
         Its bytes; None if it is a link, is not there, or cannot be read.

@@ -25,11 +25,8 @@ from derive.targets.target import package_name
 
 R = TypeVar("R", BuildResult, CheckResult)
 
-GRACE = 10.0
-"""Seconds that processes have to clean up after an interrupt."""
-
-FAILED = 1
-"""Exit status of a process that was asked to end."""
+GRACE = 10.0  # seconds that processes have to clean up after an interrupt
+FAILED = 1  # exit status of a process that was asked to end
 
 
 def build_many(
@@ -47,21 +44,7 @@ def build_many(
     """Builds robots as `build_robot` does.
 
     Args:
-        robots: The robots.
-        out: Parent folder.
         targets: Names of targets; None for those of a usual build.
-        only: See `build_robot`.
-        jobs: Robots built at once, each in a process of its own.
-        verified: See `build_robot`.
-        force: See `build_robot`.
-        effort: See `build_robot`.
-        progress: Told the stages; with several jobs only the end of each robot.
-
-    Returns:
-        Results in the order of ``robots``, whatever finished first.
-
-    Raises:
-        OutputError: Two different robots would share a folder.
     """
     seen: dict[str, Robot] = {}
     for robot in robots:  # two files with one name would overwrite each other's folder
@@ -98,16 +81,7 @@ def check_many(
     """Checks robots as `check_robot` does.
 
     Args:
-        robots: The robots.
-        out: Parent folder.
         targets: Names of targets; None for those of a usual build.
-        only: See `check_robot`.
-        jobs: Robots checked at once, each in a process of its own.
-        effort: See `build_robot`.
-        progress: Told the end of each robot.
-
-    Returns:
-        Results in the order of ``robots``.
     """
     names = None if targets is None else tuple(targets)
     work = partial(check_robot, out=out, targets=names, effort=effort, only=only)

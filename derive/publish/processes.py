@@ -16,8 +16,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 T = TypeVar("T")
 
-_WORTH_A_PROCESS = 10_000
-"""Size of work that takes longer than copying a process."""
+_WORTH_A_PROCESS = 10_000  # size of work that takes longer than copying a process
 
 
 @contextmanager
@@ -27,14 +26,6 @@ def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kw
     It is done in a copy of this process, which ends with it. Where processes cannot be copied safely, where there is
     but one core, in a process that shares its work already, and if anything goes wrong over there, it is done here
     once its result is asked for: with the same result and the same errors.
-
-    Args:
-        work: A function whose result can be pickled.
-        arguments: Its arguments.
-        options: Its named arguments.
-
-    Yields:
-        What waits for the result and returns it.
     """
 
     def _here() -> R:
@@ -90,16 +81,7 @@ def _do_and_send(work: Callable[[], object], sender: Connection) -> None:
 
 
 def in_two_processes(work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
-    """Do pieces of work that do not depend on each other, half of them in another process.
-
-    Args:
-        work: Done with each piece; its result can be pickled.
-        pieces: The pieces.
-        sizes: How long each takes, roughly and relative to each other.
-
-    Returns:
-        The result of each piece.
-    """
+    """Do pieces of work that do not depend on each other, half of them in another process."""
     halves: tuple[list[int], list[int]] = ([], [])
     loads = [0, 0]
     for place in sorted(range(len(pieces)), key=lambda place: -sizes[place]):

@@ -35,18 +35,7 @@ _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 
 
 def exchange(one: Path, other: Path) -> bool:
-    """Swaps two folders atomically (``renameat2`` with ``RENAME_EXCHANGE``, Linux).
-
-    Args:
-        one: A folder.
-        other: Another one of the same file system.
-
-    Returns:
-        False, with nothing done, where the system or the file system has no such call.
-
-    Raises:
-        OSError: The call exists and failed.
-    """
+    """Swaps two folders atomically (``renameat2`` with ``RENAME_EXCHANGE``, Linux)."""
     try:
         call = ctypes.CDLL(None, use_errno=True).renameat2
     except (AttributeError, OSError, TypeError):
@@ -60,14 +49,7 @@ def exchange(one: Path, other: Path) -> bool:
 
 
 def flush_folder(folder: Path) -> None:
-    """Makes the names in a folder durable.
-
-    Args:
-        folder: The folder.
-
-    Raises:
-        OSError: The disk refused; not where folders cannot be flushed at all.
-    """
+    """Makes the names in a folder durable."""
     try:
         descriptor = os.open(folder, os.O_RDONLY)
     except OSError:  # folders cannot be opened on every system
@@ -84,15 +66,8 @@ def flush_folder(folder: Path) -> None:
 def hold(folder: Path, *, wait: bool = False) -> int | None:
     """Locks a folder until the descriptor is closed.
 
-    Args:
-        folder: The folder; one of our own, and no link, where nobody waits.
-        wait: Whether to wait until nobody else holds it.
-
     Returns:
         The descriptor; None where folders cannot be locked.
-
-    Raises:
-        BlockingIOError: Somebody else holds it.
     """
     if fcntl is None:
         return None
@@ -109,14 +84,7 @@ def hold(folder: Path, *, wait: bool = False) -> int | None:
 
 @contextmanager
 def exclusively(folder: Path) -> Iterator[bool]:
-    """Waits for the lock on a folder.
-
-    Args:
-        folder: The folder.
-
-    Yields:
-        Whether there are locks here at all.
-    """
+    """Waits for the lock on a folder."""
     descriptor = hold(folder, wait=True)
     try:
         yield descriptor is not None
@@ -135,26 +103,12 @@ def release(descriptor: int | None) -> None:
 
 
 def staging_of(target: Path) -> Path:
-    """Where a new folder may be written, beside the target and under a name that nobody else has.
-
-    Args:
-        target: The folder that it will replace.
-
-    Returns:
-        Its path; there is nothing yet.
-    """
+    """Where a new folder may be written, beside the target and under a name that nobody else has."""
     return target.with_name(f".derive-{target.name}-{secrets.token_hex(4)}")
 
 
 def backup_of(target: Path) -> Path:
-    """Where the old folder waits between two renames.
-
-    Args:
-        target: The folder.
-
-    Returns:
-        A path beside it.
-    """
+    """Where the old folder waits between two renames."""
     return target.with_name(f".derive-{target.name}.old")
 
 
@@ -162,10 +116,6 @@ def recover(parent: Path, locks_work: bool) -> None:
     """Puts back what a killed build left half-way, and removes the temporary folders of the dead.
 
     Without working locks nobody can tell the dead from the living, and temporary folders stay.
-
-    Args:
-        parent: The folder of all robots; the caller holds the lock on it.
-        locks_work: Whether there are locks here at all.
     """
     for path in sorted(parent.iterdir()):
         if path.is_symlink() or not path.is_dir():
@@ -191,9 +141,5 @@ def recover(parent: Path, locks_work: bool) -> None:
 
 
 def remove(folder: Path) -> None:
-    """Removes a folder of ours as far as possible; what is left is found again by the next build.
-
-    Args:
-        folder: The folder; it need not be there.
-    """
+    """Removes a folder of ours as far as possible; what is left is found again by the next build."""
     shutil.rmtree(folder, ignore_errors=True)

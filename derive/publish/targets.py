@@ -33,12 +33,9 @@ LATEX = Target(
 
 _ALL = (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, OCTAVE, LATEX, README)
 
+# By name, in the order in which they are written.
 TARGETS: dict[str, Target] = {target.name: target for target in _ALL}
-"""By name, in the order in which they are written."""
-
-
-EVERY = "all"
-"""What the user says for all of them."""
+EVERY = "all"  # what the user says for all of them
 
 
 def targets_named(
@@ -48,14 +45,6 @@ def targets_named(
 
     Args:
         names: What the user says, `EVERY` for all; None for what a build writes unasked.
-        present: Names of targets that a folder holds and shall keep; those that are no more count for nothing.
-        only: Whether what is named, and what that requires, shall be all; without a name, what a build writes unasked.
-
-    Returns:
-        The targets, in the registry's order.
-
-    Raises:
-        TargetError: An unknown name, or none at all.
     """
     usual = {name for name, target in TARGETS.items() if target.default}
     wanted = set(usual if names is None else [names] if isinstance(names, str) else names)

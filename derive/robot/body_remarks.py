@@ -16,26 +16,16 @@ from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, names
 from derive.robot.reading.document import Document, KeyPath
 
-ROUNDING = Fraction(1, 10**9)
-"""Part of the largest principal moment that rounding may have taken from A + B - C."""
-
+ROUNDING = Fraction(1, 10**9)  # part of the largest principal moment that rounding may have taken from A + B - C
 REMEDY = "for bodies that exist and give the same torques see derive export --inertia possible"
 
-Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
-"""xx, yy, zz, xy, xz, yz."""
+Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]  # xx, yy, zz, xy, xz, yz
 
 
 def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, ...]:
     """Which links of a robot file have a tensor of numbers that no body has.
 
     A tensor with one diagonal entry alone, not negative, is that of a planar arm and not meant to be whole.
-
-    Args:
-        document: The file, accepted.
-        robot: What it says.
-
-    Returns:
-        A remark about all of them, at the first; none where bodies have all tensors.
     """
     try:
         lacks = impossible_links(robot, parameter_values(robot))

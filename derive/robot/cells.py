@@ -60,16 +60,7 @@ class MixedUnitsError(ValueError):
 
 
 def angle_in_radians(expression: Expression, units: FileUnits, unitless: frozenset[str] = frozenset()) -> Expression:
-    """An angle cell in radians.
-
-    Args:
-        expression: The cell as written.
-        units: Units of its plain numbers.
-        unitless: Names that have no unit of their own, as the time in a formula: terms of them alone are plain numbers.
-
-    Returns:
-        The angle [rad].
-    """
+    """An angle cell in radians."""
     if not units.degrees:
         return expression
     if contains_pi(expression):
@@ -78,30 +69,13 @@ def angle_in_radians(expression: Expression, units: FileUnits, unitless: frozens
 
 
 def length_in_metres(expression: Expression, units: FileUnits, unitless: frozenset[str] = frozenset()) -> Expression:
-    """A length cell in metres.
-
-    Args:
-        expression: The cell as written.
-        units: Units of its plain numbers.
-        unitless: Names that have no unit of their own, as the time in a formula: terms of them alone are plain numbers.
-
-    Returns:
-        The length [m].
-    """
+    """A length cell in metres."""
     converted = plain_number(expression, units)
     return _scaled(converted, _MILLIMETRE, unitless) if units.millimetres else converted
 
 
 def plain_number(expression: Expression, units: FileUnits) -> Expression:
-    """A cell that is neither angle nor length: only arguments of sin, cos and tan change.
-
-    Args:
-        expression: The cell as written.
-        units: Units of the plain numbers in those arguments.
-
-    Returns:
-        The cell with angles in radians.
-    """
+    """A cell that is neither angle nor length: only arguments of sin, cos and tan change."""
     if not units.degrees:
         return expression
     converted = rebuilt(expression, lambda part: plain_number(part, units))
@@ -122,9 +96,6 @@ def _scaled(expression: Expression, unit: Expression, unitless: frozenset[str] =
 def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, ...]:
     """Values of all joint variables that a user types beside the file, in the units of the file.
 
-    Args:
-        texts: One cell per joint, such as ``pi/2`` or, in a file with degrees, ``90``.
-
     Returns:
         The configuration [rad or m].
     """
@@ -144,11 +115,6 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
     Args:
         joint: The joint that moves by it, in the units of the file (per second for a rate); None for a symbol, whose
             number is as under ``parameters:``.
-        typed: A cell such as ``pi/2`` or, in a file with degrees, ``90``.
-        name: What has the value, for messages.
-
-    Returns:
-        The value [SI units, rad].
     """
     value, allowed = f"value {quoted(typed.strip())} of {name}", "allowed: a number, or an expression in numbers and pi"
     try:
@@ -182,16 +148,7 @@ def _remark_on_degrees(angle: Expression, value: str, units: FileUnits) -> None:
 def typed_point(
     robot: Description, at: Sequence[str], rates: str | None = None, accelerations: str | None = None
 ) -> dict[str, Expression]:
-    """The state that a user types beside the file, in the units of the file; symbols as under ``parameters:``.
-
-    Args:
-        at: Texts such as ``0, pi/4`` in the order of the joints, ``q1=0.3, m1=2, qd1=1`` in any, or both.
-        rates: Velocities in the order of the joints.
-        accelerations: Accelerations in the order of the joints.
-
-    Returns:
-        Values by name [SI units, rad]: those that are typed, then the parameters that the file gives a number.
-    """
+    """The state that a user types beside the file, in the units of the file; symbols as under ``parameters:``."""
     variables = [joint.variable for joint in robot.joints]
     orders = [variables, list(map(velocity_name, variables)), list(map(acceleration_name, variables))]
     joints = {name: joint for names in orders for name, joint in zip(names, robot.joints, strict=True)}
@@ -220,14 +177,7 @@ def typed_point(
 
 
 def symbol_number(robot: Description, name: str, value: Expression) -> Expression:
-    """The number of a symbol that a user types, in a robot file with ``parameters: file`` in the units of its cells.
-
-    Args:
-        value: The number as written.
-
-    Returns:
-        The number [SI units, rad].
-    """
+    """The number of a symbol that a user types, in a robot file with ``parameters: file`` in the units of its cells."""
     unit = symbol_unit(robot, name) if robot.units.parameters else Unit.SI
     read = {Unit.SI: plain_number, Unit.LENGTH: length_in_metres, Unit.ANGLE: angle_in_radians}[unit]
     return read(value, robot.units)
@@ -235,94 +185,42 @@ def symbol_number(robot: Description, name: str, value: Expression) -> Expressio
 
 @dataclass(slots=True)
 class Cells:
-    """The cells of one file.
+    """The cells of one file."""
 
-    Attributes:
-        document: The file.
-        units: Units of plain numbers.
-        first_use: Every name that was read, with the place where it appears first; filled while reading.
-        unitless: Names that have no unit of their own.
-    """
-
-    document: Document
-    units: FileUnits
+    document: Document  # the file
+    units: FileUnits  # units of plain numbers
+    # Every name that was read, with the place where it appears first; filled while reading.
     first_use: dict[str, Location] = field(default_factory=dict)
-    unitless: frozenset[str] = frozenset()
+    unitless: frozenset[str] = frozenset()  # names that have no unit of their own
 
     def angle(self, path: KeyPath, default: Expression = ZERO) -> Expression:
-        """An angle.
-
-        Args:
-            path: Place of the cell in the file.
-            default: What stands for a cell that is left out.
-
-        Returns:
-            The angle [rad].
-        """
+        """An angle."""
         return self.to_radians(path, self.raw(path, default))
 
     def length(self, path: KeyPath, default: Expression = ZERO) -> Expression:
-        """A length.
-
-        Args:
-            path: Place of the cell in the file.
-            default: What stands for a cell that is left out.
-
-        Returns:
-            The length [m].
-        """
+        """A length."""
         return length_in_metres(self.raw(path, default), self.units, self.unitless)
 
     def plain(self, path: KeyPath, default: Expression = ZERO) -> Expression:
-        """A quantity that is always in SI units, such as a mass.
-
-        Args:
-            path: Place of the cell in the file.
-            default: What stands for a cell that is left out.
-
-        Returns:
-            The quantity [SI units].
-        """
+        """A quantity that is always in SI units, such as a mass."""
         return plain_number(self.raw(path, default), self.units)
 
     def constant(self, path: KeyPath, value: Expression, found: str, allowed: str) -> Expression:
-        """A cell that is a number, without any name.
-
-        Args:
-            path: Place of the cell in the file.
-            value: What was read there.
-            found: Where a name was found, for the message.
-            allowed: What is allowed, for the message.
-        """
+        """A cell that is a number, without any name."""
         if not is_constant(value):
             name = next(names(value))
             raise self.document.error(path, f"name '{name}' in {found}", allowed, "write its number")
         return value
 
     def to_radians(self, path: KeyPath, expression: Expression) -> Expression:
-        """The expression of an angle cell in radians.
-
-        Args:
-            path: Place of the cell in the file.
-            expression: The cell as written.
-
-        Returns:
-            The angle [rad].
-        """
+        """The expression of an angle cell in radians."""
         try:
             return angle_in_radians(expression, self.units, self.unitless)
         except MixedUnitsError:
             raise self._mixed_units(path) from None
 
     def symbol(self, path: KeyPath, robot: Description, name: str) -> Expression:
-        """The number of a symbol, see `symbol_number`.
-
-        Args:
-            path: Place of the number in the file.
-
-        Returns:
-            The number [SI units, rad].
-        """
+        """The number of a symbol, see `symbol_number`."""
         try:
             return symbol_number(robot, name, self.raw(path))
         except RobotFileError as error:
@@ -339,15 +237,7 @@ class Cells:
         )
 
     def raw(self, path: KeyPath, default: Expression = ZERO) -> Expression:
-        """The expression as written, before units.
-
-        Args:
-            path: Place of the cell in the file.
-            default: What stands for a cell that is left out.
-
-        Returns:
-            The exact tree; its names are noted in `first_use`.
-        """
+        """The expression as written, before units."""
         scalar = self.document.scalar(path)
         if scalar is None:
             return default
@@ -366,11 +256,7 @@ class Cells:
 
 
 def inert_text(document: Document, path: KeyPath, breaks: str = "") -> str:
-    """A free text of bounded length that no output takes for anything else; empty where there is none.
-
-    Args:
-        breaks: Control characters that may be in it.
-    """
+    """A free text of bounded length that no output takes for anything else; empty where there is none."""
     text = document.text(*path)
     if len(text) > FILE_LIMITS.title_length:
         allowed = f"allowed: at most {FILE_LIMITS.title_length}"
@@ -383,11 +269,7 @@ def inert_text(document: Document, path: KeyPath, breaks: str = "") -> str:
 
 
 def check_symbol(document: Document, path: KeyPath, name: str) -> None:
-    """Refuse a name that is not ``[A-Za-z][A-Za-z0-9_]*``, too long, or means something else.
-
-    Args:
-        path: Place of the name in the file.
-    """
+    """Refuse a name that is not ``[A-Za-z][A-Za-z0-9_]*``, too long, or means something else."""
     if name in RESERVED_NAMES or name.casefold() in NOT_SYMBOLS:
         raise document.error(path, f"'{name}' cannot be a symbol", "it has a meaning of its own", "use another name")
     if _SYMBOL.fullmatch(name) is None:

@@ -14,14 +14,10 @@ from derive.robot.options.handout import FigureOptions, HandoutOptions
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.options.style import Style
 
-Vector = tuple[Expression, Expression, Expression]
-"""Three cells: a point, or a vector in space."""
-
-Matrix = tuple[tuple[Expression, ...], ...]
-"""Rows of cells; a homogeneous transform has four of four."""
-
+Vector = tuple[Expression, Expression, Expression]  # three cells: a point, or a vector in space
+Matrix = tuple[tuple[Expression, ...], ...]  # rows of cells; a homogeneous transform has four of four
+# The transform that changes nothing.
 IDENTITY: Matrix = tuple(tuple(ONE if i == j else ZERO for j in range(4)) for i in range(4))
-"""The transform that changes nothing."""
 
 
 class Convention(StrEnum):
@@ -40,17 +36,11 @@ class JointType(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class FileUnits:
-    """Units of plain numbers in a file; the robot itself is always in radians and metres.
+    """Units of plain numbers in a file; the robot itself is always in radians and metres."""
 
-    Attributes:
-        degrees: Whether plain numbers in angle cells are degrees.
-        millimetres: Whether plain numbers in length cells are millimetres.
-        parameters: Whether numbers of symbols are in the units of the cells that these stand in, too.
-    """
-
-    degrees: bool = False
-    millimetres: bool = False
-    parameters: bool = False
+    degrees: bool = False  # whether plain numbers in angle cells are degrees
+    millimetres: bool = False  # whether plain numbers in length cells are millimetres
+    parameters: bool = False  # whether numbers of symbols are in the units of the cells that these stand in, too
 
 
 def _cells_text(**cells: Expression) -> str:
@@ -65,31 +55,19 @@ class Joint:
     For a revolute joint the angle is ``sign*q + theta`` and ``d`` is constant; for a prismatic joint the offset is
     ``sign*q + d`` and ``theta`` is constant. No other cell contains a joint variable. In the modified convention
     ``a`` and ``alpha`` are a_{i-1} and alpha_{i-1}.
-
-    Attributes:
-        type: Revolute or prismatic.
-        variable: Name of the joint variable, for instance ``q1``.
-        sign: +1 or -1, the factor of the variable in its cell.
-        theta: Constant part of the angle [rad].
-        d: Constant part of the offset along z [m].
-        a: Link length [m].
-        alpha: Link twist [rad].
-        limits: Lower and upper limit of the variable [rad or m], or None.
-        speed: Largest speed of the variable, either way [rad/s or m/s], or None.
-        torque: Largest torque or force, either way [N m or N], or None.
-        name: Free text by which others know the joint, such as ``shoulder_pan``; inert in every output; or empty.
     """
 
-    type: JointType
-    variable: str
-    sign: int
-    theta: Expression
-    d: Expression
-    a: Expression
-    alpha: Expression
-    limits: tuple[Expression, Expression] | None = None
-    speed: Expression | None = None
-    torque: Expression | None = None
+    type: JointType  # revolute or prismatic
+    variable: str  # name of the joint variable, for instance ``q1``
+    sign: int  # +1 or -1, the factor of the variable in its cell
+    theta: Expression  # constant part of the angle [rad]
+    d: Expression  # constant part of the offset along z [m]
+    a: Expression  # link length [m]
+    alpha: Expression  # link twist [rad]
+    limits: tuple[Expression, Expression] | None = None  # lower and upper limit of the variable [rad or m], or None
+    speed: Expression | None = None  # largest speed of the variable, either way [rad/s or m/s], or None
+    torque: Expression | None = None  # largest torque or force, either way [N m or N], or None
+    # Free text by which others know the joint, such as ``shoulder_pan``; inert in every output; or empty.
     name: str = ""
 
     @property
@@ -125,16 +103,11 @@ class Motor:
 
     It sits at o_{i-1} and spins about z_{i-1} (standard), or sits at o_i and spins about z_i (modified; for a
     prismatic joint at its place for q_i = 0).
-
-    Attributes:
-        mass: Rotor mass [kg].
-        inertia: Moment of inertia about the spin axis [kg m^2].
-        ratio: Gear ratio k_r.
     """
 
-    mass: Expression = ZERO
-    inertia: Expression = ZERO
-    ratio: Expression = ZERO
+    mass: Expression = ZERO  # rotor mass [kg]
+    inertia: Expression = ZERO  # moment of inertia about the spin axis [kg m^2]
+    ratio: Expression = ZERO  # Gear ratio k_r
 
     def __repr__(self) -> str:
         return f"Motor({_cells_text(mass=self.mass, inertia=self.inertia, ratio=self.ratio)})"
@@ -158,25 +131,15 @@ class Inertia:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Link:
-    """Inertial parameters of one link, in its own DH frame i.
+    """Inertial parameters of one link, in its own DH frame i."""
 
-    Attributes:
-        mass: Mass [kg].
-        com: Centre of mass in frame i [m].
-        inertia: Tensor about the centre of mass, axes of frame i [kg m^2].
-        motor: Rotor that drives joint i, or None.
-        armature: Reflected rotor inertia, added to B[i,i] only [kg m^2 or kg].
-        viscous: Joint-side viscous coefficient b of ``b*qd``.
-        coulomb: Joint-side Coulomb coefficient f of ``f*sign(qd)``.
-    """
-
-    mass: Expression = ZERO
-    com: Vector = (ZERO, ZERO, ZERO)
-    inertia: Inertia = field(default_factory=Inertia)
-    motor: Motor | None = None
-    armature: Expression = ZERO
-    viscous: Expression = ZERO
-    coulomb: Expression = ZERO
+    mass: Expression = ZERO  # mass [kg]
+    com: Vector = (ZERO, ZERO, ZERO)  # centre of mass in frame i [m]
+    inertia: Inertia = field(default_factory=Inertia)  # tensor about the centre of mass, axes of frame i [kg m^2]
+    motor: Motor | None = None  # rotor that drives joint i, or None
+    armature: Expression = ZERO  # reflected rotor inertia, added to B[i,i] only [kg m^2 or kg]
+    viscous: Expression = ZERO  # joint-side viscous coefficient b of ``b*qd``
+    coulomb: Expression = ZERO  # joint-side Coulomb coefficient f of ``f*sign(qd)``
 
     def __repr__(self) -> str:
         parts = [f"com=[{', '.join(map(to_text, self.com))}]"] if any(cell != ZERO for cell in self.com) else []
@@ -188,77 +151,49 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Something in a robot file that is allowed, and hardly meant.
+    """Something in a robot file that is allowed, and hardly meant."""
 
-    Attributes:
-        location: File, line and column of the cell.
-        found: The cell and what it says, as read.
-        remedy: What to write if something else was meant.
-        is_of_bodies: Whether it matters to dynamics alone.
-    """
-
-    location: Location
-    found: str
-    remedy: str
-    is_of_bodies: bool = False
+    location: Location  # file, line and column of the cell
+    found: str  # the cell and what it says, as read
+    remedy: str  # what to write if something else was meant
+    is_of_bodies: bool = False  # whether it matters to dynamics alone
 
     def __str__(self) -> str:
         return f"{self.location}: {self.found}; {self.remedy}"
 
     def as_dict(self) -> dict[str, str | int]:
-        """The remark as plain data.
-
-        Returns:
-            The keys ``file``, ``line``, ``column``, ``found`` and ``remedy``.
-        """
+        """The remark as plain data."""
         file, line, column = self.location.source, self.location.line, self.location.column
         return {"file": file, "line": line, "column": column, "found": self.found, "remedy": self.remedy}
 
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A serial arm as its file describes it: the DH table, the frames around it and, if given, its dynamics.
+    """A serial arm as its file describes it: the DH table, the frames around it and, if given, its dynamics."""
 
-    Attributes:
-        name: ``[a-z0-9-]+``.
-        title: Free text; inert in every output.
-        convention: Standard or modified.
-        joints: One row per joint.
-        base: Constant 4x4 transform from the world frame to frame 0.
-        tool: Constant 4x4 transform from frame n to the end effector.
-        gravity: Acceleration of gravity in the world frame [m/s^2]; None where the file gives none.
-        links: One per joint, or empty when the file has no dynamics.
-        parameters: Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
-        runtime: Names that stay free in generated code though they have a number.
-        style: How expressions are grouped in print.
-        handout: What the handout shows and how.
-        figure: Which configuration is drawn.
-        inverse: What inverse kinematics is asked for.
-        units: Units of plain numbers in the file; needed only for numbers that a user types beside it.
-        digest: SHA-256 of the robot file's bytes, hexadecimal.
-        source: File name or catalogue name, for messages only; never written to an output.
-        remarks: What the file says and hardly means, such as 90 rad.
-        comments: Comments before the first line of the file, such as whence the robot is.
-    """
-
-    name: str
-    title: str
-    convention: Convention
-    joints: tuple[Joint, ...]
+    name: str  # ``[a-z0-9-]+``
+    title: str  # free text; inert in every output
+    convention: Convention  # standard or modified
+    joints: tuple[Joint, ...]  # one row per joint
+    # Constant 4x4 transform from the world frame to frame 0.
     base: Matrix = field(default_factory=lambda: IDENTITY)  # a factory, so that help() shows no tree
-    tool: Matrix = field(default_factory=lambda: IDENTITY)
-    gravity: Vector | None = None
-    links: tuple[Link, ...] = ()
+    tool: Matrix = field(default_factory=lambda: IDENTITY)  # constant 4x4 transform from frame n to the end effector
+    gravity: Vector | None = None  # acceleration of gravity in the world frame [m/s^2]; None where the file gives none
+    links: tuple[Link, ...] = ()  # one per joint, or empty when the file has no dynamics
+    # Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
     parameters: tuple[tuple[str, Expression], ...] = ()
-    runtime: tuple[str, ...] = ()
-    style: Style = field(default_factory=Style)
-    handout: HandoutOptions = field(default_factory=HandoutOptions)
-    figure: FigureOptions = field(default_factory=FigureOptions)
-    inverse: InverseOptions = field(default_factory=InverseOptions)
+    runtime: tuple[str, ...] = ()  # names that stay free in generated code though they have a number
+    style: Style = field(default_factory=Style)  # how expressions are grouped in print
+    handout: HandoutOptions = field(default_factory=HandoutOptions)  # what the handout shows and how
+    figure: FigureOptions = field(default_factory=FigureOptions)  # which configuration is drawn
+    inverse: InverseOptions = field(default_factory=InverseOptions)  # what inverse kinematics is asked for
+    # Units of plain numbers in the file; needed only for numbers that a user types beside it.
     units: FileUnits = FileUnits()
-    digest: str = ""
-    source: str = ""
+    digest: str = ""  # SHA-256 of the robot file's bytes, hexadecimal
+    source: str = ""  # file name or catalogue name, for messages only; never written to an output
+    # What the file says and hardly means, such as 90 rad.
     remarks: tuple[Remark, ...] = field(default=(), compare=False)
+    # Comments before the first line of the file, such as whence the robot is.
     comments: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     @property

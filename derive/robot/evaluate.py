@@ -10,6 +10,7 @@ from derive.errors import ExpressionError
 from derive.robot.description import Description
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 
+# The functions of the cell grammar and of printed formulas, of floats.
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "sin": math.sin,
     "cos": math.cos,
@@ -17,46 +18,17 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "atan2": math.atan2,
 }
-"""The functions of the cell grammar and of printed formulas, of floats."""
-
-Values = Mapping[str, Fraction | float]
-"""Numbers of names; rational ones stay exact in what is computed from them."""
-
-_SINGULAR = 1e-12
-"""Denominators and cosines under a tangent below it are taken for zero: pi is only known to 1e-16."""
+Values = Mapping[str, Fraction | float]  # numbers of names; rational ones stay exact in what is computed from them
+_SINGULAR = 1e-12  # denominators and cosines under a tangent below it are taken for zero: pi is only known to 1e-16
 
 
 def evaluate(expression: Expression, values: Values) -> float:
-    """The number of an expression, for checks that know the place of a cell in its file.
-
-    Args:
-        expression: A tree of the cell grammar.
-        values: A number for every name in it.
-
-    Returns:
-        A finite number.
-
-    Raises:
-        ArithmeticError: Division by zero, a tangent at its pole, a root of a negative number, or overflow.
-        ExpressionError: A name has no number.
-    """
+    """The number of an expression, for checks that know the place of a cell in its file."""
     return _finite(_value(expression, values))
 
 
 def to_float(expression: Expression, values: Values) -> float:
-    """The number of an expression, for users of a robot that has been read; see `evaluate`.
-
-    Args:
-        expression: A tree of the cell grammar.
-        values: A number for every name in it.
-
-    Returns:
-        A finite number.
-
-    Raises:
-        ExpressionError: A name has no number, or the value does not exist (division by zero,
-            root of a negative number).
-    """
+    """The number of an expression, for users of a robot that has been read; see `evaluate`."""
     try:
         return evaluate(expression, values)
     except ArithmeticError as error:
@@ -64,15 +36,7 @@ def to_float(expression: Expression, values: Values) -> float:
 
 
 def parameter_values(robot: Description, chosen: Mapping[str, float] | None = None) -> dict[str, Fraction | float]:
-    """The numbers of all symbols of a robot: those of its file, overridden by ``chosen``.
-
-    Args:
-        robot: The robot.
-        chosen: Numbers for free symbols, or other numbers for run-time parameters [SI units, rad].
-
-    Returns:
-        Numbers by name; rational ones exact.
-    """
+    """The numbers of all symbols of a robot: those of its file, overridden by ``chosen``."""
     values: dict[str, Fraction | float] = {}
     for name, expression in robot.parameters:
         values[name] = _value(expression, values)

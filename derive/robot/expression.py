@@ -70,26 +70,12 @@ MINUS_ONE = Number(Fraction(-1))
 
 
 def number(value: int | Fraction | str) -> Number:
-    """An exact number.
-
-    Args:
-        value: An integer, a fraction or decimal text such as ``"0.4318"``.
-
-    Returns:
-        The leaf that holds it.
-    """
+    """An exact number."""
     return Number(Fraction(value))
 
 
 def add(*terms: Expression) -> Expression:
-    """Sum with nested sums flattened; all numbers become one, at the place of the first.
-
-    Args:
-        *terms: The terms; none of them gives zero.
-
-    Returns:
-        Their sum; a sum of one term is the term.
-    """
+    """Sum with nested sums flattened; all numbers become one, at the place of the first."""
     flat: list[Expression] = []
     place: int | None = None
     total = Fraction(0)
@@ -108,14 +94,7 @@ def add(*terms: Expression) -> Expression:
 
 
 def multiply(*factors: Expression) -> Expression:
-    """Product with nested products flattened; all numbers become one coefficient in front.
-
-    Args:
-        *factors: The factors; none of them gives one.
-
-    Returns:
-        Their product; a product of one factor is the factor.
-    """
+    """Product with nested products flattened; all numbers become one coefficient in front."""
     coefficient = Fraction(1)
     flat: list[Expression] = []
     for factor in factors:
@@ -134,18 +113,7 @@ def multiply(*factors: Expression) -> Expression:
 
 
 def power(base: Expression, exponent: int) -> Expression:
-    """Integer power; numbers are folded and powers of powers joined.
-
-    Args:
-        base: Any tree.
-        exponent: Any integer.
-
-    Returns:
-        ``base ** exponent``.
-
-    Raises:
-        ZeroDivisionError: The base is zero and the exponent negative.
-    """
+    """Integer power; numbers are folded and powers of powers joined."""
     if exponent == 0:
         return ONE
     if exponent == 1:
@@ -158,26 +126,12 @@ def power(base: Expression, exponent: int) -> Expression:
 
 
 def negate(expression: Expression) -> Expression:
-    """Minus the expression.
-
-    Args:
-        expression: Any tree.
-
-    Returns:
-        Its product with -1.
-    """
+    """Minus the expression."""
     return multiply(MINUS_ONE, expression)
 
 
 def children(expression: Expression) -> tuple[Expression, ...]:
-    """The direct subexpressions.
-
-    Args:
-        expression: Any tree.
-
-    Returns:
-        Terms, factors, the base of a power or arguments, in their order; none of a leaf.
-    """
+    """The direct subexpressions."""
     match expression:
         case Sum(parts) | Product(parts) | Call(_, parts):
             return parts
@@ -188,15 +142,7 @@ def children(expression: Expression) -> tuple[Expression, ...]:
 
 
 def rebuilt(expression: Expression, change: Callable[[Expression], Expression]) -> Expression:
-    """The expression with each direct subexpression replaced.
-
-    Args:
-        expression: Any tree; a leaf stays as it is.
-        change: What comes in the place of a subexpression.
-
-    Returns:
-        The node built anew from what ``change`` gives, flattened and folded.
-    """
+    """The expression with each direct subexpression replaced."""
     match expression:
         case Sum(terms):
             return add(*map(change, terms))
@@ -211,29 +157,14 @@ def rebuilt(expression: Expression, change: Callable[[Expression], Expression]) 
 
 
 def substitute(expression: Expression, values: Mapping[str, Expression]) -> Expression:
-    """The expression with names replaced by other expressions, all at once.
-
-    Args:
-        expression: Any tree.
-        values: What stands for a name; other names stay.
-
-    Returns:
-        The tree after substitution, flattened and folded.
-    """
+    """The expression with names replaced by other expressions, all at once."""
     if isinstance(expression, Name):
         return values.get(expression.name, expression)
     return rebuilt(expression, lambda part: substitute(part, values))
 
 
 def names(expression: Expression) -> Iterator[str]:
-    """Every name in the tree.
-
-    Args:
-        expression: Any tree.
-
-    Yields:
-        The names in order of appearance, repeats included.
-    """
+    """Every name in the tree."""
     stack = [expression]
     while stack:
         node = stack.pop()
@@ -243,40 +174,19 @@ def names(expression: Expression) -> Iterator[str]:
 
 
 def is_constant(expression: Expression) -> bool:
-    """Whether no name occurs in the expression.
-
-    Args:
-        expression: Any tree.
-
-    Returns:
-        True for numbers and for ``sqrt(2)*pi``.
-    """
+    """Whether no name occurs in the expression."""
     return next(names(expression), None) is None
 
 
 def contains_pi(expression: Expression) -> bool:
-    """Whether pi occurs outside the arguments of functions.
-
-    Args:
-        expression: Any tree.
-
-    Returns:
-        True for ``q1 + pi/2``, False for ``a1*sin(pi/4)``.
-    """
+    """Whether pi occurs outside the arguments of functions."""
     if isinstance(expression, Call):
         return False
     return isinstance(expression, Pi) or any(map(contains_pi, children(expression)))
 
 
 def linear_terms(expression: Expression) -> tuple[tuple[Fraction, Expression], ...]:
-    """Pairs (coefficient, term) whose sum is the expression; a numeric factor is carried into a sum.
-
-    Args:
-        expression: Any tree, for instance ``-(q1 + 90)``.
-
-    Returns:
-        The pairs, for instance ``(-1, q1), (-90, 1)``.
-    """
+    """Pairs (coefficient, term) whose sum is the expression; a numeric factor is carried into a sum."""
     match expression:
         case Number(value):
             return ((value, ONE),)
@@ -292,13 +202,6 @@ def expanded_terms(expression: Expression, stop: int) -> int:
     """Upper bound of the number of terms after multiplying out, found without doing it.
 
     A power of a sum of t terms has ``comb(t + e - 1, e)`` terms; denominators and arguments of functions count too.
-
-    Args:
-        expression: Any tree.
-        stop: Results beyond it are returned as ``stop + 1``.
-
-    Returns:
-        The bound, at most ``stop + 1``.
     """
     match expression:
         case Sum(terms):
@@ -319,15 +222,7 @@ def expanded_terms(expression: Expression, stop: int) -> int:
 
 
 def to_text(expression: Expression, write: Callable[[Fraction], str] = str) -> str:
-    """The expression as a user would write it in a cell; parsing the text gives the tree back.
-
-    Args:
-        expression: Any tree.
-        write: Writes a number, for instance rounded, as an integer, decimal or quotient; multiples of pi stay exact.
-
-    Returns:
-        Text of the cell grammar such as ``a1 + 2*pi/3 - sqrt(b)/2``.
-    """
+    """The expression as a user would write it in a cell; parsing the text gives the tree back."""
     match expression:
         case Number(value):
             return write(value)
@@ -348,14 +243,7 @@ def to_text(expression: Expression, write: Callable[[Fraction], str] = str) -> s
 
 
 def multiple_of_pi(factor: Fraction) -> str:
-    """A multiple of pi as a cell.
-
-    Args:
-        factor: For instance -3/4.
-
-    Returns:
-        The text, ``-3*pi/4``.
-    """
+    """A multiple of pi as a cell."""
     sign, top = "-" if factor < 0 else "", abs(factor.numerator)
     times = "" if top == 1 else f"{top}*"
     return f"{sign}{times}pi" + (f"/{factor.denominator}" if factor.denominator != 1 else "")

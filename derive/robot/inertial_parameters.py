@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
+# Mass, first moments, and the entries of the inertia tensor about the frame's origin.
 LINK_PARTS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
-"""Mass, first moments, and the entries of the inertia tensor about the frame's origin."""
-
+# Rotor mass, rotor inertia about its axis, armature, viscous and Coulomb friction.
 JOINT_PARTS = ("mm", "Im", "Ia", "b", "f")
-"""Rotor mass, rotor inertia about its axis, armature, viscous and Coulomb friction."""
-
+# What each part is, with its unit.
 MEANINGS = {
     "m": "mass [kg]",
     "mx": "first moment, x [kg m]",
@@ -34,23 +33,15 @@ MEANINGS = {
     "b": "viscous friction [N m s or N s/m]",
     "f": "Coulomb friction [N m or N]",
 }
-"""What each part is, with its unit."""
-
-MAX_JOINTS = 16
-"""Joints up to which regressors are generated: their entries grow with the square, each of them a sum."""
+MAX_JOINTS = 16  # joints up to which regressors are generated: their entries grow with the square, each of them a sum
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Parameter:
-    """One parameter.
+    """One parameter."""
 
-    Attributes:
-        joint: Number of its joint or link, from 1.
-        part: One of `LINK_PARTS` or `JOINT_PARTS`.
-    """
-
-    joint: int
-    part: str
+    joint: int  # number of its joint or link, from 1
+    part: str  # one of `LINK_PARTS` or `JOINT_PARTS`
 
     @property
     def name(self) -> str:
@@ -64,26 +55,12 @@ class Parameter:
 
 
 def has_regressor(robot: Robot) -> bool:
-    """Whether regressors are generated for a robot.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        True for arms with dynamics and at most `MAX_JOINTS` joints.
-    """
+    """Whether regressors are generated for a robot."""
     return robot.has_dynamics and robot.n <= MAX_JOINTS
 
 
 def standard_parameters(robot: Robot) -> tuple[Parameter, ...]:
-    """The columns of the standard regressor (Siciliano et al., Robotics, section 7.2.2).
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Link by link the ten of the link, then those of its joint that the file gives.
-    """
+    """The columns of the standard regressor (Siciliano et al., Robotics, section 7.2.2)."""
     found = []
     for i, link in enumerate(robot.links, start=1):
         given = {

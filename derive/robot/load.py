@@ -39,17 +39,7 @@ def catalogue_names() -> tuple[str, ...]:
 
 
 def catalogue_text(name: str) -> str:
-    """The robot file of a built-in robot.
-
-    Args:
-        name: One of `catalogue_names`.
-
-    Returns:
-        The YAML text.
-
-    Raises:
-        UnknownRobotError: No such robot.
-    """
+    """The robot file of a built-in robot."""
     if name not in catalogue_names():
         raise UnknownRobotError(
             f"no catalogue robot {quoted(name)}",
@@ -71,34 +61,12 @@ def load_description(path_or_name: str | Path) -> Description:
     """Load a robot file, or a robot of the catalogue.
 
     A text that is exactly a catalogue name means the catalogue; write ``./name`` for a file of that name.
-
-    Args:
-        path_or_name: Path of a YAML file, or a name that ``derive list`` shows.
-
-    Returns:
-        The validated description.
-
-    Raises:
-        RobotFileError: The file cannot be read or does not describe a robot.
-        ExpressionError: A cell is outside the grammar.
-        UnknownRobotError: Neither a file nor a catalogue name.
     """
     return description_from_bytes(robot_file_bytes(path_or_name), str(path_or_name))
 
 
 def robot_file_bytes(path_or_name: str | Path) -> bytes:
-    """Contents of a robot file, or of the file of a robot of the catalogue.
-
-    Args:
-        path_or_name: Path of a YAML file, or a name that ``derive list`` shows.
-
-    Returns:
-        Its bytes, at most one more than a robot file may have.
-
-    Raises:
-        RobotFileError: The file cannot be read.
-        UnknownRobotError: Neither a file nor a catalogue name.
-    """
+    """Contents of a robot file, or of the file of a robot of the catalogue."""
     text = str(path_or_name)
     if text in catalogue_names():
         return catalogue_text(text).encode()
@@ -113,11 +81,7 @@ def robot_file_bytes(path_or_name: str | Path) -> bytes:
 
 
 def is_there(path: Path) -> bool:
-    """Whether a path that a user typed exists; False where no file can have it.
-
-    Args:
-        path: Of any characters and any length.
-    """
+    """Whether a path that a user typed exists; False where no file can have it."""
     try:
         return "\0" not in str(path) and path.exists()
     except (OSError, ValueError):
@@ -125,18 +89,7 @@ def is_there(path: Path) -> bool:
 
 
 def file_bytes(path: Path, most: int = FILE_LIMITS.size) -> bytes:
-    """Contents of a regular file, at most one byte more than it may have.
-
-    Args:
-        path: The file.
-        most: How many bytes it may have; by default as many as a robot file.
-
-    Returns:
-        Its bytes.
-
-    Raises:
-        RobotFileError: Not a file, or it cannot be read.
-    """
+    """Contents of a regular file, at most one byte more than it may have."""
     place = Location(str(path) if str(path).isprintable() else quoted(str(path), 200))
     if not path.is_file():
         raise RobotFileError("not a file", remedy="give the path of a YAML file", location=place)
@@ -149,19 +102,7 @@ def file_bytes(path: Path, most: int = FILE_LIMITS.size) -> bytes:
 
 
 def description_from_bytes(data: bytes, source: str) -> Description:
-    """Load a robot from the bytes of a file.
-
-    Args:
-        data: Contents of a robot file, UTF-8.
-        source: Name for messages.
-
-    Returns:
-        The validated description.
-
-    Raises:
-        RobotFileError: The bytes do not describe a robot.
-        ExpressionError: A cell is outside the grammar.
-    """
+    """Load a robot from the bytes of a file."""
     document = read_document(data, source if source.isprintable() else quoted(source, 200))
     check_structure(document)
     units = FileUnits(
@@ -236,14 +177,7 @@ def _runtime(document: Document) -> tuple[str, ...]:
 
 
 def is_robot_name(name: str) -> bool:
-    """Whether a name has the right letters and makes an importable folder on every system.
-
-    Args:
-        name: A candidate such as ``my-arm``.
-
-    Returns:
-        Whether a robot may have it.
-    """
+    """Whether a name has the right letters and makes an importable folder on every system."""
     return _NAME.fullmatch(name) is not None and not keyword.iskeyword(name) and name not in _TAKEN
 
 

@@ -14,51 +14,23 @@ Some = TypeVar("Some", bound=Description)
 
 
 def velocity_name(variable: str) -> str:
-    """Name of the velocity of a joint variable.
-
-    Args:
-        variable: Name of the joint variable, ``q1`` or ``theta``.
-
-    Returns:
-        The name with a d before its digits, ``qd1`` or ``thetad``.
-    """
+    """Name of the velocity of a joint variable."""
     digits = joint_label(variable)
     return f"{variable.removesuffix(digits)}d{digits}"
 
 
 def acceleration_name(variable: str) -> str:
-    """Name of the acceleration of a joint variable.
-
-    Args:
-        variable: Name of the joint variable, ``q1`` or ``d3``.
-
-    Returns:
-        The name with dd before its digits, ``qdd1`` or ``ddd3``.
-    """
+    """Name of the acceleration of a joint variable."""
     return velocity_name(velocity_name(variable))
 
 
 def joint_label(variable: str) -> str:
-    """What tells a joint from others of its letter.
-
-    Args:
-        variable: Name of the joint variable, ``q12``.
-
-    Returns:
-        The digits at its end, ``12``; empty if there are none.
-    """
+    """What tells a joint from others of its letter."""
     return variable[len(variable.rstrip("0123456789")) :]
 
 
 def expressions(robot: Description) -> Iterator[Expression]:
-    """Every expression that enters a quantity; limits enter none.
-
-    Args:
-        robot: The robot.
-
-    Yields:
-        Cells of the base, the joint rows (theta, d, a, alpha), the tool, gravity and the links.
-    """
+    """Every expression that enters a quantity; limits enter none."""
     for row in robot.base:
         yield from row
     for joint in robot.joints:
@@ -75,41 +47,20 @@ def expressions(robot: Description) -> Iterator[Expression]:
 
 
 def robot_symbols(robot: Description) -> tuple[str, ...]:
-    """Parameters of kinematics and dynamics; joint variables are none.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Their names in order of first appearance in `expressions`.
-    """
+    """Parameters of kinematics and dynamics; joint variables are none."""
     variables = {joint.variable for joint in robot.joints}
     found = dict.fromkeys(name for expression in expressions(robot) for name in names(expression))
     return tuple(name for name in found if name not in variables)
 
 
 def limit_symbols(robot: Description) -> tuple[str, ...]:
-    """Symbols in the limits of joints.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Their names in order of first appearance.
-    """
+    """Symbols in the limits of joints."""
     limits = [limit for joint in robot.joints for limit in joint.limits or ()]
     return tuple(dict.fromkeys(name for limit in limits for name in names(limit)))
 
 
 def file_symbols(robot: Description) -> tuple[str, ...]:
-    """Symbols in any cell of a robot file: of quantities and of limits; largest speeds and torques are numbers.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Their names, those of `robot_symbols` first.
-    """
+    """Symbols in any cell of a robot file: of quantities and of limits; largest speeds and torques are numbers."""
     return tuple(dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot))))
 
 
@@ -117,10 +68,6 @@ def without_lost_symbols(before: Description, after: Some) -> Some:
     """A changed robot without numbers of symbols that went with the change: a file may hold none that no cell has.
 
     Where a symbol has no clear unit any more, a file can give their numbers in SI units alone.
-
-    Args:
-        before: The robot as it was.
-        after: The same with other cells, in which symbols such as the place of a link without mass are lost.
     """
     lost = {*file_symbols(before)} - {*file_symbols(after)}
     values = tuple(pair for pair in after.figure.values if pair[0] not in lost)
@@ -134,25 +81,11 @@ def without_lost_symbols(before: Description, after: Some) -> Some:
 
 
 def number_of(robot: Description) -> dict[str, Expression]:
-    """The exact numbers that the file gives to symbols.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Numbers by name, in the file's order [SI units, rad].
-    """
+    """The exact numbers that the file gives to symbols."""
     return dict(robot.parameters)
 
 
 def free_symbols(robot: Description) -> tuple[str, ...]:
-    """Symbols that stay arguments of generated code: without a number, or named in ``runtime``.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Their names in the order of `robot_symbols`.
-    """
+    """Symbols that stay arguments of generated code: without a number, or named in ``runtime``."""
     baked = number_of(robot).keys() - set(robot.runtime)
     return tuple(name for name in robot_symbols(robot) if name not in baked)

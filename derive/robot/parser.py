@@ -85,16 +85,7 @@ _GRAMMAR = "allowed: integers, decimals, names, + - * / **, parentheses, pi, sin
 
 
 def place(text: str, offset: int, start: Location) -> Location:
-    """The place of a character in its file.
-
-    Args:
-        text: A piece of the file.
-        offset: Position in it, from 0.
-        start: Where the piece begins.
-
-    Returns:
-        Line and column of ``text[offset]``.
-    """
+    """The place of a character in its file."""
     newlines = text.count("\n", 0, offset)
     if newlines == 0:
         return Location(start.source, start.line, start.column + offset)
@@ -102,19 +93,7 @@ def place(text: str, offset: int, start: Location) -> Location:
 
 
 def tokenize(text: str, start: Location, limits: Limits) -> tuple[Token, ...]:
-    """Split an expression into tokens.
-
-    Args:
-        text: The expression.
-        start: Where its first character stands.
-        limits: Bounds on length and number of tokens.
-
-    Returns:
-        The tokens, the last one of kind END.
-
-    Raises:
-        ExpressionError: A character outside the grammar, or a limit exceeded.
-    """
+    """Split an expression into tokens."""
     shorter = "introduce a parameter for part of it"
     if len(text) > limits.text_length:
         found, allowed = f"expression of {len(text)} characters", f"allowed: at most {limits.text_length}"
@@ -154,8 +133,8 @@ def _unexpected_character(text: str, offset: int, start: Location) -> Expression
 CELL_FUNCTIONS: Final = frozenset({"sin", "cos", "tan", "sqrt"})
 FORMULA_FUNCTIONS: Final = CELL_FUNCTIONS | {"atan2"}
 RESERVED_NAMES: Final = FORMULA_FUNCTIONS | {"pi"}
+# Spellings (in any case) of YAML's and Python's special values: as symbols they could only be mistakes.
 NOT_SYMBOLS: Final = frozenset({"nan", "inf", "infinity", "null", "none", "true", "false"})
-"""Spellings (in any case) of YAML's and Python's special values: as symbols they could only be mistakes."""
 
 
 def parse_expression(
@@ -164,20 +143,7 @@ def parse_expression(
     functions: frozenset[str] = CELL_FUNCTIONS,
     limits: Limits = CELL_LIMITS,
 ) -> Expression:
-    """Parse one cell or formula.
-
-    Args:
-        text: The expression; line breaks count as spaces.
-        location: Where its first character stands.
-        functions: Names that may be called; ``FORMULA_FUNCTIONS`` adds atan2 for printed formulas.
-        limits: Bounds on size; ``FORMULA_LIMITS`` for printed formulas.
-
-    Returns:
-        The exact tree; numbers are folded, sums and products flattened.
-
-    Raises:
-        ExpressionError: Outside the grammar or beyond a limit, placed at the offending token.
-    """
+    """Parse one cell or formula."""
     return _Parser(text, location, functions, limits).parse()
 
 

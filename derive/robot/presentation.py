@@ -30,26 +30,15 @@ from derive.robot.options.inverse import POSE, InverseOptions, chosen_given, cho
 from derive.robot.options.style import DEFAULT_STYLE, Style
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 
+# How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated.
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
-"""How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated."""
-
 _NOTATION: KeyPath = ("handout", "notation")
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
 
 def read_style(document: Document) -> Style:
-    """How expressions are grouped: a name, or a block of options with or without one.
-
-    Args:
-        document: The file, of checked structure.
-
-    Returns:
-        The style; ``contraction:`` beside it is one of its options too.
-
-    Raises:
-        RobotFileError: The contraction is given twice.
-    """
+    """How expressions are grouped: a name, or a block of options with or without one."""
     block, beside = document.find(("style",)), document.text("contraction")
     options = {"name": document.text("style") or DEFAULT_STYLE}
     if isinstance(block, YamlMapping):
@@ -61,17 +50,7 @@ def read_style(document: Document) -> Style:
 
 
 def read_handout(document: Document) -> HandoutOptions:
-    """What the handout shows and how; a key that is left out has its default.
-
-    Args:
-        document: The file, of checked structure.
-
-    Returns:
-        The options.
-
-    Raises:
-        RobotFileError: An unknown part, a part twice, a language or a number of pages that is none.
-    """
+    """What the handout shows and how; a key that is left out has its default."""
 
     def _chosen(path: KeyPath, default: Choice) -> Choice:
         """The choice that the file makes among those of the default's kind."""
@@ -130,21 +109,7 @@ def read_figure(
     joints: tuple[Joint, ...],
     parameters: tuple[tuple[str, Expression], ...],
 ) -> FigureOptions:
-    """The configuration that is drawn; it uses no symbol, so a parameter is not used by being drawn.
-
-    Args:
-        document: The file.
-        cells: Its cells, every other block having been read.
-        joints: Rows of the table.
-        parameters: Symbols with a number.
-
-    Returns:
-        The configuration and numbers for symbols that have none.
-
-    Raises:
-        RobotFileError: Not one number per joint, or a value for what is no symbol or has a number.
-        ExpressionError: A cell is outside the grammar.
-    """
+    """The configuration that is drawn; it uses no symbol, so a parameter is not used by being drawn."""
     own = Cells(document, cells.units)
     variables, numbered = {joint.variable for joint in joints}, {name for name, _ in parameters}
     q, where = None, ("figure", "q")
@@ -172,18 +137,7 @@ def read_figure(
 
 
 def read_inverse(document: Document, joints: tuple[Joint, ...]) -> InverseOptions:
-    """What inverse kinematics is asked for.
-
-    Args:
-        document: The file, of checked structure.
-        joints: Rows of the table.
-
-    Returns:
-        The options.
-
-    Raises:
-        RobotFileError: A task or a joint that the robot has not.
-    """
+    """What inverse kinematics is asked for."""
 
     def _chosen(path: KeyPath, choose: Callable[[list[str]], tuple[str, ...]]) -> tuple[str, ...] | None:
         """The words of one key, whether it is a list or not."""

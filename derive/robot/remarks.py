@@ -28,19 +28,12 @@ from derive.robot.expression import (
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.units import Unit, cell_unit, located_expressions, symbolic_factors, turned_angles
 
-NEAR = 1e-3
-"""Relative distance (absolute below 1) within which a number is taken for a rounded multiple of pi/12."""
-
+NEAR = 1e-3  # relative distance (absolute below 1) within which a number is taken for a rounded multiple of pi/12
+# Limits of up to so many turns to either side are those of real wrists; an angle of the table is within one.
 TURNS_OF_A_JOINT = 2
-"""Limits of up to so many turns to either side are those of real wrists; an angle of the table is within one."""
-
-LARGEST_ARM, LEAST_ARM = 20.0, 0.01
-"""Between them all lengths of an arm together are taken as meant [m]."""
-
+LARGEST_ARM, LEAST_ARM = 20.0, 0.01  # between them all lengths of an arm together are taken as meant [m]
+# Among degrees only a number with so many decimals is taken for radians: 0.52 degrees is a calibrated angle.
 DEGREE_DECIMALS = 3
-"""Among degrees only a number with so many decimals is taken for radians: 0.52 degrees is a calibrated angle."""
-
-
 _LIKE_PI = ("Pi", "PI", "pI", "M_PI")
 
 _PARAMETERS = "; numbers of parameters are in radians unless units: {angle: deg, parameters: file} is written"
@@ -55,13 +48,6 @@ def remarks_on(document: Document, robot: Description) -> tuple[Remark, ...]:
     degrees; one within 1e-3 of a multiple of pi/12 for a rounded one; in a file in degrees, the latter for radians.
     Numbers of parameters that stand in angle cells, and arguments of sin, cos and tan, are angles too. Among
     millimetres a parameter that makes the arm larger than 20 m or smaller than 1 cm is taken for one of the other unit.
-
-    Args:
-        document: The file, accepted.
-        robot: What it says.
-
-    Returns:
-        The remarks in the order of the file.
     """
     cells = Cells(document, robot.units)
     found: dict[KeyPath, Remark] = {}

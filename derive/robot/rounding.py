@@ -12,21 +12,13 @@ from derive.robot.description import Description
 from derive.robot.expression import Number, Sum
 from derive.robot.names import expressions
 
-DIGITS = 6
-"""Significant digits shown of a number that has more."""
-
-LONGEST_FRACTION = 4
-"""Digits of a numerator or denominator that still read as a fraction."""
-
+DIGITS = 6  # significant digits shown of a number that has more
+LONGEST_FRACTION = 4  # digits of a numerator or denominator that still read as a fraction
 _QUARTERS = (Fraction(1, 4), Fraction(1, 2), Fraction(3, 4))
 
 
 def is_given_in_decimals(robot: Description) -> bool:
-    """Whether a robot is given by decimals: a cell of its file, or a term of one, is a number that is not whole.
-
-    Args:
-        robot: The robot.
-    """
+    """Whether a robot is given by decimals: a cell of its file, or a term of one, is a number that is not whole."""
     terms = (term for cell in expressions(robot) for term in (cell.terms if isinstance(cell, Sum) else (cell,)))
     return any(isinstance(term, Number) and term.value.denominator != 1 for term in terms)
 
@@ -35,12 +27,7 @@ def shown(value: Fraction, *, decimals: bool, digits: int | None = DIGITS) -> Fr
     """A number as it is shown.
 
     Args:
-        value: The number.
-        decimals: Whether 0.125 is preferred to one eighth, for a robot that is given by decimals.
         digits: Significant digits; None for all of them.
-
-    Returns:
-        A fraction where it is shown as an integer or a quotient, else a decimal, which may be rounded.
     """
     longest = max(len(str(abs(value.numerator))), len(str(value.denominator)))
     if value.denominator == 1 and (digits is None or longest <= digits):
@@ -66,12 +53,7 @@ def number_text(value: Fraction, *, decimals: bool, digits: int | None = DIGITS)
     """A number as text of the cell grammar: ``3/4``, ``0.4318``, ``2.25843``, ``1.5e-7``.
 
     Args:
-        value: The number.
-        decimals: Whether 0.125 is preferred to one eighth; a half and quarters, which laws of physics hold, stay.
         digits: Significant digits; None for all of them.
-
-    Returns:
-        The text; it has a slash where it is a fraction.
     """
     found = shown(value, decimals=decimals and abs(value) not in _QUARTERS, digits=digits)
     if isinstance(found, Fraction):

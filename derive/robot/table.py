@@ -26,26 +26,14 @@ from derive.robot.expression import (
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.reading.size_limits import FILE_LIMITS
 
+# The symbol of gravity where a file with links does not say: it points along -z of the world frame.
 DEFAULT_GRAVITY_SYMBOL = "g"
-"""The symbol of gravity where a file with links does not say: it points along -z of the world frame."""
-
+# Entries of R^T R - 1: decimals with seven places pass, 0.7071 does not, and should be sqrt(2)/2.
 ROTATION_TOLERANCE = 1e-6
-"""Entries of R^T R - 1: decimals with seven places pass, 0.7071 does not, and should be sqrt(2)/2."""
 
 
 def read_joints(document: Document, cells: Cells) -> tuple[Joint, ...]:
-    """All rows of the table.
-
-    Args:
-        document: The file.
-        cells: Its cells.
-
-    Returns:
-        One joint per row, in the order of the file.
-
-    Raises:
-        RobotFileError: Too many rows, two joints with one variable, or a contradictory row.
-    """
+    """All rows of the table."""
     rows = document.length(("joints",))
     if not 1 <= rows <= FILE_LIMITS.joints:
         raise document.error(("joints",), f"{rows} rows", f"allowed: 1 to {FILE_LIMITS.joints}", "one row per joint")
@@ -193,19 +181,7 @@ class _Row:
 
 
 def read_frame(document: Document, cells: Cells, key: str) -> Matrix:
-    """The constant transform before frame 0 or after frame n.
-
-    Args:
-        document: The file.
-        cells: Its cells.
-        key: ``base`` or ``tool``.
-
-    Returns:
-        The 4x4 matrix, translations in metres; the identity where the file has none.
-
-    Raises:
-        RobotFileError: A bottom row that is not 0 0 0 1.
-    """
+    """The constant transform before frame 0 or after frame n."""
     if document.find((key,)) is None:
         return IDENTITY
     rows = tuple(
@@ -218,18 +194,7 @@ def read_frame(document: Document, cells: Cells, key: str) -> Matrix:
 
 
 def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterable[Mapping[str, float]]) -> None:
-    """Refuse a rotation block that is not a rotation at the given parameter values.
-
-    Args:
-        document: The file.
-        key: ``base`` or ``tool``.
-        matrix: The 4x4 matrix.
-        trials: Sets of parameter values; those at which an entry is not real are passed over.
-
-    Raises:
-        RobotFileError: At the row (or the pair of rows) that is not orthonormal, for a reflection, or when no set of
-            values gives real entries.
-    """
+    """Refuse a rotation block that is not a rotation at the given parameter values."""
     blocks = []
     for values in trials:
         try:
@@ -261,19 +226,7 @@ def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterabl
 
 
 def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...]:
-    """Inertial parameters, motors and friction.
-
-    Args:
-        document: The file.
-        cells: Its cells.
-        joints: Number of joints.
-
-    Returns:
-        One link per joint, or none when the file has no dynamics.
-
-    Raises:
-        RobotFileError: Another number of links than joints.
-    """
+    """Inertial parameters, motors and friction."""
     if document.find(("links",)) is None:
         return ()
     rows = document.length(("links",))
@@ -311,15 +264,8 @@ def read_gravity(document: Document, cells: Cells) -> Vector | None:
     A file with links and without ``gravity`` means ``[0, 0, -g]``: z points up, and ``g`` is a symbol like any other.
     Read it after everything else, because that default is refused where ``g`` means something else.
 
-    Args:
-        document: The file.
-        cells: Its cells, all others having been read.
-
     Returns:
         The vector in the world frame [m/s^2]; None where there are neither gravity nor links.
-
-    Raises:
-        RobotFileError: No gravity although there are links, while ``g`` is used otherwise.
     """
     if document.find(("gravity",)) is not None:
         x, y, z = (cells.plain(("gravity", index)) for index in range(3))

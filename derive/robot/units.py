@@ -64,14 +64,7 @@ def cell_unit(path: KeyPath, robot: Description) -> Unit:
 
 
 def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expression]]:
-    """Every expression of the robot.
-
-    Args:
-        robot: The robot.
-
-    Yields:
-        Its path in the file, and the expression.
-    """
+    """Every expression of the robot."""
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
         yield from (((key, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
     for index, joint in enumerate(robot.joints):
@@ -116,13 +109,6 @@ def symbol_unit(robot: Description, name: str) -> Unit:
     """What a symbol is a number of, `Unit.SI` also where the units of the file make no difference.
 
     A term ``2*cos(beta)*a1`` of a length cell says that a1 is a length; products of symbols say nothing.
-
-    Args:
-        robot: The robot.
-        name: A symbol of it, or of a formula beside it.
-
-    Raises:
-        RobotFileError: It stands for several things with different units, or only where nothing tells what it is.
     """
     alone, others = set[Unit](), set[Unit]()
     for path, cell in located_expressions(robot):
@@ -154,13 +140,7 @@ def are_units_clear(robot: Description) -> bool:
 
 
 def in_file_units(cell: Expression, unit: Unit, units: FileUnits) -> Expression:
-    """A cell as the file has it: terms without a name are in its units.
-
-    Args:
-        cell: In SI units and radians.
-        unit: What it is.
-        units: Those of the file.
-    """
+    """A cell as the file has it: terms without a name are in its units."""
     if not unit.differs_in(units):
         return cell
     factor = number(1000) if unit is Unit.LENGTH else multiply(number(180), power(Pi(), -1))
@@ -193,11 +173,5 @@ def joint_in_file_units(joint: Joint, units: FileUnits) -> Joint:
 
 
 def in_symbol_units(robot: Description, name: str, value: Expression) -> Expression:
-    """The number of a symbol as a user types it: in SI units unless the file says otherwise.
-
-    Args:
-        robot: The robot.
-        name: The symbol.
-        value: Its number [SI units, rad].
-    """
+    """The number of a symbol as a user types it: in SI units unless the file says otherwise."""
     return in_file_units(value, symbol_unit(robot, name), robot.units) if robot.units.parameters else value

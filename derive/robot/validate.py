@@ -15,35 +15,17 @@ from derive.robot.reading.document import Document, KeyPath
 from derive.robot.table import check_rotation
 from derive.robot.units import located_expressions
 
-_SEED = 560
-"""Any fixed seed: the same file must be accepted or refused everywhere alike."""
-
-_TRIALS = 8
-"""Enough that an entry such as sqrt(1 - k1**2 - k2**2) is real in some of them."""
-
+_SEED = 560  # any fixed seed: the same file must be accepted or refused everywhere alike
+_TRIALS = 8  # enough that an entry such as sqrt(1 - k1**2 - k2**2) is real in some of them
+# Sizes of the numbers of either sign with which a cell is tried before it is called impossible.
 _SCALES = (0.2, 0.5, 0.9, 3.0, 10.0, 100.0, 1000.0) * 4
-"""Sizes of the numbers of either sign with which a cell is tried before it is called impossible."""
-
-_HUGE = 1e12
-"""What is larger can only be a division by a rounding error."""
-
-_ROUNDING = 1e-12
-"""A configuration at a limit is within it, whatever a float makes of pi/2."""
-
+_HUGE = 1e12  # what is larger can only be a division by a rounding error
+_ROUNDING = 1e-12  # a configuration at a limit is within it, whatever a float makes of pi/2
 _REAL = "allowed: expressions with a finite real value"
 
 
 def validate(document: Document, cells: Cells, robot: Description) -> None:
-    """Refuse a robot whose parts contradict each other.
-
-    Args:
-        document: The file.
-        cells: Its cells, all of them read.
-        robot: What they say.
-
-    Raises:
-        RobotFileError: At the first contradiction.
-    """
+    """Refuse a robot whose parts contradict each other."""
     _check_derived_names(document, cells, robot)
     variables = {joint.variable for joint in robot.joints}
     for path, expression in located_expressions(robot):

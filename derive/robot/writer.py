@@ -17,24 +17,12 @@ _INERTIA = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
 def cell_text(cell: Expression) -> str:
-    """A cell as it stands in a robot file, with all digits of its numbers, decimals where they end.
-
-    Args:
-        cell: Exact, in SI units and radians.
-    """
+    """A cell as it stands in a robot file, with all digits of its numbers, decimals where they end."""
     return to_text(cell, _decimal)
 
 
 def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
-    """The robot file of a robot, in the units of the file that it comes from.
-
-    Args:
-        robot: The robot.
-        comments: Lines that go before it.
-
-    Returns:
-        YAML.
-    """
+    """The robot file of a robot, in the units of the file that it comes from."""
     lines = [*(f"# {line}".rstrip() for line in comments), f"name: {robot.name}"]
     lines += [f"title: {_quoted(robot.title)}"] if robot.title and robot.title != robot.name else []
     lines += [f"convention: {robot.convention.value}"]

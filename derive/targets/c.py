@@ -15,14 +15,7 @@ HEADER, CODE = "model.h", "model.c"
 
 
 def render_c(source: Source) -> dict[str, str]:
-    """Header and code.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Their texts by file name.
-    """
+    """Header and code."""
     context = c_context(source)
     return {HEADER: render("c/model.h.jinja", **context), CODE: render("c/model.c.jinja", **context)}
 
@@ -36,14 +29,7 @@ TARGET = Target(
 
 
 def c_context(source: Source) -> dict[str, object]:
-    """What the templates of C ask for.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Values by name.
-    """
+    """What the templates of C ask for."""
     program, prefix = source.program, c_prefix(source.robot.name)
     functions = [c_function(function, program.parameters) for function in program]
     solved = solvable(program)
@@ -64,24 +50,13 @@ def c_context(source: Source) -> dict[str, object]:
 
 
 def solvable(program: Program) -> Inverse | InverseSearch | None:
-    """Inverse kinematics that C has: by a program, or by eigenvalues.
-
-    Args:
-        program: Of the robot.
-    """
+    """Inverse kinematics that C has: by a program, or by eigenvalues."""
     search = program.search if program.search and program.search.eliminations else None
     return program.inverse or search
 
 
 def c_heading(source: Source) -> dict[str, object]:
-    """What the comment at the top of a file in C asks for.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Values by name.
-    """
+    """What the comment at the top of a file in C asks for."""
     robot = source.robot
     return {
         "title": c_comment(robot.title or robot.name),

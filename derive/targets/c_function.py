@@ -15,41 +15,28 @@ from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
 from derive.targets.target import shape_text
 
+# In the order in which they are read and declared; ``k`` holds the constants from the parameters.
 _ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, NEAR, DAMPING, "sines", "cosines", "k", "params")
-"""In the order in which they are read and declared; ``k`` holds the constants from the parameters."""
-
-_LANES = ((128, 32), (256, 16))
-"""Lanes of a block by the most entries that its result may have; larger ones have 8."""
+_LANES = ((128, 32), (256, 16))  # lanes of a block by the most entries that its result may have; larger ones have 8
 
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """An entry of an array that a part uses.
+    """An entry of an array that a part uses."""
 
-    Attributes:
-        name: Its name in the part.
-        array: One of ``q``, ``qd``, ``qdd``, ``tau``, ``T``, ``given``, ``sines``, ``cosines``, ``k`` and ``params``.
-        index: Its place, from 0.
-    """
-
-    name: str
+    name: str  # its name in the part
+    # One of ``q``, ``qd``, ``qdd``, ``tau``, ``T``, ``given``, ``sines``, ``cosines``, ``k`` and ``params``.
     array: str
-    index: int
+    index: int  # its place, from 0
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A piece of straight-line code.
+    """A piece of straight-line code."""
 
-    Attributes:
-        reads: What it takes.
-        body: Statements.
-        results: Values.
-    """
-
-    reads: tuple[Read, ...]
-    body: tuple[str, ...]
-    results: tuple[str, ...]
+    reads: tuple[Read, ...]  # what it takes
+    body: tuple[str, ...]  # statements
+    results: tuple[str, ...]  # values
 
     @property
     def arrays(self) -> tuple[str, ...]:
@@ -60,85 +47,44 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class StaticFunction:
-    """A part as a function of the file: its statements, and how it is declared and called.
+    """A part as a function of the file: its statements, and how it is declared and called."""
 
-    Attributes:
-        declaration: Its parameters.
-        one: The arguments of its call for one configuration.
-        lane: The arguments of its call for one lane of a block.
-        varying: The arguments of its call for a lane where the constants differ from lane to lane.
-        body: Statements.
-        results: Assignments to the entries of the result.
-    """
-
-    declaration: str
-    one: str
-    lane: str
-    varying: str
-    body: tuple[str, ...]
-    results: tuple[str, ...]
+    declaration: str  # its parameters
+    one: str  # the arguments of its call for one configuration
+    lane: str  # the arguments of its call for one lane of a block
+    varying: str  # the arguments of its call for a lane where the constants differ from lane to lane
+    body: tuple[str, ...]  # statements
+    results: tuple[str, ...]  # assignments to the entries of the result
 
 
 @dataclass(frozen=True, slots=True)
 class CFunction:
-    """One generated function.
+    """One generated function."""
 
-    Attributes:
-        name: Its name, without the robot's.
-        arguments: Arguments from the user.
-        used: Those that have a say in the result.
-        unused: The others.
-        size: Entries of the result.
-        lanes: Configurations in a block.
-        angle_count: Angles whose sine or cosine is taken.
-        has_sines: Whether a sine is taken of any.
-        has_cosines: Whether a cosine is.
-        constant_count: Constants that come from the parameters.
-        constants: From the parameters to the constants.
-        angles: From the arguments to the angles.
-        lane: From the arguments and sines to the result, for one configuration of a block.
-        declaration: Parameters of the public function.
-        batch_declaration: Parameters of the public function of a batch.
-        prototype: Parameters of the public function in the header.
-        batch_prototype: Parameters of the public function of a batch in the header.
-        block_declaration: Parameters of the function of one block.
-        block_call: The arguments of its call.
-        documentation: Lines of its comment.
-    """
-
-    name: str
-    arguments: tuple[str, ...]
-    used: tuple[str, ...]
-    unused: tuple[str, ...]
-    size: int
-    lanes: int
-    angle_count: int
-    has_sines: bool
-    has_cosines: bool
-    constant_count: int
-    constants: StaticFunction
-    angles: StaticFunction
-    lane: StaticFunction
-    declaration: str
-    batch_declaration: str
-    prototype: str
-    batch_prototype: str
-    block_declaration: str
-    block_call: str
-    documentation: tuple[str, ...]
+    name: str  # its name, without the robot's
+    arguments: tuple[str, ...]  # arguments from the user
+    used: tuple[str, ...]  # those that have a say in the result
+    unused: tuple[str, ...]  # the others
+    size: int  # entries of the result
+    lanes: int  # configurations in a block
+    angle_count: int  # angles whose sine or cosine is taken
+    has_sines: bool  # whether a sine is taken of any
+    has_cosines: bool  # whether a cosine is
+    constant_count: int  # constants that come from the parameters
+    constants: StaticFunction  # from the parameters to the constants
+    angles: StaticFunction  # from the arguments to the angles
+    lane: StaticFunction  # from the arguments and sines to the result, for one configuration of a block
+    declaration: str  # parameters of the public function
+    batch_declaration: str  # parameters of the public function of a batch
+    prototype: str  # parameters of the public function in the header
+    batch_prototype: str  # parameters of the public function of a batch in the header
+    block_declaration: str  # parameters of the function of one block
+    block_call: str  # the arguments of its call
+    documentation: tuple[str, ...]  # lines of its comment
 
 
 def c_function(function: Function, parameters: Sequence[str], more_constants: int = 0) -> CFunction:
-    """A function of a program in C.
-
-    Args:
-        function: The function as a tape.
-        parameters: Names of the run-time parameters.
-        more_constants: Constants behind its own that what it calls takes from the parameters.
-
-    Returns:
-        Its texts.
-    """
+    """A function of a program in C."""
     constants, angles, body = _three_parts(function.tape, parameters)
     read = {*angles.arrays, *body.arrays}
     used = tuple(argument for argument in function.arguments if argument in read)
@@ -170,16 +116,7 @@ def c_function(function: Function, parameters: Sequence[str], more_constants: in
 
 
 def pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
-    """Parameters of a function that reads some arrays and fills another.
-
-    Args:
-        inputs: Names of the arrays that it reads.
-        output: Name of the other.
-        qualifier: Stands before each name.
-
-    Returns:
-        Their declarations.
-    """
+    """Parameters of a function that reads some arrays and fills another."""
     return ", ".join([*(f"const double *{qualifier}{name}" for name in inputs), f"double *{qualifier}{output}"])
 
 

@@ -17,100 +17,52 @@ from derive.targets.target import Source, joint_limits
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """An argument that a batch loads into lanes.
+    """An argument that a batch loads into lanes."""
 
-    Attributes:
-        name: Its name.
-        width: Number of its entries.
-        is_optional: Whether it may be NULL, which stands for zeros.
-    """
-
-    name: str
-    width: int
-    is_optional: bool
+    name: str  # its name
+    width: int  # number of its entries
+    is_optional: bool  # whether it may be NULL, which stands for zeros
 
 
 @dataclass(frozen=True, slots=True)
 class CInverse:
-    """Inverse kinematics.
+    """Inverse kinematics."""
 
-    Attributes:
-        function: The texts of its program; its constants are followed by those of the step.
-        step: Those of its Newton step.
-        step_constants: Where the step's constants are, behind a comma; nothing where it has none.
-        constants_declaration: Declares all constants, behind a comma, for those that call the step and nothing else.
-        constants_argument: Hands them on.
-        branches: Number of branches.
-        size: Joint variables of all branches.
-        closed: Error of the pose of a branch in doubt up to which it is a solution.
-        around: Where further solutions are looked for.
-        loads: The arguments that are read.
-        declaration: Parameters of the public function.
-        batch_declaration: Of that of a batch.
-        nearest_declaration: Of that of the nearest solution.
-        prototype: Parameters of the first in the header.
-        batch_prototype: Of the second.
-        nearest_prototype: Of the third.
-        lower: Lower limits of the joints, as the inside of an array.
-        upper: Upper limits.
-        revolute: Which joints turn, 1 or 0.
-        turning: Which of them are not given.
-        given: Numbers of the given joints, from 1, and their places.
-        given_array: Declares the variables of the given joints, if there are any.
-        given_lines: Statements that take them from a configuration.
-        nearest_call: Arguments of the call of the first function in the third.
-        start_call: Arguments of a call with the free joints elsewhere.
-        alone_declaration: Parameters of what looks for further solutions: the inputs.
-        alone_call: Arguments of a call of it.
-        beside_call: Arguments of a call at a pose beside.
-        row_call: Inputs of a call for one row of a batch.
-        documentation: Lines of the comment of the first.
-        search: What the solver takes of the arm, where there is no program.
-    """
-
-    function: CFunction
-    step: CFunction | None
-    step_constants: str
-    constants_declaration: str
-    constants_argument: str
-    branches: int
-    size: int
-    closed: str
-    around: Around | None
-    loads: tuple[Load, ...]
-    declaration: str
-    batch_declaration: str
-    nearest_declaration: str
-    prototype: str
-    batch_prototype: str
-    nearest_prototype: str
-    lower: str
-    upper: str
-    revolute: str
-    turning: str
-    given: tuple[dict[str, str], ...]
-    given_array: str
-    given_lines: tuple[str, ...]
-    nearest_call: str
-    start_call: str
-    alone_declaration: str
-    alone_call: str
-    beside_call: str
-    row_call: str
-    documentation: tuple[str, ...]
-    search: CSearch | None
+    function: CFunction  # the texts of its program; its constants are followed by those of the step
+    step: CFunction | None  # those of its Newton step
+    step_constants: str  # where the step's constants are, behind a comma; nothing where it has none
+    constants_declaration: str  # declares all constants, behind a comma, for those that call the step and nothing else
+    constants_argument: str  # hands them on
+    branches: int  # number of branches
+    size: int  # joint variables of all branches
+    closed: str  # error of the pose of a branch in doubt up to which it is a solution
+    around: Around | None  # where further solutions are looked for
+    loads: tuple[Load, ...]  # the arguments that are read
+    declaration: str  # parameters of the public function
+    batch_declaration: str  # of that of a batch
+    nearest_declaration: str  # of that of the nearest solution
+    prototype: str  # parameters of the first in the header
+    batch_prototype: str  # of the second
+    nearest_prototype: str  # of the third
+    lower: str  # lower limits of the joints, as the inside of an array
+    upper: str  # upper limits
+    revolute: str  # which joints turn, 1 or 0
+    turning: str  # which of them are not given
+    given: tuple[dict[str, str], ...]  # numbers of the given joints, from 1, and their places
+    given_array: str  # declares the variables of the given joints, if there are any
+    given_lines: tuple[str, ...]  # statements that take them from a configuration
+    nearest_call: str  # arguments of the call of the first function in the third
+    start_call: str  # arguments of a call with the free joints elsewhere
+    alone_declaration: str  # parameters of what looks for further solutions: the inputs
+    alone_call: str  # arguments of a call of it
+    beside_call: str  # arguments of a call at a pose beside
+    row_call: str  # inputs of a call for one row of a batch
+    documentation: tuple[str, ...]  # lines of the comment of the first
+    search: CSearch | None  # what the solver takes of the arm, where there is no program
 
 
 def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
-    """Inverse kinematics in C.
-
-    Args:
-        inverse: The program.
-        source: The robot.
-
-    Returns:
-        Its texts.
-    """
+    """Inverse kinematics in C."""
     robot, parameters = source.robot, source.program.parameters
     step = c_function(inverse.step, parameters) if isinstance(inverse, Inverse) else None
     further = step.constant_count if step else 0

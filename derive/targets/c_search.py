@@ -9,61 +9,33 @@ from math import prod
 from derive.programs.program import Elimination, InverseSearch, Way
 from derive.robot.robot import Robot
 
-_LEAST = 4
-"""Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones."""
+_LEAST = 4  # length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones
 
 
 @dataclass(frozen=True, slots=True)
 class CSearch:
-    """Numbers and initialisers for the templates below ``c/search``.
+    """Numbers and initialisers for the templates below ``c/search``."""
 
-    Attributes:
-        eliminations: Each as the inside of an array.
-        is_position: Whether the position alone is wanted.
-        free: Indices of the joints that are solved for, as the inside of an array.
-        free_count: How many.
-        given_joints: Indices of the others; a number that is none where there are none.
-        given_count: How many.
-        entry_rows: Rows of the entries of T that are wanted.
-        entry_columns: Their columns.
-        entry_count: How many.
-        signs: Factors of the joint variables.
-        ways: Most ways around the loop of an elimination.
-        rows: Most equations of one.
-        columns: Most unknown products.
-        size: Most eigenvalues.
-        most: Solutions that are kept.
-        motions: By which poses are brought beside singular ones, each as the inside of an array.
-    """
-
-    eliminations: tuple[str, ...]
-    is_position: bool
-    free: str
-    free_count: int
-    given_joints: str
-    given_count: int
-    entry_rows: str
-    entry_columns: str
-    entry_count: int
-    signs: str
-    ways: int
-    rows: int
-    columns: int
-    size: int
-    most: int
-    motions: tuple[str, ...]
+    eliminations: tuple[str, ...]  # each as the inside of an array
+    is_position: bool  # whether the position alone is wanted
+    free: str  # indices of the joints that are solved for, as the inside of an array
+    free_count: int  # how many
+    given_joints: str  # indices of the others; a number that is none where there are none
+    given_count: int  # how many
+    entry_rows: str  # rows of the entries of T that are wanted
+    entry_columns: str  # their columns
+    entry_count: int  # how many
+    signs: str  # factors of the joint variables
+    ways: int  # most ways around the loop of an elimination
+    rows: int  # most equations of one
+    columns: int  # most unknown products
+    size: int  # most eigenvalues
+    most: int  # solutions that are kept
+    motions: tuple[str, ...]  # by which poses are brought beside singular ones, each as the inside of an array
 
 
 def c_search(search: InverseSearch, robot: Robot) -> CSearch:
-    """The solver's numbers.
-
-    Args:
-        search: How solutions are found; with eliminations.
-        robot: The robot.
-
-    Returns:
-        Texts and numbers.
-    """
+    """The solver's numbers."""
     free = [joint for joint in range(robot.n) if joint not in search.given]
     size = max(each.rows[1] + 2 * each.rows[2] for each in search.eliminations)
     return CSearch(

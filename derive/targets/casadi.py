@@ -22,14 +22,7 @@ FILE, CODE, HEADER = "model_casadi.py", "model_casadi.c", "model_casadi.h"
 
 
 def render_casadi(source: Source) -> dict[str, str]:
-    """The module ``model_casadi.py``.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Its text by file name.
-    """
+    """The module ``model_casadi.py``."""
     search = source.program.search
     reason = python_docstring(f"{search.reason}, which is no expression") if search else ""
     context = python_context(source) | {"columns": 4 * source.robot.n, "without_inverse": reason}
@@ -47,14 +40,7 @@ TARGET = Target(
 
 
 def render_casadi_c(source: Source) -> dict[str, str]:
-    """Code and header, behind a heading of ours; like CasADi's text, they depend on its version.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Their texts by file name.
-    """
+    """Code and header, behind a heading of ours; like CasADi's text, they depend on its version."""
     import casadi
 
     parameters = source.program.parameters
@@ -88,16 +74,7 @@ C_TARGET = Target(
 
 
 def casadi_function(function: Function, joints: int, parameters: int) -> Any:
-    """A tape as a ``casadi.Function`` on SX.
-
-    Args:
-        function: The function.
-        joints: Number of joints, the length of the columns that it takes.
-        parameters: Number of run-time parameters; where there are any, ``params`` is the last input.
-
-    Returns:
-        A ``casadi.Function`` with named inputs and one output.
-    """
+    """A tape as a ``casadi.Function`` on SX."""
     import casadi
 
     names, inputs, results = _evaluated(function, joints, parameters)
@@ -110,16 +87,7 @@ def casadi_function(function: Function, joints: int, parameters: int) -> Any:
 
 
 def casadi_inverse(inverse: Inverse, parameters: int) -> list[Any]:
-    """Inverse kinematics as ``casadi.Function`` objects on SX.
-
-    Args:
-        inverse: The program.
-        parameters: Number of run-time parameters.
-
-    Returns:
-        A function for each branch, ``inverse_kinematics_1`` and so on: of a pose, a column of its entries row by row,
-        the given joints and ``params``, where there are any; its outputs are ``q`` and ``status``.
-    """
+    """Inverse kinematics as ``casadi.Function`` objects on SX."""
     import casadi
 
     names, inputs, values = _evaluated(inverse.function, inverse.joints, parameters)

@@ -16,15 +16,9 @@ from typing import ParamSpec, TypeVar
 from derive.errors import TargetError
 from derive.interrupts import TemporaryFolder
 
-NAMES = ("cc", "gcc", "clang")
-"""Looked for in this order where ``$CC`` is not set."""
-
-SECONDS = 600
-"""Longest run of a compiler."""
-
-PATIENCE = 3
-"""Seconds that a compiler which is to end has to clean up."""
-
+NAMES = ("cc", "gcc", "clang")  # looked for in this order where ``$CC`` is not set
+SECONDS = 600  # longest run of a compiler
+PATIENCE = 3  # seconds that a compiler which is to end has to clean up
 Command = tuple[str, ...]
 
 P = ParamSpec("P")
@@ -51,11 +45,7 @@ def find_compiler(environment: Mapping[str, str] | None = None) -> Command | Non
 
 
 def require_compiler() -> Command:
-    """The command of the C compiler of this process's environment.
-
-    Raises:
-        TargetError: There is none.
-    """
+    """The command of the C compiler of this process's environment."""
     compiler = find_compiler()
     if compiler is None:
         given = os.environ.get("CC")
@@ -65,17 +55,7 @@ def require_compiler() -> Command:
 
 
 def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, options: Sequence[str] = ()) -> None:
-    """Compile C into a shared library.
-
-    Args:
-        compiler: From `find_compiler`.
-        sources: The files.
-        library: What to write.
-        options: Further options.
-
-    Raises:
-        TargetError: The compiler refused, in its own first words.
-    """
+    """Compile C into a shared library."""
     command = [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"]
     try:
         with TemporaryFolder() as temporary:
@@ -113,8 +93,7 @@ def _run(command: Sequence[str], temporary: Path) -> tuple[int, str]:
     return process.returncode, said
 
 
-_running: set[subprocess.Popen[str]] = set()
-"""Compilers at work."""
+_running: set[subprocess.Popen[str]] = set()  # compilers at work
 
 
 def _end(process: subprocess.Popen[str]) -> None:
@@ -128,16 +107,7 @@ def _end(process: subprocess.Popen[str]) -> None:
 
 @contextmanager
 def compiling_meanwhile(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
-    """Let compilers work beside what follows; they are stopped if that fails or is interrupted.
-
-    Args:
-        work: Runs compilers.
-        arguments: Its arguments.
-        options: Its named arguments.
-
-    Yields:
-        What waits for its result and returns it.
-    """
+    """Let compilers work beside what follows; they are stopped if that fails or is interrupted."""
     with ThreadPoolExecutor(1) as pool:
         future = pool.submit(work, *arguments, **options)
         try:

@@ -63,9 +63,7 @@ _GREEK_WORDS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi "
     "omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
 )
-_GREEK = frozenset(_GREEK_WORDS.split(" "))
-"""Letters that LaTeX has as commands."""
-
+_GREEK = frozenset(_GREEK_WORDS.split(" "))  # letters that LaTeX has as commands
 _MARKDOWN = {
     **{character: f"\\{character}" for character in "\\`*_[]{}|~$#!^"},
     **{"&": "&amp;", "<": "&lt;", ">": "&gt;"},
@@ -73,28 +71,17 @@ _MARKDOWN = {
 _MARKDOWN_START = re.compile(r"[-+=>]|([0-9]+)(?=[.)])")
 _MARKDOWN_LINK = re.compile(r"(?i)(?<=www)\.|:(?=//)|@|(?<=mailto):")
 
+# First letters of the pairs that end or open a C comment or begin a trigraph.
 _C_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
-"""First letters of the pairs that end or open a C comment or begin a trigraph."""
-
-_MATLAB_NAME_LENGTH = 63
-"""Characters of a name that MATLAB tells apart."""
-
+_MATLAB_NAME_LENGTH = 63  # characters of a name that MATLAB tells apart
+# Keywords, Octave's among them, that have underscores.
 _MATLAB_KEYWORDS = frozenset({"end_try_catch", "end_unwind_protect", "unwind_protect", "unwind_protect_cleanup"})
-"""Keywords, Octave's among them, that have underscores."""
-
+# How names of functions begin that belong to C's library, now or later (C99 7.26), or to nobody.
 _C_RESERVED = re.compile(r"(is|mem|str|to|wcs)[a-z]|[0-9_]")
-"""How names of functions begin that belong to C's library, now or later (C99 7.26), or to nobody."""
 
 
 def one_line(text: str) -> str:
-    """Text without anything that moves or hides other text.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        All white space as single spaces; controls, direction marks and the like as ``<U+202E>``.
-    """
+    """Text without anything that moves or hides other text."""
     hidden = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
     return "".join(
         f"<U+{ord(character):04X}>" if unicodedata.category(character) in hidden else character
@@ -103,51 +90,23 @@ def one_line(text: str) -> str:
 
 
 def python_string(text: str) -> str:
-    """A string literal of Python.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        The literal, quotes included, in ASCII.
-    """
+    """A string literal of Python."""
     literal = ascii(text)
     return f'"{literal[1:-1]}"' if literal[0] == "'" and '"' not in literal and "\\'" not in literal else literal
 
 
 def python_docstring(text: str) -> str:
-    """Text for between triple double quotes.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        One line.
-    """
+    """Text for between triple double quotes."""
     return one_line(text).replace("\\", "\\\\").replace('"', '\\"')
 
 
 def c_comment(text: str) -> str:
-    """Text for a C comment of either kind.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        One line: no end of comment, no trigraph, no continued line.
-    """
+    """Text for a C comment of either kind."""
     return _C_PAIR.sub(lambda match: match[0] + " ", one_line(text).replace("\\", "/"))
 
 
 def c_prefix(name: str) -> str:
-    """A robot's name as the beginning of C identifiers.
-
-    Args:
-        name: Name of the robot.
-
-    Returns:
-        Letters, digits and underscores, one of these at the end.
-    """
+    """A robot's name as the beginning of C identifiers."""
     plain = re.sub(r"[^A-Za-z0-9]", "_", name)
     return f"robot_{plain}_" if _C_RESERVED.match(plain) else f"{plain}_"
 
@@ -156,12 +115,6 @@ def matlab_package(name: str) -> str:
     """A robot's name as that of a package of MATLAB and Octave, which keywords and functions of theirs do not have.
 
     Functions of one word are many, and a package of that name would hide them or be hidden; hardly one has underscores.
-
-    Args:
-        name: Name of the robot.
-
-    Returns:
-        Letters, digits and underscores, ``robot_`` first where it is one word or begins with a digit.
     """
     plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
     is_free = "_" in plain and plain[0].isalpha() and plain not in _MATLAB_KEYWORDS
@@ -169,51 +122,22 @@ def matlab_package(name: str) -> str:
 
 
 def matlab_symbol(name: str, place: int) -> str:
-    """What a user's symbol is called in the names of variables, behind letters of ours.
-
-    Args:
-        name: The symbol.
-        place: Its place among the parameters, from 1.
-
-    Returns:
-        The symbol, or its place where the name would be too long.
-    """
+    """What a user's symbol is called in the names of variables, behind letters of ours."""
     return name if len(name) < _MATLAB_NAME_LENGTH - 2 else str(place)
 
 
 def matlab_string(text: str) -> str:
-    """A string literal of MATLAB and Octave.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        The literal, single quotes included, on one line.
-    """
+    """A string literal of MATLAB and Octave."""
     return "'" + one_line(text).replace("'", "''") + "'"
 
 
 def matlab_comment(text: str) -> str:
-    """Text for a comment, behind a percent sign and a space.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        One line, which opens no block of comments.
-    """
+    """Text for a comment, behind a percent sign and a space."""
     return one_line(text)
 
 
 def html_text(text: str) -> str:
-    """Text for an HTML element or a quoted attribute.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        One line; a space at either end stays.
-    """
+    """Text for an HTML element or a quoted attribute."""
     body = html.escape(one_line(text))
     if not body:
         return " " if text else ""
@@ -221,14 +145,7 @@ def html_text(text: str) -> str:
 
 
 def xml_text(text: str) -> str:
-    """Text for an XML element or a quoted attribute.
-
-    Args:
-        text: One line without control characters.
-
-    Returns:
-        It, to the letter but for what XML does not have.
-    """
+    """Text for an XML element or a quoted attribute."""
     return re.sub(
         "[\ud800-\udfff\ufffe\uffff]",
         "\N{REPLACEMENT CHARACTER}",
@@ -237,50 +154,22 @@ def xml_text(text: str) -> str:
 
 
 def javascript_string(text: str) -> str:
-    """A string literal of JavaScript.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        The literal, quotes included, in ASCII; inert inside an HTML script element, too.
-    """
+    """A string literal of JavaScript."""
     return json.dumps(text).replace("<", "\\u003c").replace(">", "\\u003e").replace("\x7f", "\\u007f")
 
 
 def javascript_name(name: str) -> str:
-    """The variable that holds a user's symbol.
-
-    Args:
-        name: The symbol.
-
-    Returns:
-        A name in a namespace of its own, clear of keywords and of our names.
-    """
+    """The variable that holds a user's symbol."""
     return f"p_{name}"
 
 
 def javascript_comment(text: str) -> str:
-    """Text for a comment of either kind, also inside an HTML script element.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        One line.
-    """
+    """Text for a comment of either kind, also inside an HTML script element."""
     return c_comment(text).replace("<", "< ")
 
 
 def latex_text(text: str) -> str:
-    """Text for a LaTeX paragraph, for any engine and font encoding.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        One line in ASCII; letters that no font has appear as their code.
-    """
+    """Text for a LaTeX paragraph, for any engine and font encoding."""
     return "".join(_latex_character(character) for character in unicodedata.normalize("NFC", one_line(text)))
 
 
@@ -303,14 +192,7 @@ def _latex_character(character: str) -> str:
 
 
 def markdown_text(text: str) -> str:
-    """Text for a Markdown paragraph, heading or table cell.
-
-    Args:
-        text: Any text.
-
-    Returns:
-        One line, neither markup nor HTML nor a link.
-    """
+    """Text for a Markdown paragraph, heading or table cell."""
     escaped = "".join(_MARKDOWN.get(character, character) for character in one_line(text))
     unlinked = _MARKDOWN_LINK.sub(lambda found: "\\" + found.group(), escaped)
     start = _MARKDOWN_START.match(unlinked)

@@ -17,87 +17,47 @@ FILE = "model.mjs"
 
 @dataclass(frozen=True, slots=True)
 class JavaScriptFunction:
-    """One function, ready for a template; every text is finished.
+    """One function, ready for a template; every text is finished."""
 
-    Attributes:
-        name: ``inertiaMatrix``.
-        label: Its name as a string literal.
-        signature: ``q, qd, params``.
-        documentation: Lines of its comment.
-        parameters: Names of the run-time parameters that it needs, as lines of string literals.
-        hoists: Whether it needs any.
-        unpack_parameters: Lines that name them.
-        hoisted: Statements on parameters alone.
-        hoisted_results: Lines of the values that the body takes from there.
-        checks: Statements that check the arguments and name their entries.
-        constants: Lines of the names of the values on parameters alone.
-        body: Statements.
-        results: Lines of nested array literals.
-        scalar: The result where it is one number, else nothing.
-    """
-
-    name: str
-    label: str
-    signature: str
-    documentation: tuple[str, ...]
-    parameters: tuple[str, ...]
-    hoists: bool
-    unpack_parameters: tuple[str, ...]
-    hoisted: tuple[str, ...]
-    hoisted_results: tuple[str, ...]
-    checks: tuple[str, ...]
-    constants: tuple[str, ...]
-    body: tuple[str, ...]
-    results: tuple[str, ...]
-    scalar: str
+    name: str  # ``inertiaMatrix``
+    label: str  # its name as a string literal
+    signature: str  # ``q, qd, params``
+    documentation: tuple[str, ...]  # lines of its comment
+    parameters: tuple[str, ...]  # names of the run-time parameters that it needs, as lines of string literals
+    hoists: bool  # whether it needs any
+    unpack_parameters: tuple[str, ...]  # lines that name them
+    hoisted: tuple[str, ...]  # statements on parameters alone
+    hoisted_results: tuple[str, ...]  # lines of the values that the body takes from there
+    checks: tuple[str, ...]  # statements that check the arguments and name their entries
+    constants: tuple[str, ...]  # lines of the names of the values on parameters alone
+    body: tuple[str, ...]  # statements
+    results: tuple[str, ...]  # lines of nested array literals
+    scalar: str  # the result where it is one number, else nothing
 
 
 @dataclass(frozen=True, slots=True)
 class JavaScriptInverse:
-    """Inverse kinematics, ready for a template.
+    """Inverse kinematics, ready for a template."""
 
-    Attributes:
-        kernel: The texts of its program.
-        step: Those of its Newton step.
-        step_entries: For each argument of the step its name, and lines of the names of its entries.
-        documentation: Lines of its comment.
-        entries: Lines of the names of the entries of a pose.
-        near_entries: Lines of those of ``near``.
-        size: Joint variables of all branches.
-        closed: Error of the pose of a branch in doubt up to which it is a solution.
-        around: Where further solutions are looked for.
-        given_count: Number of given joints.
-        unpack_given: Statements that check their variables and name them.
-        given_of_q: Their variables in a configuration.
-        turning: Revolute joints that are not given, from 0.
-        nearest_given: What `q` says besides.
-    """
-
-    kernel: JavaScriptFunction
-    step: JavaScriptFunction
+    kernel: JavaScriptFunction  # the texts of its program
+    step: JavaScriptFunction  # those of its Newton step
+    # For each argument of the step its name, and lines of the names of its entries.
     step_entries: tuple[tuple[str, tuple[str, ...]], ...]
-    documentation: tuple[str, ...]
-    entries: tuple[str, ...]
-    near_entries: tuple[str, ...]
-    size: int
-    closed: str
-    around: Around
-    given_count: int
-    unpack_given: tuple[str, ...]
-    given_of_q: str
-    turning: str
-    nearest_given: str
+    documentation: tuple[str, ...]  # lines of its comment
+    entries: tuple[str, ...]  # lines of the names of the entries of a pose
+    near_entries: tuple[str, ...]  # lines of those of ``near``
+    size: int  # joint variables of all branches
+    closed: str  # error of the pose of a branch in doubt up to which it is a solution
+    around: Around  # where further solutions are looked for
+    given_count: int  # number of given joints
+    unpack_given: tuple[str, ...]  # statements that check their variables and name them
+    given_of_q: str  # their variables in a configuration
+    turning: str  # revolute joints that are not given, from 0
+    nearest_given: str  # what `q` says besides
 
 
 def render_javascript(source: Source) -> dict[str, str]:
-    """The module ``model.mjs``.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Its text by file name.
-    """
+    """The module ``model.mjs``."""
     robot = source.robot
     context = _body_context(robot, source.program) | {
         "title": javascript_comment(robot.title or robot.name),
@@ -119,27 +79,12 @@ TARGET = Target(
 
 
 def javascript_body(robot: Robot, program: Program) -> str:
-    """Declarations of the functions and their constants, without exports: for a page's script.
-
-    Args:
-        robot: The robot.
-        program: Its functions.
-
-    Returns:
-        JavaScript.
-    """
+    """Declarations of the functions and their constants, without exports: for a page's script."""
     return render("javascript/functions.js.jinja", **_body_context(robot, program))
 
 
 def camel_case(name: str) -> str:
-    """A function's name as JavaScript has it.
-
-    Args:
-        name: For instance ``inertia_matrix``.
-
-    Returns:
-        ``inertiaMatrix``.
-    """
+    """A function's name as JavaScript has it."""
     first, *rest = name.split("_")
     return first + "".join(part.capitalize() for part in rest)
 

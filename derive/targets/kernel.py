@@ -24,19 +24,10 @@ from derive.programs.tape.tape import (
     Tape,
 )
 
-CASE, SUM, PRODUCT, ATOM = 0, 1, 2, 3
-"""How tightly the outermost operation of a text binds."""
-
-TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}
-"""Letters of the names that sines and cosines get."""
-
-_INLINE_WIDTH = 52
-"""Longest value, in characters, that is written inside another one."""
-
-LINE_WIDTH = 104
-"""Longest line of a list of values or names."""
-
-
+CASE, SUM, PRODUCT, ATOM = 0, 1, 2, 3  # how tightly the outermost operation of a text binds
+TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}  # letters of the names that sines and cosines get
+_INLINE_WIDTH = 52  # longest value, in characters, that is written inside another one
+LINE_WIDTH = 104  # longest line of a list of values or names
 _MATLAB_NAMES = {Op.ROOT: "root", Op.MAXIMUM: "max", Op.MINIMUM: "min", Op.ABSOLUTE: "abs"}
 
 
@@ -48,60 +39,30 @@ class Piece:
     binding: int = ATOM
 
     def inside(self, binding: int) -> str:
-        """The text as an operand.
-
-        Args:
-            binding: How tightly the operation binds that it is an operand of.
-
-        Returns:
-            The text, in parentheses where they are needed.
-        """
+        """The text as an operand."""
         return f"({self.text})" if self.binding < binding else self.text
 
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """How a language writes the operations of a tape: infix, in the tape's order, whatever the language may reorder.
+    """How a language writes the operations of a tape: infix, in the tape's order, whatever the language may reorder."""
 
-    Attributes:
-        assignment: The statement that names a value, with ``{name}`` and ``{value}`` in it.
-        double_minus: Whether ``--2`` is 2; where it is a mistake, a negative number is no atom.
-        has_choice: Whether it has ``case ? a : b``, and a comparison is a number; elsewhere functions do both.
-        times: How it multiplies.
-        over: How it divides.
-        names: What it calls functions.
-    """
-
-    assignment: str
-    double_minus: bool = False
+    assignment: str  # the statement that names a value, with ``{name}`` and ``{value}`` in it
+    double_minus: bool = False  # whether ``--2`` is 2; where it is a mistake, a negative number is no atom
+    # Whether it has ``case ? a : b``, and a comparison is a number; elsewhere functions do both.
     has_choice: bool = False
-    times: str = "*"
-    over: str = "/"
-    names: Mapping[Op, str] = field(default_factory=lambda: ALL_NAMES)
+    times: str = "*"  # how it multiplies
+    over: str = "/"  # how it divides
+    names: Mapping[Op, str] = field(default_factory=lambda: ALL_NAMES)  # what it calls functions
 
     def number(self, value: Constant | None) -> Piece:
-        """An exact constant.
-
-        Args:
-            value: The number, which every constant of a tape has.
-
-        Returns:
-            The shortest decimal that reads back as the nearest double.
-        """
+        """An exact constant."""
         assert value is not None
         text = repr(to_float(value))
         return Piece(text, SUM if text.startswith("-") and not self.double_minus else ATOM)
 
     def operation(self, op: Op, operands: Sequence[Piece]) -> Piece:
-        """One operation.
-
-        Args:
-            op: Anything but a constant or an input.
-            operands: Its operands.
-
-        Returns:
-            Its text.
-        """
+        """One operation."""
         a, b = operands[0], operands[-1]
         match op:
             case Op.ADD:
@@ -124,16 +85,7 @@ class Language:
                 return Piece(f"{self.names[op]}({', '.join(operand.text for operand in operands)})")
 
     def output(self, tape: Tape, output: Output, pieces: Mapping[int, Piece]) -> str:
-        """A result, with its sign.
-
-        Args:
-            tape: The program.
-            output: The result.
-            pieces: Texts of the tape's values.
-
-        Returns:
-            Its text.
-        """
+        """A result, with its sign."""
         node = tape.nodes[output.node]
         if output.negative and node.op is Op.CONSTANT and node.value is not None:
             return self.number(-node.value).text
@@ -141,62 +93,34 @@ class Language:
         return self.operation(Op.NEGATE, [piece]).text if output.negative else piece.text
 
 
-PYTHON = Language("{name} = {value}", double_minus=True)
-"""Python: floats, arrays and CasADi expressions alike."""
-
+PYTHON = Language("{name} = {value}", double_minus=True)  # Python: floats, arrays and CasADi expressions alike
+# JavaScript: numbers, with ``sin``, ``cos``, ``sqrt``, ``sign`` and the like taken from ``Math``.
 JAVASCRIPT = Language("const {name} = {value};")
-"""JavaScript: numbers, with ``sin``, ``cos``, ``sqrt``, ``sign`` and the like taken from ``Math``."""
-
+# MATLAB and Octave: rows of numbers, one for each configuration; ``less``, ``select`` and a real ``root`` are ours.
 OCTAVE = Language("{name} = {value};", times=".*", over="./", names=ALL_NAMES | _MATLAB_NAMES)
-"""MATLAB and Octave: rows of numbers, one for each configuration; ``less``, ``select`` and a real ``root`` are ours."""
-
+# C: doubles, with ``sin``, ``cos``, ``sqrt`` and ``fabs`` of <math.h> and a ``sign`` and the like of our own.
 C = Language(
     "const double {name} = {value};",
     has_choice=True,
     names=ALL_NAMES | {Op.ARCTANGENT: "arctangent", Op.ABSOLUTE: "fabs"},
 )
-"""C: doubles, with ``sin``, ``cos``, ``sqrt`` and ``fabs`` of <math.h> and a ``sign`` and the like of our own."""
 
 
 def case_context(tapes: Iterable[Tape]) -> dict[str, object]:
-    """What templates ask for about the functions that a file provides for its kernels.
-
-    Args:
-        tapes: The programs in the file.
-
-    Returns:
-        ``has_cases``, whether one of them tells cases apart, and ``operators``, the names of the functions.
-    """
+    """What templates ask for about the functions that a file provides for its kernels."""
     has_cases = any(node.op in BRANCHING_NAMES for tape in tapes for node in tape.nodes)
     return {"has_cases": has_cases, "operators": ", ".join((ALL_NAMES if has_cases else FUNCTION_NAMES).values())}
 
 
 def input_name(source: Source, parameters: Sequence[str]) -> str:
-    """The variable that holds an input.
-
-    Args:
-        source: The input.
-        parameters: Names of the run-time parameters.
-
-    Returns:
-        ``q1``, ``qd1``, ..., ``T11``, ..., or ``p_name``: users' names have a namespace of their own.
-    """
+    """The variable that holds an input."""
     if source.kind == POSE:
         return f"T{source.index // 4 + 1}{source.index % 4 + 1}"
     return f"p_{parameters[source.index]}" if source.kind == PARAMETER else f"{source.kind}{source.index + 1}"
 
 
 def entry_names(function: Function, argument: str, joints: int) -> list[str]:
-    """The variables that hold the entries of an argument.
-
-    Args:
-        function: The function.
-        argument: One of its arguments.
-        joints: Number of joints.
-
-    Returns:
-        Their names in order.
-    """
+    """The variables that hold the entries of an argument."""
     return [input_name(Source(argument, i), ()) for i in range(function.widths.get(argument, joints))]
 
 
@@ -213,19 +137,7 @@ def write_statements(
     free_names: Iterator[str],
     names: Mapping[int, str] | None = None,
 ) -> tuple[str, ...]:
-    """Statements that compute some values of a tape.
-
-    Args:
-        tape: The program.
-        language: How it is written.
-        nodes: Operations, operands before what uses them.
-        pieces: Texts of the values that are known; those of ``nodes`` are added.
-        free_names: Names for values that need one.
-        names: Values that get a name in any case, and it; the next free one where that is empty.
-
-    Returns:
-        One assignment for each value with a name.
-    """
+    """Statements that compute some values of a tape."""
     named = names or {}
     lines = []
     for i in nodes:
@@ -241,42 +153,21 @@ def write_statements(
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """The text of one function in Python or JavaScript.
+    """The text of one function in Python or JavaScript."""
 
-    Attributes:
-        parameters: Indices of the run-time parameters that it needs.
-        hoisted: Statements on run-time parameters alone.
-        constants: Names of the values that the body takes from there.
-        constant_values: What they are.
-        arguments: Arguments that the body reads.
-        body: Statements on the arguments.
-        results: The outputs.
-        hoisted_calls: Whether sines, roots or the like occur in the hoisted part.
-        calls: Whether they occur in the body.
-    """
-
-    parameters: tuple[int, ...]
-    hoisted: tuple[str, ...]
-    constants: tuple[str, ...]
-    constant_values: tuple[str, ...]
-    arguments: tuple[str, ...]
-    body: tuple[str, ...]
-    results: tuple[str, ...]
-    hoisted_calls: bool
-    calls: bool
+    parameters: tuple[int, ...]  # indices of the run-time parameters that it needs
+    hoisted: tuple[str, ...]  # statements on run-time parameters alone
+    constants: tuple[str, ...]  # names of the values that the body takes from there
+    constant_values: tuple[str, ...]  # what they are
+    arguments: tuple[str, ...]  # arguments that the body reads
+    body: tuple[str, ...]  # statements on the arguments
+    results: tuple[str, ...]  # the outputs
+    hoisted_calls: bool  # whether sines, roots or the like occur in the hoisted part
+    calls: bool  # whether they occur in the body
 
 
 def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> Kernel:
-    """A tape in two parts: work on run-time parameters alone, and everything else.
-
-    Args:
-        tape: The program.
-        language: Python or JavaScript.
-        parameters: Names of the run-time parameters.
-
-    Returns:
-        The texts of both parts.
-    """
+    """A tape in two parts: work on run-time parameters alone, and everything else."""
     pieces, names = _leaves_and_names(tape, language, parameters)
     layers = {
         layer: [i for i, node in enumerate(tape.nodes) if node.layer is layer and node.op not in LEAVES]
@@ -322,27 +213,12 @@ def _leaves_and_names(
 
 
 def rows_of(values: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
-    """Values in rows, for printing.
-
-    Args:
-        values: All values, row by row.
-        columns: Values in a row.
-
-    Returns:
-        The rows.
-    """
+    """Values in rows, for printing."""
     return tuple(tuple(values[i : i + columns]) for i in range(0, len(values), columns))
 
 
 def wrapped(values: Sequence[str]) -> tuple[str, ...]:
-    """Values with a comma after each, in lines.
-
-    Args:
-        values: The texts, none of which is broken.
-
-    Returns:
-        The lines.
-    """
+    """Values with a comma after each, in lines."""
     lines: list[str] = []
     line = ""
     for value in values:

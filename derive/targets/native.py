@@ -18,61 +18,33 @@ MODULE, CODE, LIBRARY = "model_native.py", "model_native.c", "libmodel_native.so
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """An argument that a loop loads into lanes.
+    """An argument that a loop loads into lanes."""
 
-    Attributes:
-        name: Its name.
-        width: Number of its entries.
-        place: Its place among the loop's arguments, and of the bytes between its rows.
-        core: Place of the bytes between its entries.
-    """
-
-    name: str
-    width: int
-    place: int
-    core: int
+    name: str  # its name
+    width: int  # number of its entries
+    place: int  # its place among the loop's arguments, and of the bytes between its rows
+    core: int  # place of the bytes between its entries
 
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """NumPy's inner loop around a C function: where things are among the loop's arguments and steps.
+    """NumPy's inner loop around a C function: where things are among the loop's arguments and steps."""
 
-    Attributes:
-        inputs: Names of the inputs, the constants from the parameters included.
-        loads: The inputs that are read.
-        constants_place: Place of the constants.
-        constants_core: Place of the bytes between them.
-        result_place: Place of the result.
-        result_core: Place of the bytes between its entries, one for each axis.
-        axes: Axes of the result.
-        dimensions: Its shape, as the inside of an array, which has an entry even for a scalar.
-        lengths: Lengths of the inputs and of the result, as the inside of an array.
-        buffer_count: Inputs and the result.
-        starts: Arguments of the call for one configuration.
-    """
-
-    inputs: tuple[str, ...]
-    loads: tuple[Input, ...]
-    constants_place: int
-    constants_core: int
-    result_place: int
-    result_core: int
-    axes: int
-    dimensions: str
-    lengths: str
-    buffer_count: int
-    starts: str
+    inputs: tuple[str, ...]  # names of the inputs, the constants from the parameters included
+    loads: tuple[Input, ...]  # the inputs that are read
+    constants_place: int  # place of the constants
+    constants_core: int  # place of the bytes between them
+    result_place: int  # place of the result
+    result_core: int  # place of the bytes between its entries, one for each axis
+    axes: int  # axes of the result
+    dimensions: str  # its shape, as the inside of an array, which has an entry even for a scalar
+    lengths: str  # lengths of the inputs and of the result, as the inside of an array
+    buffer_count: int  # inputs and the result
+    starts: str  # arguments of the call for one configuration
 
 
 def render_native(source: Source) -> dict[str, str]:
-    """Module and code.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Their texts by file name.
-    """
+    """Module and code."""
     texts = [c_function(function, source.program.parameters) for function in source.program]
     loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
     inverse = solvable(source.program)
@@ -107,33 +79,19 @@ TARGET = Target(
 
 @dataclass(frozen=True, slots=True)
 class InverseLoop:
-    """NumPy's inner loop of inverse kinematics, whose results are joint variables and what the branches are.
+    """NumPy's inner loop of inverse kinematics, whose results are joint variables and what the branches are."""
 
-    Attributes:
-        inputs: All inputs, the constants included.
-        row_call: Inputs of a call for one row.
-        loads: The inputs that are read.
-        cores: Place of the bytes between the entries of the results, among all steps.
-        constants_place: Place of the constants.
-        constants_core: Place of the bytes between them.
-        result_place: Place of the joint variables.
-        status_place: Place of what the branches are.
-        lengths: Bytes of the inputs and of the results, as the inside of an array.
-        buffer_count: Inputs and results.
-        starts: Inputs of the call for one pose.
-    """
-
-    inputs: tuple[Input, ...]
-    row_call: str
-    loads: tuple[Input, ...]
-    cores: int
-    constants_place: int
-    constants_core: int
-    result_place: int
-    status_place: int
-    lengths: str
-    buffer_count: int
-    starts: str
+    inputs: tuple[Input, ...]  # all inputs, the constants included
+    row_call: str  # inputs of a call for one row
+    loads: tuple[Input, ...]  # the inputs that are read
+    cores: int  # place of the bytes between the entries of the results, among all steps
+    constants_place: int  # place of the constants
+    constants_core: int  # place of the bytes between them
+    result_place: int  # place of the joint variables
+    status_place: int  # place of what the branches are
+    lengths: str  # bytes of the inputs and of the results, as the inside of an array
+    buffer_count: int  # inputs and results
+    starts: str  # inputs of the call for one pose
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,123 +28,69 @@ from derive.targets.templating import render
 
 FILE = "model_numpy.py"
 
-_SHORT = 100
-"""Longest constant that stands on one line."""
+_SHORT = 100  # longest constant that stands on one line
 
 
 @dataclass(frozen=True, slots=True)
 class PythonFunction:
-    """One function, ready for a template; every text is finished.
+    """One function, ready for a template; every text is finished."""
 
-    Attributes:
-        name: Its name.
-        arguments: ``q, qd``.
-        signature: ``q, qd, params=None, out=None``.
-        kernel_arguments: ``functions, k, q, qd``.
-        arguments_tuple: The names of its arguments, as the inside of a tuple.
-        argument_names: These names quoted, as the inside of a tuple.
-        symbol: How the notes write its result.
-        shape: As a Python tuple.
-        is_scalar: Whether the result is one number.
-        parameter_places: Indices of the run-time parameters that it needs, in lines.
-        hoists: Whether it needs any.
-        unpack_parameters: Statement that names the parameters.
-        hoisted: Statements on parameters alone.
-        hoisted_results: The values that the body takes from there.
-        hoisted_calls: Whether sines and the like occur in them.
-        unpack: Statements that name the entries of the arguments.
-        body: Statements.
-        results: Rows of outputs.
-        calls: Whether sines and the like occur in the statements or results.
-        summary: First line of the docstring.
-        documentation: The other lines.
-        operations: Counts as a Python dictionary.
-    """
-
-    name: str
-    arguments: str
-    signature: str
-    kernel_arguments: str
-    arguments_tuple: str
-    argument_names: str
-    symbol: str
-    shape: str
-    is_scalar: bool
-    parameter_places: tuple[str, ...]
-    hoists: bool
-    unpack_parameters: str
-    hoisted: tuple[str, ...]
-    hoisted_results: tuple[str, ...]
-    hoisted_calls: bool
-    unpack: tuple[str, ...]
-    body: tuple[str, ...]
-    results: tuple[str, ...]
-    calls: bool
-    summary: str
-    documentation: tuple[str, ...]
-    operations: str
+    name: str  # its name
+    arguments: str  # ``q, qd``
+    signature: str  # ``q, qd, params=None, out=None``
+    kernel_arguments: str  # ``functions, k, q, qd``
+    arguments_tuple: str  # the names of its arguments, as the inside of a tuple
+    argument_names: str  # these names quoted, as the inside of a tuple
+    symbol: str  # how the notes write its result
+    shape: str  # as a Python tuple
+    is_scalar: bool  # whether the result is one number
+    parameter_places: tuple[str, ...]  # indices of the run-time parameters that it needs, in lines
+    hoists: bool  # whether it needs any
+    unpack_parameters: str  # statement that names the parameters
+    hoisted: tuple[str, ...]  # statements on parameters alone
+    hoisted_results: tuple[str, ...]  # the values that the body takes from there
+    hoisted_calls: bool  # whether sines and the like occur in them
+    unpack: tuple[str, ...]  # statements that name the entries of the arguments
+    body: tuple[str, ...]  # statements
+    results: tuple[str, ...]  # rows of outputs
+    calls: bool  # whether sines and the like occur in the statements or results
+    summary: str  # first line of the docstring
+    documentation: tuple[str, ...]  # the other lines
+    operations: str  # counts as a Python dictionary
 
 
 @dataclass(frozen=True, slots=True)
 class PythonInverse:
-    """Inverse kinematics, ready for a template.
+    """Inverse kinematics, ready for a template."""
 
-    Attributes:
-        kernel: The texts of its program.
-        step: Those of its Newton step.
-        summary: First line of the docstring.
-        count: How many solutions there are.
-        branches: Number of branches.
-        closed: Error of the pose of a branch in doubt up to which it is a solution.
-        around: Where further solutions are looked for.
-        given_names: Names of the given joints, quoted, as the inside of a tuple.
-        given_joints: Their indices, as the inside of a tuple.
-        given_argument: What stands behind ``T`` in a list of arguments.
-        given_words: What ``given`` is.
-        nearest_given: What `q` says besides.
-        result: What the entries of the result are.
-        notes: Formulation and cost.
-        is_search: Whether the kernel gives the arm's frames alone, and solutions are searched by numbers.
-        entries: The entries of T that are wanted, as a tuple.
-        eliminations: How joints are found as eigenvalues, each as a call.
-        solutions: The number of complex solutions, 0 where it is not known.
-        signs: Factors of the joint variables, as a list.
-        order: The branches by name, in their order.
-    """
-
-    kernel: PythonFunction
-    step: PythonFunction | None
-    summary: str
-    count: str
-    branches: int
-    closed: str
-    around: Around | None
-    given_names: str
-    given_joints: str
-    given_argument: str
-    given_words: str
-    nearest_given: str
-    result: str
-    notes: tuple[str, ...]
-    is_search: bool = False
-    entries: str = ""
-    eliminations: tuple[str, ...] = ()
-    solutions: int = 0
-    signs: str = ""
-    order: tuple[str, ...] = ()
+    kernel: PythonFunction  # the texts of its program
+    step: PythonFunction | None  # those of its Newton step
+    summary: str  # first line of the docstring
+    count: str  # how many solutions there are
+    branches: int  # number of branches
+    closed: str  # error of the pose of a branch in doubt up to which it is a solution
+    around: Around | None  # where further solutions are looked for
+    given_names: str  # names of the given joints, quoted, as the inside of a tuple
+    given_joints: str  # their indices, as the inside of a tuple
+    given_argument: str  # what stands behind ``T`` in a list of arguments
+    given_words: str  # what ``given`` is
+    nearest_given: str  # what `q` says besides
+    result: str  # what the entries of the result are
+    notes: tuple[str, ...]  # formulation and cost
+    is_search: bool = False  # whether the kernel gives the arm's frames alone, and solutions are searched by numbers
+    entries: str = ""  # the entries of T that are wanted, as a tuple
+    eliminations: tuple[str, ...] = ()  # how joints are found as eigenvalues, each as a call
+    solutions: int = 0  # the number of complex solutions, 0 where it is not known
+    signs: str = ""  # factors of the joint variables, as a list
+    order: tuple[str, ...] = ()  # the branches by name, in their order
 
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """A tuple at the top of the module.
+    """A tuple at the top of the module."""
 
-    Attributes:
-        name: Its name.
-        values: Its entries.
-    """
-
-    name: str
-    values: tuple[str, ...]
+    name: str  # its name
+    values: tuple[str, ...]  # its entries
 
     @property
     def inside(self) -> str:
@@ -163,14 +109,7 @@ class Constant:
 
 
 def render_numpy(source: Source) -> dict[str, str]:
-    """The module ``model_numpy.py``.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Its text by file name.
-    """
+    """The module ``model_numpy.py``."""
     return {FILE: render("numpy/model_numpy.py.jinja", **python_context(source))}
 
 
@@ -183,14 +122,7 @@ TARGET = Target(
 
 
 def python_context(source: Source) -> dict[str, object]:
-    """What the templates of all modules in Python ask for.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Values by name.
-    """
+    """What the templates of all modules in Python ask for."""
     robot, program = source.robot, source.program
     tables: dict[str, Sequence[str]] = {name: list(map(repr, most)) for name, most in joint_bounds(robot).items()}
     if "regressor" in program:

@@ -20,119 +20,64 @@ from derive.targets.kernel import LINE_WIDTH, OCTAVE, entry_names, input_name, w
 from derive.targets.target import Source, Target, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
-_WIDE = "x N"
-"""How the shape of a batch ends."""
+_WIDE = "x N"  # how the shape of a batch ends
 
 
 @dataclass(frozen=True, slots=True)
 class OctaveFunction:
-    """One function, ready for a template; every text is finished.
+    """One function, ready for a template; every text is finished."""
 
-    Attributes:
-        name: ``inertia_matrix``.
-        heading: The name as help texts begin with it, in capitals.
-        result: The variable that is returned, ``B``.
-        signature: ``q, qd, params``.
-        summary: First line of its help.
-        documentation: Lines of its help.
-        arguments: ``q, qd``.
-        params_place: Place of the argument ``params``.
-        quoted: ``'q', 'qd'``.
-        unpack: Statements that name the entries of the arguments.
-        needed: Names of the run-time parameters that it needs, as the inside of a cell array, in lines.
-        unpack_parameters: Statements that name them.
-        hoists: Whether there are values on parameters alone.
-        hoisted: Statements on parameters alone.
-        hoisted_results: The values that the body takes from there.
-        unpack_constants: Statements that name these where they come as a vector.
-        name_constants: Statements that name them where they are at hand.
-        body: Statements on the arguments.
-        results: The outputs, column by column, a line each.
-        single: The output, where it is one.
-        extent: Lengths of the axes of one result, with commas; nothing for a column or a number.
-        has_root: Whether roots are taken.
-        has_cases: Whether cases are told apart.
-        has_zeros: Whether entries of the result are constants.
-    """
-
-    name: str
-    heading: str
-    result: str
-    signature: str
-    summary: str
-    documentation: tuple[str, ...]
-    arguments: str
-    params_place: int
-    quoted: str
-    unpack: tuple[str, ...]
-    needed: tuple[str, ...]
-    unpack_parameters: tuple[str, ...]
-    hoists: bool
-    hoisted: tuple[str, ...]
-    hoisted_results: tuple[str, ...]
-    unpack_constants: tuple[str, ...]
-    name_constants: tuple[str, ...]
-    body: tuple[str, ...]
-    results: tuple[str, ...]
-    single: str
-    extent: str
-    has_root: bool
-    has_cases: bool
-    has_zeros: bool
+    name: str  # ``inertia_matrix``
+    heading: str  # the name as help texts begin with it, in capitals
+    result: str  # the variable that is returned, ``B``
+    signature: str  # ``q, qd, params``
+    summary: str  # first line of its help
+    documentation: tuple[str, ...]  # lines of its help
+    arguments: str  # ``q, qd``
+    params_place: int  # place of the argument ``params``
+    quoted: str  # ``'q', 'qd'``
+    unpack: tuple[str, ...]  # statements that name the entries of the arguments
+    needed: tuple[str, ...]  # names of the run-time parameters that it needs, as the inside of a cell array, in lines
+    unpack_parameters: tuple[str, ...]  # statements that name them
+    hoists: bool  # whether there are values on parameters alone
+    hoisted: tuple[str, ...]  # statements on parameters alone
+    hoisted_results: tuple[str, ...]  # the values that the body takes from there
+    unpack_constants: tuple[str, ...]  # statements that name these where they come as a vector
+    name_constants: tuple[str, ...]  # statements that name them where they are at hand
+    body: tuple[str, ...]  # statements on the arguments
+    results: tuple[str, ...]  # the outputs, column by column, a line each
+    single: str  # the output, where it is one
+    extent: str  # lengths of the axes of one result, with commas; nothing for a column or a number
+    has_root: bool  # whether roots are taken
+    has_cases: bool  # whether cases are told apart
+    has_zeros: bool  # whether entries of the result are constants
 
 
 @dataclass(frozen=True, slots=True)
 class OctaveInverse:
-    """Inverse kinematics, ready for a template.
+    """Inverse kinematics, ready for a template."""
 
-    Attributes:
-        kernel: The texts of its program.
-        step: Those of its Newton step.
-        summary: What it does.
-        documentation: Lines of its help.
-        nearest_documentation: Lines of the help of the nearest solution.
-        branches: Number of branches.
-        closed: Error of the pose of a branch in doubt up to which it is a solution.
-        around: Where further solutions are looked for.
-        given_count: Number of given joints.
-        given: Places of the given joints, from 1.
-        turning: Which joints turn and are not given.
-        inputs: Arguments behind ``T``, each with a comma before it.
-        params_place: Place of the argument ``params``.
-        near_place: Place of the argument ``near``.
-        size: Joint variables of all branches.
-        error_place: Where a step has the error.
-        unit_place: Where it has the unit of length.
-    """
-
-    kernel: OctaveFunction
-    step: OctaveFunction
-    summary: str
-    documentation: tuple[str, ...]
-    nearest_documentation: tuple[str, ...]
-    branches: int
-    closed: str
-    around: Around
-    given_count: int
-    given: str
-    turning: str
-    inputs: str
-    params_place: int
-    near_place: int
-    size: int
-    error_place: int
-    unit_place: int
+    kernel: OctaveFunction  # the texts of its program
+    step: OctaveFunction  # those of its Newton step
+    summary: str  # what it does
+    documentation: tuple[str, ...]  # lines of its help
+    nearest_documentation: tuple[str, ...]  # lines of the help of the nearest solution
+    branches: int  # number of branches
+    closed: str  # error of the pose of a branch in doubt up to which it is a solution
+    around: Around  # where further solutions are looked for
+    given_count: int  # number of given joints
+    given: str  # places of the given joints, from 1
+    turning: str  # which joints turn and are not given
+    inputs: str  # arguments behind ``T``, each with a comma before it
+    params_place: int  # place of the argument ``params``
+    near_place: int  # place of the argument ``near``
+    size: int  # joint variables of all branches
+    error_place: int  # where a step has the error
+    unit_place: int  # where it has the unit of length
 
 
 def render_octave(source: Source) -> dict[str, str]:
-    """The package ``+robot``.
-
-    Args:
-        source: The robot and its program.
-
-    Returns:
-        Texts by file name, the folder before it.
-    """
+    """The package ``+robot``."""
     robot, program = source.robot, source.program
     folder, package = package_folder(robot), matlab_package(robot.name)
     functions = tuple(_function(function, program.parameters, robot, package) for function in program)
@@ -167,14 +112,7 @@ def render_octave(source: Source) -> dict[str, str]:
 
 
 def package_folder(robot: Robot) -> str:
-    """The folder of a robot's package.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Its name, a plus sign before it.
-    """
+    """The folder of a robot's package."""
     return f"+{matlab_package(robot.name)}"
 
 

@@ -18,6 +18,7 @@ from derive.targets import templating
 from derive.targets.escape import markdown_text
 from derive.targets.target import Source, Target, package_name, shape_text
 
+# What each file is; files that are not listed here appear without a word.
 FILES = {
     "model_numpy.py": "the functions for one configuration or any batch; imports NumPy alone",
     "model_casadi.py": "the same functions as `casadi.Function` objects",
@@ -32,14 +33,10 @@ FILES = {
     "MANIFEST.json": "hash of the robot file, version of the tool, operation counts, hashes of the files",
     "__init__.py": "makes the folder an importable package",
 }
-"""What each file is; files that are not listed here appear without a word."""
-
+# Limits that a formula of ours keeps: exact products of the user's numbers may have many digits.
 OWN_FORMULA = replace(FORMULA_LIMITS, digits=FORMULA_LIMITS.text_length, number_bits=4 * FORMULA_LIMITS.text_length)
-"""Limits that a formula of ours keeps: exact products of the user's numbers may have many digits."""
-
-
+# What a folder with a plus sign is.
 PACKAGE = "the same functions for MATLAB and Octave, a file each; a configuration is a column"
-"""What a folder with a plus sign is."""
 
 
 def render(source: Source) -> dict[str, str]:

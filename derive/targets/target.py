@@ -14,90 +14,50 @@ from derive.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """One robot, ready to be printed.
+    """One robot, ready to be printed."""
 
-    Attributes:
-        robot: The robot.
-        program: Its functions as tapes.
-        version: Version of the tool, stated in every output.
-        files: Names of all files of this build, for the page that lists them.
-    """
-
-    robot: Robot
-    program: Program
-    version: str
-    files: tuple[str, ...] = ()
+    robot: Robot  # the robot
+    program: Program  # its functions as tapes
+    version: str  # version of the tool, stated in every output
+    files: tuple[str, ...] = ()  # names of all files of this build, for the page that lists them
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """One kind of output.
+    """One kind of output."""
 
-    Attributes:
-        name: What the user says to choose it.
-        summary: One line for help texts.
-        files: Names of the files that it writes.
-        render: Makes their contents, by file name; a pure function.
-        needs_program: Whether it is made of the program; else it is rendered while the program is searched for.
-        default: Whether a build writes it when no target is named.
-        requires: Names of the targets whose files it needs.
-        compiled: Libraries that a build compiles from them: for each the files that it depends on, the first of
-            which is given to the compiler.
-        package: Name of the folder of a robot that it writes besides; None for none.
-    """
-
-    name: str
-    summary: str
-    files: tuple[str, ...]
-    render: Callable[[Source], dict[str, str]]
+    name: str  # what the user says to choose it
+    summary: str  # one line for help texts
+    files: tuple[str, ...]  # names of the files that it writes
+    render: Callable[[Source], dict[str, str]]  # makes their contents, by file name; a pure function
+    # Whether it is made of the program; else it is rendered while the program is searched for.
     needs_program: bool = True
-    default: bool = True
-    requires: tuple[str, ...] = ()
+    default: bool = True  # whether a build writes it when no target is named
+    requires: tuple[str, ...] = ()  # names of the targets whose files it needs
+    # Libraries that a build compiles from them: for each the files that it depends on, the first of which is given to
+    # the compiler.
     compiled: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    # Name of the folder of a robot that it writes besides; None for none.
     package: Callable[[Robot], str] | None = None
 
     def names(self, robot: Robot) -> tuple[str, ...]:
-        """What it writes for a robot, as the page of the folder lists it.
-
-        Args:
-            robot: The robot.
-
-        Returns:
-            Names of files, and of a folder with a slash.
-        """
+        """What it writes for a robot, as the page of the folder lists it."""
         return (*self.files, f"{self.package(robot)}/") if self.package else self.files
 
 
 def package_name(robot: Robot) -> str:
-    """Name of a robot's folder, importable by Python.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Its name, with underscores for hyphens; ``robot_`` stands before a digit, ``3arm`` becomes ``robot_3arm``.
-    """
+    """Name of a robot's folder, importable by Python."""
     name = robot.name.replace("-", "_")
     return name if name.isidentifier() else f"robot_{name}"
 
 
 def shape_text(shape: tuple[int, ...]) -> str:
-    """A shape in comments and tables.
-
-    Args:
-        shape: Lengths of the axes.
-
-    Returns:
-        For instance ``6 x 6``, or ``scalar``.
-    """
+    """A shape in comments and tables."""
     return " x ".join(map(str, shape)) or "scalar"
 
 
 def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
     """Limits of the joints as numbers.
-
-    Args:
-        robot: The robot.
 
     Returns:
         Lower and upper limit of each joint [rad or m]; None where there is none or it has no number.
@@ -113,9 +73,6 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
 
 def joint_bounds(robot: Robot) -> dict[str, tuple[float | None, ...]]:
     """Largest speeds and torques of the joints as numbers.
-
-    Args:
-        robot: The robot.
 
     Returns:
         Those of all joints [rad/s or m/s; N m or N] by the name of their constant, where some joint has one.

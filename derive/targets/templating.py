@@ -22,15 +22,7 @@ from derive.robot.options.solution_policy import POLICY
 
 
 def render(template: str, **context: object) -> str:
-    """A template filled in.
-
-    Args:
-        template: Path below the template folder, for instance ``numpy/model_numpy.py.jinja``.
-        context: What the template asks for; with a robot's ``name`` goes the ``argument`` that commands take for it.
-
-    Returns:
-        The text.
-    """
+    """A template filled in."""
     context["argument"] = robot_argument(str(context.get("name", "")))
     return environment().get_template(template).render(context)
 

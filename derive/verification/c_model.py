@@ -28,15 +28,10 @@ Every kernel is compiled once, and not once more for each function that it is to
 
 @dataclass(frozen=True)
 class CModel:
-    """The compiled ``model.c``: functions of one configuration and of a batch.
+    """The compiled ``model.c``: functions of one configuration and of a batch."""
 
-    Attributes:
-        shared: The library.
-        header: Text of ``model.h``, in which shapes and numbers are read.
-    """
-
-    shared: ctypes.CDLL
-    header: str
+    shared: ctypes.CDLL  # the library
+    header: str  # text of ``model.h``, in which shapes and numbers are read
     target = "c"
     file = "model.c"
     ways = ("one", "batch", "blocks")
@@ -52,16 +47,7 @@ class CModel:
         return {**functions, "DOF": self._numbers[f"{self._prefix}dof"], "PARAMETERS": tuple(names)}
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
-        """The value of a function, by the batch function for more than one configuration.
-
-        Args:
-            function: Its name.
-            arguments: (..., n) each.
-            parameters: Numbers of the free symbols.
-
-        Returns:
-            (..., *shape).
-        """
+        """The value of a function, by the batch function for more than one configuration."""
         name = f"{self._prefix}{function}"
         inputs = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
         batch = inputs[0].shape[:-1] if inputs else ()
@@ -79,11 +65,7 @@ class CModel:
         return result
 
     def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given.
-
-        Args:
-            robot: The robot.
-        """
+        """Names of the joints whose variables inverse kinematics is given."""
         start = f"{self._prefix}given_joint_"
         places = [number for name, number in self._numbers.items() if name.startswith(start)]
         return tuple(robot.joints[place].variable for place in places)
@@ -92,9 +74,7 @@ class CModel:
         """Inverse kinematics, of one pose where there is one, else of a batch.
 
         Args:
-            poses: (poses, 4, 4).
             given: Variables of the given joints, (poses, k).
-            parameters: Numbers of the free symbols.
 
         Returns:
             Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
@@ -139,18 +119,7 @@ class CModel:
 
 
 def load_c_model(path: Path, compiler: Command) -> CModel:
-    """Compile and load a C model.
-
-    Args:
-        path: ``model.c``, beside its header.
-        compiler: The compiler's command.
-
-    Returns:
-        Its functions.
-
-    Raises:
-        VerificationError: It does not compile.
-    """
+    """Compile and load a C model."""
     with TemporaryFolder() as temporary:
         library = temporary.path / "model.so"
         try:

@@ -22,37 +22,21 @@ from derive.verification.tolerance import (
     relative_errors,
 )
 
-SINGULAR = 1e-13
-"""Smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined."""
-
-NEAR = 1e-3
-"""Distance from singular angles at which rounding may reach a thousandth of what is allowed."""
-
-MASSLESS = 1e-22
-"""Share of its natural size below which a diagonal entry of B is the square of rounding."""
-
-SPARE = 100.0
-"""Rounding of the torques that base parameters are fitted to, in units of the last place."""
-
-CACHED = 1 << 15
-"""Numbers of a long batch that are compared at once: they stay in the processor's cache."""
+SINGULAR = 1e-13  # smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined
+NEAR = 1e-3  # distance from singular angles at which rounding may reach a thousandth of what is allowed
+MASSLESS = 1e-22  # share of its natural size below which a diagonal entry of B is the square of rounding
+SPARE = 100.0  # rounding of the torques that base parameters are fitted to, in units of the last place
+CACHED = 1 << 15  # numbers of a long batch that are compared at once: they stay in the processor's cache
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Expectation:
-    """The oracle's answer for a batch of arguments.
+    """The oracle's answer for a batch of arguments."""
 
-    Attributes:
-        oracle: The robot with its numbers.
-        arguments: Broadcast arguments, (..., n) each.
-        value: The answer, (..., *shape).
-        scale: What an error of each entry is measured against, broadcastable to ``value``.
-    """
-
-    oracle: Oracle
-    arguments: tuple[Array, ...]
-    value: Array
-    scale: Array
+    oracle: Oracle  # the robot with its numbers
+    arguments: tuple[Array, ...]  # broadcast arguments, (..., n) each
+    value: Array  # the answer, (..., *shape)
+    scale: Array  # what an error of each entry is measured against, broadcastable to ``value``
 
     @property
     def called(self) -> int:
@@ -65,14 +49,7 @@ class Expectation:
         return self.called
 
     def errors(self, got: Array) -> Array:
-        """How far off a value is.
-
-        Args:
-            got: What the generated function returned, of the shape of ``value``.
-
-        Returns:
-            Relative error of each entry; infinite where ``got`` is not a number.
-        """
+        """How far off a value is."""
         return relative_errors(got - self.value, self.scale)
 
     def farthest_repetitions(self, got: Array) -> Array:
@@ -80,9 +57,6 @@ class Expectation:
 
         Args:
             got: The values, (rows, *shape); row i belongs to argument i modulo their number.
-
-        Returns:
-            Values of the shape of ``value``.
         """
         count = len(self.value)
         step = count * max(1, CACHED // self.value.size)
@@ -101,13 +75,9 @@ class Expectation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartialExpectation(Expectation):
-    """The answer of a function without a value in some configurations, which are called but not compared.
+    """The answer of a function without a value in some configurations, which are called but not compared."""
 
-    Attributes:
-        regular: (...) where there is a value.
-    """
-
-    regular: Array
+    regular: Array  # (...) where there is a value
 
     @property
     def compared(self) -> int:
@@ -115,14 +85,7 @@ class PartialExpectation(Expectation):
         return int(self.regular.sum())
 
     def errors(self, got: Array) -> Array:
-        """How far off a value is.
-
-        Args:
-            got: What the generated function returned.
-
-        Returns:
-            Relative error of each entry; 0 where there is no value.
-        """
+        """How far off a value is."""
         errors = relative_errors(got - self.value, self.scale)
         errors[~self.regular] = 0.0
         return errors
@@ -135,24 +98,13 @@ class AccelerationExpectation(PartialExpectation):
     The error of row i is |B qdd + h - tau|_i over sqrt(B_ii) sum_j sqrt(B_jj) |qdd_j| + |tau_i| + |h_i|: rounding alone
     leaves the unit roundoff times a modest factor of that, whatever the condition of B (Higham, Accuracy and Stability
     of Numerical Algorithms, section 10.1). Configurations where B is singular determine no accelerations.
-
-    Attributes:
-        bias: (..., n) C qd + g + friction.
-        root: (..., n) square roots of the diagonal of B, where that vanishes of its natural size.
     """
 
-    bias: Array
-    root: Array
+    bias: Array  # (..., n) C qd + g + friction
+    root: Array  # (..., n) square roots of the diagonal of B, where that vanishes of its natural size
 
     def errors(self, got: Array) -> Array:
-        """How far off accelerations are.
-
-        Args:
-            got: (..., n).
-
-        Returns:
-            Relative torque error of each row; 0 where B is singular.
-        """
+        """How far off accelerations are."""
         q, qd, tau = self.arguments
         finite = np.where(np.isfinite(got), got, 0.0)
         left = self.oracle.evaluate("inverse_dynamics", q, qd, finite) - tau
@@ -169,16 +121,11 @@ class BaseExpectation(Expectation):
 
     An error counts by the share of the torques that it makes, against the parameter's own share where that is not
     small; and the torques of all parameters together must be right.
-
-    Attributes:
-        matrix: Base regressor of these motions, each row over the natural size of its torque, (states * n, b).
-        torques: Their torques over the natural sizes, (states * n,).
-        small: A share of the torques below which a parameter's own is small, from the condition of ``matrix``.
     """
 
-    matrix: Array
-    torques: Array
-    small: float
+    matrix: Array  # base regressor of these motions, each row over the natural size of its torque, (states * n, b)
+    torques: Array  # their torques over the natural sizes, (states * n,)
+    small: float  # a share of the torques below which a parameter's own is small, from the condition of ``matrix``
 
     @property
     def called(self) -> int:
@@ -186,14 +133,7 @@ class BaseExpectation(Expectation):
         return len(self.torques)
 
     def errors(self, got: Array) -> Array:
-        """How far off base parameters are.
-
-        Args:
-            got: (b,).
-
-        Returns:
-            Relative error of each parameter, or that of the torques if it is larger.
-        """
+        """How far off base parameters are."""
         if not np.isfinite(got).all():
             return np.full(got.shape, np.inf)
         together = np.abs(self.matrix @ got - self.torques).max()
@@ -204,16 +144,7 @@ class BaseExpectation(Expectation):
 
 
 def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:
-    """The oracle's answer.
-
-    Args:
-        function: Name of the generated function.
-        sample_set: The robot's numbers.
-        arguments: Broadcast arguments, (..., n) each.
-
-    Returns:
-        The value and the yardstick of its errors.
-    """
+    """The oracle's answer."""
     oracle = sample_set.oracle
     if not arguments:
         return _base_parameters(oracle)

@@ -50,31 +50,16 @@ class GeneratedModel(Protocol):
         """The ways of calling that the target offers, as `derive.verification.trials` knows them."""
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
-        """The value of a generated function.
-
-        Args:
-            function: Its name.
-            arguments: (..., n) each.
-            parameters: Numbers of the free symbols.
-
-        Returns:
-            (..., *shape).
-        """
+        """The value of a generated function."""
 
     def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given.
-
-        Args:
-            robot: The robot.
-        """
+        """Names of the joints whose variables inverse kinematics is given."""
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         """Inverse kinematics, of one pose where there is one, else of a batch.
 
         Args:
-            poses: (poses, 4, 4).
             given: Variables of the given joints, (poses, k).
-            parameters: Numbers of the free symbols.
 
         Returns:
             Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
@@ -96,35 +81,20 @@ class NumpyModel:
         return vars(self.module)
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
-        """The value of a function, with ``params`` where symbols are free.
-
-        Args:
-            function: Its name.
-            arguments: (..., n) each.
-            parameters: Numbers of the free symbols.
-
-        Returns:
-            (..., *shape).
-        """
+        """The value of a function, with ``params`` where symbols are free."""
         options = {"params": dict(parameters)} if parameters else {}
         value: Array = getattr(self.module, function)(*arguments, **options)
         return value
 
     def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given.
-
-        Args:
-            robot: The robot.
-        """
+        """Names of the joints whose variables inverse kinematics is given."""
         return tuple(self.module.GIVEN)
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         """Inverse kinematics, of one pose where there is one, else of a batch.
 
         Args:
-            poses: (poses, 4, 4).
             given: Variables of the given joints, (poses, k).
-            parameters: Numbers of the free symbols.
 
         Returns:
             Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
@@ -145,21 +115,13 @@ class NativeModel(NumpyModel):
 
 @dataclass(frozen=True, slots=True)
 class CasadiModel:
-    """CasADi functions of one configuration; a batch goes through ``Function.map``.
+    """CasADi functions of one configuration; a batch goes through ``Function.map``."""
 
-    Attributes:
-        constants: The module's names, ``DOF`` and ``PARAMETERS`` among them.
-        function: The ``casadi.Function`` of a name.
-        target: ``casadi``, or ``casadi-c`` for its C export.
-        file: Name of the module's file.
-        kept: What has to stay as long as the functions do.
-    """
-
-    constants: Mapping[str, Any]
-    function: Callable[[str], Any]
-    target: str = "casadi"
-    file: str = "model_casadi.py"
-    kept: object = None
+    constants: Mapping[str, Any]  # the module's names, ``DOF`` and ``PARAMETERS`` among them
+    function: Callable[[str], Any]  # the ``casadi.Function`` of a name
+    target: str = "casadi"  # ``casadi``, or ``casadi-c`` for its C export
+    file: str = "model_casadi.py"  # name of the module's file
+    kept: object = None  # what has to stay as long as the functions do
     ways = ("one", "batch")
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
@@ -168,12 +130,7 @@ class CasadiModel:
         CasADi knows matrices only: vectors are columns and link transforms lie side by side, 4 x 4n.
 
         Args:
-            function: Its name.
             arguments: (n,) or (samples, n) each.
-            parameters: Numbers of the free symbols.
-
-        Returns:
-            (..., *shape).
         """
         handle = self.function(function)
         columns = [np.atleast_2d(argument).T for argument in arguments]
@@ -193,20 +150,14 @@ class CasadiModel:
         return blocks if arguments and arguments[0].ndim > 1 else blocks[0]
 
     def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given.
-
-        Args:
-            robot: The robot.
-        """
+        """Names of the joints whose variables inverse kinematics is given."""
         return tuple(self.constants["GIVEN"])
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         """Inverse kinematics, branch by branch.
 
         Args:
-            poses: (poses, 4, 4).
             given: Variables of the given joints, (poses, k).
-            parameters: Numbers of the free symbols.
 
         Returns:
             Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
@@ -230,32 +181,14 @@ def load_models(folder: Path, *, needing_library: bool | None = None) -> tuple[G
     """The generated modules in Python.
 
     Args:
-        folder: A robot's generated folder.
         needing_library: Only those that load a compiled library, or only the others; None for all.
-
-    Returns:
-        Those that it holds.
-
-    Raises:
-        VerificationError: A module cannot be imported.
     """
     chosen = [file for file in _IMPORTED if needing_library in (None, file in _LIBRARIES)]
     return tuple(_IMPORTED[file](_import(folder / file)) for file in chosen if (folder / file).is_file())
 
 
 def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedModel, ...]:
-    """The generated sources in C, compiled for the occasion.
-
-    Args:
-        folder: A robot's generated folder.
-        compiler: The compiler's command, if there is one.
-
-    Returns:
-        Those that it holds; none without a compiler.
-
-    Raises:
-        VerificationError: One does not compile.
-    """
+    """The generated sources in C, compiled for the occasion."""
     if compiler is None:
         return ()
     return tuple(load(folder / file, compiler) for file, load in _COMPILED.items() if (folder / file).is_file())
@@ -265,14 +198,7 @@ class _Traceless(SourceFileLoader):
     """Reads and writes no byte code: a stale cache would hide what was just generated."""
 
     def path_stats(self, path: Any) -> Mapping[str, Any]:
-        """Refuse, which is how the loader learns that there is no cache.
-
-        Args:
-            path: The module.
-
-        Raises:
-            OSError: Always.
-        """
+        """Refuse, which is how the loader learns that there is no cache."""
         raise OSError("byte code is not wanted")
 
 
@@ -292,18 +218,7 @@ def _import(path: Path) -> ModuleType:
 
 
 def load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
-    """Compile and load CasADi's C export; joints and parameters are read in its heading.
-
-    Args:
-        path: ``model_casadi.c``.
-        compiler: The compiler's command.
-
-    Returns:
-        Its functions.
-
-    Raises:
-        VerificationError: It does not compile.
-    """
+    """Compile and load CasADi's C export; joints and parameters are read in its heading."""
     import casadi
 
     temporary = TemporaryFolder()
@@ -337,14 +252,7 @@ _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
     "model_casadi.c": load_casadi_c,
 }
 
-_LIBRARIES = {"model_native.py"}
-"""Modules that load a library of their own."""
-
-TARGETS = ("numpy", "casadi", "native", "c", "casadi-c", "octave")
-"""The order in which reports list what was verified."""
-
-COMPILED = frozenset(_COMPILED)
-"""Files that are verified where there is a C compiler."""
-
-MODULES = COMPILED.union(_IMPORTED)
-"""Files that are verified."""
+_LIBRARIES = {"model_native.py"}  # modules that load a library of their own
+TARGETS = ("numpy", "casadi", "native", "c", "casadi-c", "octave")  # the order in which reports list what was verified
+COMPILED = frozenset(_COMPILED)  # files that are verified where there is a C compiler
+MODULES = COMPILED.union(_IMPORTED)  # files that are verified

@@ -21,47 +21,22 @@ from derive.verification.samples import SampleSet
 
 FUNCTION = "inverse_kinematics"
 
+# Largest error of the pose of a solution: of R, and of p relative to twice the farthest pose where that is above 1.
 CLOSED = 1e-10
-"""Largest error of the pose of a solution: of R, and of p relative to twice the farthest pose where that is above 1."""
-
-SAME = 1e-5
-"""Configurations that are nearer to each other may be one: at the boundary errors of 1e-16 become 1e-8."""
-
-APART = 1e-9
-"""Solutions that are nearer are one solution twice."""
-
-FAR = 1e3
-"""Times the reach of an arm without slides where nothing is."""
-
+SAME = 1e-5  # configurations that are nearer to each other may be one: at the boundary errors of 1e-16 become 1e-8
+APART = 1e-9  # solutions that are nearer are one solution twice
+FAR = 1e3  # times the reach of an arm without slides where nothing is
+# Poses that are tried where solutions are looked for from many starts, which takes long and may miss some.
 SEARCHED = 6
-"""Poses that are tried where solutions are looked for from many starts, which takes long and may miss some."""
-
-SINGULAR = 1e-6
-"""Smallest singular value of the Jacobian against the largest, below which solutions coincide."""
-
-TINY = 1e-300
-"""Keeps lengths that are all zero from dividing."""
-
+SINGULAR = 1e-6  # smallest singular value of the Jacobian against the largest, below which solutions coincide
+TINY = 1e-300  # keeps lengths that are all zero from dividing
 NONE, EXACT = 0, 1
 
 
 def inverse_errors(
     robot: Robot, model: GeneratedModel, sets: Sequence[SampleSet], remedy: str
 ) -> Iterator[tuple[int, float]]:
-    """What the inverse kinematics of one target does wrong.
-
-    Args:
-        robot: The robot.
-        model: The target.
-        sets: Configurations and parameters.
-        remedy: What to do about a fault.
-
-    Yields:
-        For each set the number of poses and the worst error of a pose relative to what is allowed of rounding.
-
-    Raises:
-        VerificationError: A solution is missing, wrong or there twice, or a pose out of reach has one.
-    """
+    """What the inverse kinematics of one target does wrong."""
     given = [k for k in range(robot.n) if robot.joints[k].variable in model.given_names(robot)]
     places = [(i - 1, j - 1) for row in robot.inverse.task for i, j in ROWS[row]]
     complete = bool(model.constants.get("COMPLETE", True))

@@ -24,18 +24,11 @@ from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
 from derive.verification.samples import Parameters
 
-NAMES = ("octave-cli", "octave")
-"""Looked for in this order where ``$OCTAVE`` is not set."""
-
-OPTIONS = ("--norc", "--no-history", "--quiet", "--no-gui")
-"""Nobody's settings, no trace, no window."""
-
-SECONDS = 600
-"""Longest call."""
-
-FIRST_FILE = "forward_kinematics.m"
-"""Every package of ours has it."""
-
+NAMES = ("octave-cli", "octave")  # looked for in this order where ``$OCTAVE`` is not set
+OPTIONS = ("--norc", "--no-history", "--quiet", "--no-gui")  # nobody's settings, no trace, no window
+SECONDS = 600  # longest call
+FIRST_FILE = "forward_kinematics.m"  # every package of ours has it
+# Reads a name, arguments and how many results are wanted, and writes a message and the results, all as doubles.
 SERVER = """
 1;
 function value = received()
@@ -81,8 +74,6 @@ while true
   fflush(stdout);
 end
 """
-"""Reads a name, arguments and how many results are wanted, and writes a message and the results, all as doubles."""
-
 Command = tuple[str, ...]
 
 
@@ -105,30 +96,17 @@ def find_octave(environment: Mapping[str, str] | None = None) -> Command | None:
 
 
 def octave_package(folder: Path) -> str:
-    """The package of MATLAB and Octave in a folder.
-
-    Args:
-        folder: A robot's generated folder.
-
-    Returns:
-        Name of its folder, a plus sign before it; nothing where there is none.
-    """
+    """The package of MATLAB and Octave in a folder."""
     return next((path.name for path in sorted(folder.glob("+*")) if (path / FIRST_FILE).is_file()), "")
 
 
 @dataclass(frozen=True)
 class OctaveModel:
-    """The functions of a package: of one configuration and of a batch.
+    """The functions of a package: of one configuration and of a batch."""
 
-    Attributes:
-        folder: The folder of the package.
-        process: Octave, which answers.
-        said: What it says beside.
-    """
-
-    folder: Path
-    process: subprocess.Popen[bytes]
-    said: IO[bytes]
+    folder: Path  # the folder of the package
+    process: subprocess.Popen[bytes]  # Octave, which answers
+    said: IO[bytes]  # what it says beside
     target = "octave"
     ways = ("one", "batch")
 
@@ -151,11 +129,7 @@ class OctaveModel:
         }
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
-        """The value of a function; configurations are columns there, and the last axis of the result counts them.
-
-        Returns:
-            As `derive.verification.generated.GeneratedModel.call`.
-        """
+        """The value of a function; configurations are columns there, and the last axis of the result counts them."""
         columns = [np.atleast_2d(argument).T for argument in arguments]
         count, axes = columns[0].shape[1] if columns else 1, FUNCTIONS[function].axes
         (value,) = self.results(function, [*columns, *self._numbers(parameters)], 1)
@@ -169,38 +143,18 @@ class OctaveModel:
         return value if arguments and arguments[0].ndim > 1 else value[0]
 
     def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """What ``model.m`` says of them.
-
-        Returns:
-            As `derive.verification.generated.GeneratedModel.given_names`.
-        """
+        """What ``model.m`` says of them."""
         names: tuple[str, ...] = self.constants["GIVEN"]
         return names
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics; poses are pages there, and branches columns.
-
-        Returns:
-            As `derive.verification.generated.GeneratedModel.inverse`.
-        """
+        """Inverse kinematics; poses are pages there, and branches columns."""
         inputs = [poses.transpose(1, 2, 0), *([given.T] if given.shape[-1] else []), *self._numbers(parameters)]
         q, status = self.results("inverse_kinematics", inputs, 2)
         return _stack(q, len(poses)).transpose(2, 1, 0), status.T.astype(int)
 
     def results(self, function: str, inputs: Sequence[Array], count: int) -> list[Array]:
-        """What a function of the package returns.
-
-        Args:
-            function: Its name.
-            inputs: Its arguments, with the axes that they have there.
-            count: How many results are wanted.
-
-        Returns:
-            They, with the axes that they have there.
-
-        Raises:
-            VerificationError: Octave refuses, ends or takes too long.
-        """
+        """What a function of the package returns."""
         name = f"{self.folder.name[1:]}.{function}"
         request = [np.array([len(name), len(inputs), count, *map(ord, name)], dtype=float)]
         for value in inputs:
@@ -251,15 +205,7 @@ def _stack(value: Array, count: int) -> Array:
 
 @contextmanager
 def running_octave(folder: Path, octave: Command | None) -> Iterator[tuple[OctaveModel, ...]]:
-    """Run Octave on the package in a folder, as long as it is needed.
-
-    Args:
-        folder: A robot's generated folder.
-        octave: Octave's command, if there is one.
-
-    Yields:
-        The package, if there is one and an Octave.
-    """
+    """Run Octave on the package in a folder, as long as it is needed."""
     package = octave_package(folder)
     if octave is None or not package:
         yield ()

@@ -19,52 +19,25 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import Oracle
 
+# Ranges tried in turn for free parameters, until every cell has a value: ``sqrt(a1 - 2)`` needs a1 > 2.
 REGIONS = ((0.3, 1.7), (0.05, 0.4), (1.5, 4.0), (5.0, 20.0), (0.001, 0.01))
-"""Ranges tried in turn for free parameters, until every cell has a value: ``sqrt(a1 - 2)`` needs a1 > 2."""
-
-ATTEMPTS = 30
-"""Draws from each range in search of physical inertia tensors."""
-
-SPECIAL = 2
-"""The zero configuration, which finds divisions by zero, and a state at rest, which finds signs of zero."""
-
-GENERIC = 3
-"""Fewest other states of a set: at the special ones most wrong terms vanish."""
-
-
-Parameters = Mapping[str, Any]
-"""A number, or an array that broadcasts against the batch, for every free symbol."""
+ATTEMPTS = 30  # draws from each range in search of physical inertia tensors
+SPECIAL = 2  # the zero configuration, which finds divisions by zero, and a state at rest, which finds signs of zero
+GENERIC = 3  # fewest other states of a set: at the special ones most wrong terms vanish
+Parameters = Mapping[str, Any]  # a number, or an array that broadcasts against the batch, for every free symbol
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SampleSet:
-    """Configurations at one choice of parameters.
+    """Configurations at one choice of parameters."""
 
-    Attributes:
-        parameters: Numbers of the free symbols.
-        oracle: The robot with these numbers.
-        arguments: q, qd, qdd and tau, (samples, n) each.
-    """
-
-    parameters: Mapping[str, float]
-    oracle: Oracle
-    arguments: Mapping[str, Array]
+    parameters: Mapping[str, float]  # numbers of the free symbols
+    oracle: Oracle  # the robot with these numbers
+    arguments: Mapping[str, Array]  # q, qd, qdd and tau, (samples, n) each
 
 
 def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[SampleSet, ...]:
-    """Random samples: one set where nothing is free, else three with other parameters each.
-
-    Args:
-        robot: The robot.
-        samples: Number of configurations in all.
-        rng: Source of randomness.
-
-    Returns:
-        The sets; in each, the first configuration is zero or as near as the limits allow, and the last is at rest.
-
-    Raises:
-        VerificationError: No numbers were found at which every cell has a value.
-    """
+    """Random samples: one set where nothing is free, else three with other parameters each."""
     number = 3 if free_symbols(robot) else 1
     count = max(SPECIAL + GENERIC, -(-samples // number))
     base = base_set(robot).parameters if has_regressor(robot) else None

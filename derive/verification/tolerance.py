@@ -18,35 +18,19 @@ from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, Oracle
 from derive.verification.oracle.identification import Identification
 
+# Largest relative error of a generated function; rounding leaves about 1e-14, a wrong term 1e-3 and more.
 TOLERANCE = 1e-9
-"""Largest relative error of a generated function; rounding leaves about 1e-14, a wrong term 1e-3 and more."""
-
-FLOOR = 1e-3
-"""Share of the natural size below which an entry counts as vanishing."""
-
+FLOOR = 1e-3  # share of the natural size below which an entry counts as vanishing
+# Share of the whole arm's reach that a lever counts for at least: places far from the base carry its rounding.
 FAR = 0.1
-"""Share of the whole arm's reach that a lever counts for at least: places far from the base carry its rounding."""
-
-ROUNDING = 1e-14
-"""Defect of a rotation that is written exactly."""
-
-TINY = 1e-300
-"""Instead of 0, to divide by."""
-
+ROUNDING = 1e-14  # defect of a rotation that is written exactly
+TINY = 1e-300  # instead of 0, to divide by
+# Parts of a link's inertial parameters; the others are inertias.
 _PARTS = {"mx": "first moment", "my": "first moment", "mz": "first moment", "m": "mass", "mm": "mass"}
-"""Parts of a link's inertial parameters; the others are inertias."""
 
 
 def relative_errors(difference: Array, scale: Array) -> Array:
-    """Size of a difference in terms of a scale.
-
-    Args:
-        difference: Any shape.
-        scale: What counts as 1, broadcastable to it.
-
-    Returns:
-        0 where there is no difference, infinite where it is not a number.
-    """
+    """Size of a difference in terms of a scale."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(difference) / scale
     exact = np.broadcast_to(difference == 0, ratio.shape)
@@ -55,55 +39,26 @@ def relative_errors(difference: Array, scale: Array) -> Array:
 
 
 def largest(argument: Array) -> Array:
-    """The largest size of each joint's entry over a batch.
-
-    Args:
-        argument: (..., n).
-
-    Returns:
-        (n,) absolute values.
-    """
+    """The largest size of each joint's entry over a batch."""
     sizes: Array = np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0)
     return sizes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bounds:
-    """Bounds of an arm's quantities over a set of configurations.
+    """Bounds of an arm's quantities over a set of configurations."""
 
-    Attributes:
-        reach: From frame 0 to anything on the arm [m].
-        extent: Reach plus base and tool [m].
-        base_defect: Largest entry of R'R - 1 of the base, as written in the file.
-        revolute: (n,) whether joint i turns.
-        inertia: (n,) bound of B_ii.
-        gravity: (n,) bound of g_i.
-        potential: () bound of U.
-        friction: (2, n) viscous and Coulomb coefficients, absolute values.
-    """
-
-    reach: float
-    extent: float
-    base_defect: float
-    revolute: Array
-    inertia: Array
-    gravity: Array
-    potential: Array
-    friction: Array
+    reach: float  # from frame 0 to anything on the arm [m]
+    extent: float  # reach plus base and tool [m]
+    base_defect: float  # largest entry of R'R - 1 of the base, as written in the file
+    revolute: Array  # (n,) whether joint i turns
+    inertia: Array  # (n,) bound of B_ii
+    gravity: Array  # (n,) bound of g_i
+    potential: Array  # () bound of U
+    friction: Array  # (2, n) viscous and Coulomb coefficients, absolute values
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
-        """Natural size of each entry of a generated function's value.
-
-        Args:
-            function: Name of the function, any but forward dynamics and those of identification.
-            arguments: Its arguments, (..., n) each; the largest rates count.
-
-        Returns:
-            Sizes in the function's own units, broadcastable to one value.
-
-        Raises:
-            KeyError: A function that is verified in a way of its own.
-        """
+        """Natural size of each entry of a generated function's value."""
         rates = [largest(argument) for argument in arguments[1:]]
         size: Array
         match INTERFACES[function].magnitude:
@@ -150,36 +105,18 @@ class Bounds:
         return size
 
     def coriolis_matrix(self, rate: Array) -> Array:
-        """Bound of C.
-
-        Args:
-            rate: (n,) largest velocities.
-
-        Returns:
-            (n, n).
-        """
+        """Bound of C."""
         size: Array = self.inertia_matrix * self.turning(rate)
         return size
 
     def torque(self, rate: Array, acceleration: Array) -> Array:
-        """Bound of B qdd + C qd + g + friction.
-
-        Args:
-            rate: (n,) largest velocities.
-            acceleration: (n,) largest accelerations.
-
-        Returns:
-            (n,) [N m, N].
-        """
+        """Bound of B qdd + C qd + g + friction."""
         moving: Array = self.inertia_matrix @ acceleration + self.coriolis_matrix(rate) @ rate
         bound: Array = moving + self.gravity + self.friction[0] * rate + self.friction[1]
         return bound
 
     def turning(self, rate: Array) -> float:
         """Bound of angular velocities, with displacements counted as turns of the whole arm.
-
-        Args:
-            rate: (n,) largest velocities.
 
         Returns:
             The sum over all joints [rad/s].
@@ -191,27 +128,13 @@ class Bounds:
 
         A base rounded in the file to 0.7071 is no rotation: R (z x r) and (R z) x (R r), both the Jacobian, then differ
         by its defect. A base whose defect is rounding of floats leaves nothing undetermined.
-
-        Args:
-            function: Name of a generated function.
-
-        Returns:
-            The distance relative to the natural size.
         """
         steps = {"jacobian": 4.0, "jacobian_end": 8.0, "jacobian_dot": 8.0, **dict.fromkeys(ANGLES, 8.0)}
         return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 
 
 def bounds(oracle: Oracle, q: Array) -> Bounds:
-    """The bounds of an arm at some configurations.
-
-    Args:
-        oracle: The robot with its numbers.
-        q: (..., n).
-
-    Returns:
-        Bounds that hold at all of them.
-    """
+    """The bounds of an arm at some configurations."""
     arm = oracle.arm
     travel = np.where(arm.revolute, 0.0, largest(q))
     lengths = np.abs(arm.a) + np.abs(arm.d) + travel
@@ -243,17 +166,7 @@ def _carried(values: Array) -> Array:
 
 
 def regressor_size(limits: Bounds, known: Identification, function: str, motion: Sequence[Array]) -> Array:
-    """Natural size of each entry of a regressor: what unit parameters weigh at the largest rates.
-
-    Args:
-        limits: Bounds of the arm.
-        known: The arm and its parameters.
-        function: ``regressor`` or ``base_regressor``.
-        motion: qd and qdd, (..., n) each.
-
-    Returns:
-        (n, p).
-    """
+    """Natural size of each entry of a regressor: what unit parameters weigh at the largest rates."""
     arm = known.arm
     rate, acceleration = (largest(argument) for argument in motion)
     turn = np.where(arm.revolute, rate, 0.0).sum()

@@ -13,47 +13,29 @@ from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import Parameters, SampleSet
 
+# More configurations than generated code handles at once, and no multiple of anything: faults between blocks show.
 BLOCK_ROWS = 8231
-"""More configurations than generated code handles at once, and no multiple of anything: faults between blocks show."""
-
+# Samples times n^4 that may be spent on Christoffel symbols: all samples up to 14 joints, a few beyond.
 CHRISTOFFEL_BUDGET = 1_000_000
-"""Samples times n^4 that may be spent on Christoffel symbols: all samples up to 14 joints, a few beyond."""
-
+# Functions without a value in some configurations: where B, or the angles, are singular.
 UNDETERMINED = frozenset({"forward_dynamics", *ANGLES})
-"""Functions without a value in some configurations: where B, or the angles, are singular."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
-    """One call of a function.
+    """One call of a function."""
 
-    Attributes:
-        how: The way in words, for messages.
-        run: Calls the generated function.
-        arguments: What its values belong to, broadcast to (..., n) each.
-        sample_set: The parameters that belong to them.
-        repeated: Rows of the value where it repeats the arguments over and over; else 0.
-    """
-
-    how: str
-    run: Callable[[], Array]
-    arguments: tuple[Array, ...]
-    sample_set: SampleSet
-    repeated: int = 0
+    how: str  # the way in words, for messages
+    run: Callable[[], Array]  # calls the generated function
+    arguments: tuple[Array, ...]  # what its values belong to, broadcast to (..., n) each
+    sample_set: SampleSet  # the parameters that belong to them
+    repeated: int = 0  # rows of the value where it repeats the arguments over and over; else 0
 
 
 def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]) -> Iterator[Trial]:
     """All calls of a function: in every way that its target offers, with every set of parameters and all at once.
 
     Long batches are for the first set alone: where they are cut does not depend on numbers.
-
-    Args:
-        model: A target of the robot.
-        function: Name of the function.
-        sample_sets: Configurations and parameters.
-
-    Yields:
-        The calls; nothing has been called yet.
     """
     for sample_set in sample_sets:
         arguments = _arguments(function, sample_set)
@@ -126,14 +108,7 @@ def _parameter_trials(model: GeneratedModel, function: str, sample_sets: Sequenc
 
 
 def read_only(arrays: Sequence[Array]) -> list[Array]:
-    """Views that a function cannot write into.
-
-    Args:
-        arrays: The arrays.
-
-    Returns:
-        A view of each.
-    """
+    """Views that a function cannot write into."""
     views = [array.view() for array in arrays]
     for view in views:
         view.flags.writeable = False

@@ -25,43 +25,29 @@ from derive.verification.trials import Trial, trials
 
 REMEDY = "this is a fault of derive, not of the robot file: please report it with the file"
 
+# What the oracle has answered: it is asked once, since the targets are called at the same configurations.
 _Answers = dict[tuple[object, ...], Expectation]
-"""What the oracle has answered: it is asked once, since the targets are called at the same configurations."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One generated function.
+    """One generated function."""
 
-    Attributes:
-        target: Name of the target, ``numpy``, ``casadi`` or ``c``.
-        function: Name of the function.
-        samples: Number of values compared, over all ways of calling.
-        worst: Worst relative error.
-        note: Why values were left out, if any were.
-    """
-
-    target: str
-    function: str
-    samples: int
-    worst: float
-    note: str = ""
+    target: str  # name of the target, ``numpy``, ``casadi`` or ``c``
+    function: str  # name of the function
+    samples: int  # number of values compared, over all ways of calling
+    worst: float  # worst relative error
+    note: str = ""  # why values were left out, if any were
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a verification found: all functions of all targets.
+    """What a verification found: all functions of all targets."""
 
-    Attributes:
-        robot: Name of the robot.
-        seed: Seed of the random configurations and parameters.
-        rows: One per target and function.
-        left_out: Files that were not verified since there is no C compiler, and packages since there is no Octave.
-    """
-
-    robot: str
-    seed: int
-    rows: tuple[Row, ...]
+    robot: str  # name of the robot
+    seed: int  # seed of the random configurations and parameters
+    rows: tuple[Row, ...]  # one per target and function
+    # Files that were not verified since there is no C compiler, and packages since there is no Octave.
     left_out: tuple[str, ...] = ()
 
     @property
@@ -100,20 +86,6 @@ def verify(
     Each function is called with one configuration, a batch, broadcast batches, more rows than one block holds and,
     where symbols are free, batches of parameters; at random configurations within the limits and random velocities and
     parameters.
-
-    Args:
-        robot: The robot.
-        folder: Its generated folder, with any of ``model_numpy.py``, ``model_casadi.py``, ``model.c`` and a package of
-            MATLAB; the last two are left out where there is no C compiler or no Octave, and the report says so.
-        samples: Number of configurations.
-        seed: Seed of their random choice.
-        libraries: Waits for the libraries that modules in the folder need, where they are still being compiled.
-
-    Returns:
-        The worst relative error of each function.
-
-    Raises:
-        VerificationError: A function differs by more than 1e-9, raises, returns another shape, or is missing.
     """
     compiler = find_compiler()
     octave, package = find_octave(), octave_package(folder)

@@ -27,32 +27,18 @@ from derive.mechanics.exact_kinematics import Kinematics
 from derive.robot.evaluate import to_float
 from derive.workspace.point import TURN, ArmPoint, Picture, PlaneMap
 
-Determinant = Callable[[Array, Array], Array]
-"""A function of two joint variables, zero where the map folds."""
-
-MAX_TERMS = 3_000
-"""Determinants with more terms are followed in floats, not as exact factors."""
-
+Determinant = Callable[[Array, Array], Array]  # a function of two joint variables, zero where the map folds
+MAX_TERMS = 3_000  # determinants with more terms are followed in floats, not as exact factors
+# Grid lines are moved by this part of a range, off the round angles where a factor is zero along a whole line.
 _WARP = 0.013
-"""Grid lines are moved by this part of a range, off the round angles where a factor is zero along a whole line."""
-
-_START = math.sqrt(2.0) - 1.0
-"""Where the grid of a joint that turns all around starts, beyond its lower limit [rad]."""
-
+_START = math.sqrt(2.0) - 1.0  # where the grid of a joint that turns all around starts, beyond its lower limit [rad]
 _BISECTIONS = 48
 _ZOOMS = 45
 _ALIKE = 1e-9
 
 
 def folds(plane: PlaneMap) -> tuple[tuple[Determinant, ...], bool]:
-    """The functions whose zeros are the critical curves of a map of two variables.
-
-    Args:
-        plane: The map.
-
-    Returns:
-        The factors that move, and whether they are exact; else the determinant itself in floats.
-    """
+    """The functions whose zeros are the critical curves of a map of two variables."""
     try:
         return tuple(_exact_factors(plane)), True
     except DeriveError:  # too long, or the point has no exact place
@@ -85,11 +71,7 @@ def _exact_factors(plane: PlaneMap) -> Iterator[Determinant]:
 
 
 def _exact_columns(point: ArmPoint, domain: PolynomialDomain) -> tuple[list[tuple[Polynomial, ...]], Kinematics]:
-    """Columns of J_v of the point, which is the end effector's origin or that of a frame before it.
-
-    Raises:
-        DeriveError: It is no such origin.
-    """
+    """Columns of J_v of the point, which is the end effector's origin or that of a frame before it."""
     kinematics = Kinematics(point.poses.robot, domain)
     n, everything = point.poses.robot.n, tuple(range(point.poses.robot.n))
     q = point.random(3, everything, seed=5)
@@ -136,10 +118,6 @@ def _evaluated(p: Polynomial, domain: PolynomialDomain, plane: PlaneMap, *q: Arr
 
 def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     """Segments among which the boundary of a picture lies, their ends exactly on the curves.
-
-    Args:
-        plane: A map of at most two variables, or of three of which one turns the picture.
-        cells: Parts into which the range of a variable is cut.
 
     Returns:
         (segments, 2 ends, 2) [m].
@@ -233,10 +211,6 @@ def _joined(q: Array) -> Array:
 def _image(plane: PlaneMap, ends: Array) -> Array:
     """The image of short lines between configurations; where one passes the axis of a section it is cut there.
 
-    Args:
-        plane: The map.
-        ends: (variables, lines, 2 ends).
-
     Returns:
         (segments, 2 ends, 2) [m].
     """
@@ -258,12 +232,6 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
 
     The zeros on the lines of a grid are found by bisection; in each cell they are joined, all of them where there are
     four, which closes every crossing.
-
-    Args:
-        function: The function.
-        us: The grid of the first variable.
-        vs: Of the second one.
-        closed: For each variable whether the last line of the grid is the first one.
 
     Returns:
         (2 variables, lines, 2 ends).

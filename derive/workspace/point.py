@@ -20,55 +20,32 @@ from derive.workspace.poses import RobotPoses
 
 TURN = 2.0 * math.pi
 
-_DEPENDS = 1e-9
-"""A joint that moves the point less than this part of the arm's size does not move it."""
-
-_PROBES = 12
-"""Random configurations at which it is seen which joints move the point."""
-
-_STEPS = 60
-"""Most steps of the search for the nearest configuration."""
-
-_SETTLED = 1e-8
-"""A step that makes the squared distance smaller by less than this part is the last one."""
-
+_DEPENDS = 1e-9  # a joint that moves the point less than this part of the arm's size does not move it
+_PROBES = 12  # random configurations at which it is seen which joints move the point
+_STEPS = 60  # most steps of the search for the nearest configuration
+_SETTLED = 1e-8  # a step that makes the squared distance smaller by less than this part is the last one
+# Least damping, and that with which a step is too short to go on, in squares of the arm's size.
 _SOFT, _STIFF = 1e-12, 1e3
-"""Least damping, and that with which a step is too short to go on, in squares of the arm's size."""
 
 
 class Picture(StrEnum):
-    """What a map into a plane shows.
+    """What a map into a plane shows."""
 
-    Attributes:
-        SECTION: Distance from the axis of symmetry, and height along it.
-        TOP: Seen along the axis.
-        SIDE: Seen across the axis, for an arm without symmetry.
-        SPACE: All three coordinates.
-    """
-
-    SECTION = "section"
-    TOP = "top view"
-    SIDE = "side view"
-    SPACE = "space"
+    SECTION = "section"  # distance from the axis of symmetry, and height along it
+    TOP = "top view"  # seen along the axis
+    SIDE = "side view"  # seen across the axis, for an arm without symmetry
+    SPACE = "space"  # all three coordinates
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """The way of a joint.
+    """The way of a joint."""
 
-    Attributes:
-        variable: Its variable.
-        lower: Lower limit [rad or m].
-        upper: Upper limit [rad or m].
-        revolute: Whether it turns.
-        assumed: Whether the file gives no limits.
-    """
-
-    variable: str
-    lower: float
-    upper: float
-    revolute: bool
-    assumed: bool = False
+    variable: str  # its variable
+    lower: float  # lower limit [rad or m]
+    upper: float  # upper limit [rad or m]
+    revolute: bool  # whether it turns
+    assumed: bool = False  # whether the file gives no limits
 
     @property
     def full(self) -> bool:
@@ -82,11 +59,7 @@ class Range:
 
 
 def joint_ranges(poses: RobotPoses) -> tuple[Range, ...]:
-    """The way of every joint; without limits a joint turns from -pi to pi, or slides from 0 to the longest length.
-
-    Args:
-        poses: The robot in numbers.
-    """
+    """The way of every joint; without limits a joint turns from -pi to pi, or slides from 0 to the longest length."""
     found = []
     for joint, limits in zip(poses.robot.joints, poses.limits, strict=True):
         free = (-math.pi, math.pi) if joint.is_revolute else (0.0, poses.longest)
@@ -96,16 +69,11 @@ def joint_ranges(poses: RobotPoses) -> tuple[Range, ...]:
 
 @dataclass(frozen=True, eq=False)
 class ArmPoint:
-    """A point that is fixed in the end effector, and the axis from which it is seen.
+    """A point that is fixed in the end effector, and the axis from which it is seen."""
 
-    Attributes:
-        poses: The robot in numbers.
-        ranges: The way of every joint.
-        place: The point in the axes of the end effector [m]; its origin is (0, 0, 0).
-    """
-
-    poses: RobotPoses
-    ranges: tuple[Range, ...]
+    poses: RobotPoses  # the robot in numbers
+    ranges: tuple[Range, ...]  # the way of every joint
+    # The point in the axes of the end effector [m]; its origin is (0, 0, 0).
     place: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @cached_property
@@ -144,12 +112,6 @@ class ArmPoint:
     def random(self, count: int, joints: Sequence[int], seed: int = 0, limits: float = 0.0) -> Array:
         """Configurations between the limits, the same for the same seed.
 
-        Args:
-            count: How many.
-            joints: The joints.
-            seed: Of the random numbers.
-            limits: Part of the values of each joint that lie at one of its limits.
-
         Returns:
             (joints, count) [rad or m].
         """
@@ -168,7 +130,6 @@ class ArmPoint:
 
         Args:
             q: (joints, samples) [rad or m].
-            joints: The joints that are moved.
 
         Returns:
             (3, samples) [m], in the frame of the axis.
@@ -194,7 +155,6 @@ class ArmPoint:
 
         Args:
             q: (joints, samples) [rad or m].
-            joints: The joints that are moved.
 
         Returns:
             (3, samples) positions [m] and (3, joints, samples) derivatives, in the frame of the axis.
@@ -213,26 +173,15 @@ def _array(vector: Sequence[object], count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class PlaneMap:
-    """A picture of the workspace as a map of joint variables into a plane.
+    """A picture of the workspace as a map of joint variables into a plane."""
 
-    Attributes:
-        point: The point of the arm.
-        picture: What is shown.
-        joints: The joints that are variables of the map.
-    """
-
-    point: ArmPoint
-    picture: Picture
-    joints: tuple[int, ...]
+    point: ArmPoint  # the point of the arm
+    picture: Picture  # what is shown
+    joints: tuple[int, ...]  # the joints that are variables of the map
 
     @classmethod
     def of(cls, point: ArmPoint, picture: Picture) -> PlaneMap:
-        """The map with the joints that change a picture.
-
-        Args:
-            point: The point of the arm.
-            picture: What is shown.
-        """
+        """The map with the joints that change a picture."""
         joints = tuple(j for j in point.moving if picture is not Picture.SECTION or j != point.turn)
         slopes = cls(point, picture, joints).values(point.random(_PROBES, joints))[1]
         strong = np.abs(slopes).max(axis=(0, 2), initial=0.0) > _DEPENDS * point.size
@@ -300,11 +249,7 @@ class PlaneMap:
         return np.stack([rho, z]), np.stack([(x * dx + y * dy) / safe, dz])
 
     def inside(self, q: Array) -> Array:
-        """Configurations brought into the limits; angles of joints that turn all around are free.
-
-        Args:
-            q: (joints, samples).
-        """
+        """Configurations brought into the limits; angles of joints that turn all around are free."""
         low, high = self.box
         free = np.array([way.full for way in self.ranges])[:, None]
         brought: Array = np.where(free, q, np.clip(q, low, high))
@@ -318,7 +263,6 @@ class PlaneMap:
 
         Args:
             targets: (2, samples) places in the plane [m].
-            starts: (joints, samples) configurations.
 
         Returns:
             Configurations (joints, samples), places (2, samples), distances (samples,) [m].

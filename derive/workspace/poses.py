@@ -26,33 +26,20 @@ from derive.robot.expression import Call, Expression, Number, Product, Sum, chil
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
-Pose = tuple[tuple[float, ...], ...]
-"""A 4x4 transform."""
-
-ASSUMED_ANGLE = math.pi / 6
-"""Drawn for an angle without a number [rad]."""
-
+Pose = tuple[tuple[float, ...], ...]  # a 4x4 transform
+ASSUMED_ANGLE = math.pi / 6  # drawn for an angle without a number [rad]
+# Lengths for symbols without a number, in units of the longest known one; the next row if a cell has no value.
 PATTERNS = ((1.0, 0.8, 0.6, 0.9, 0.7, 0.5), (1.0, 0.5, 1.3, 0.3, 1.6, 0.2), (0.9, 0.4, 0.5, 0.2, 0.15, 0.1))
-"""Lengths for symbols without a number, in units of the longest known one; the next row if a cell has no value."""
-
-Numbers = Mapping[str, Fraction | float]
-"""Symbol -> its number, exact where the file gives it."""
-
+Numbers = Mapping[str, Fraction | float]  # symbol -> its number, exact where the file gives it
 _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 
 
 class RobotPoses:
     """Frames of a robot at any configuration.
 
-    Args:
-        robot: The robot; its dynamics is not looked at.
-
     Attributes:
         robot: Its kinematics.
         assumed: Symbols drawn with a number that no file gives: name, value and unit (``m`` or ``rad``).
-
-    Raises:
-        DeriveError: No numbers were found for which every cell of the table has a value.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -100,14 +87,7 @@ class RobotPoses:
         return None if q is None else self.numbers(q)
 
     def numbers(self, cells: Sequence[Expression]) -> tuple[float, ...]:
-        """The values of cells with the numbers of the drawing.
-
-        Args:
-            cells: Cells of the robot file.
-
-        Raises:
-            ExpressionError: A value does not exist.
-        """
+        """The values of cells with the numbers of the drawing."""
         return tuple(to_float(cell, self._values) for cell in cells)
 
     @property
@@ -143,9 +123,6 @@ class RobotPoses:
 
         Args:
             q: Joint positions [rad or m]: numbers, or arrays of one shape.
-
-        Returns:
-            For joints 1 to n the frame in the world that moves with it, then the end effector.
         """
         frames = list(self._joint_frames(q, np.cos, np.sin))
         return [*frames, frames[-1] @ self._chain.tool]
@@ -158,7 +135,6 @@ class RobotPoses:
         Args:
             q: Joint positions [rad or m]: numbers, or arrays of one shape.
             place: The point in the axes of the end effector [m].
-            joints: Joints, from 0, for which derivatives are wanted.
 
         Returns:
             Its position in the world [m], and its derivative with respect to the variable of each of the joints.
@@ -182,11 +158,7 @@ class RobotPoses:
         return [_placed(base, point), *(_turned(base, slopes[index]) for index in joints)]
 
     def frame_of_axis(self, joint: int) -> Frame[Any]:
-        """The frame in the world in which a joint moves about (along) z, in the zero configuration.
-
-        Args:
-            joint: From 0.
-        """
+        """The frame in the world in which a joint moves about (along) z, in the zero configuration."""
         frame = self._chain.base
         for before in list(self._joint_frames(self.zero, math.cos, math.sin))[:joint]:
             frame = before
@@ -233,11 +205,7 @@ def _placed(frame: Frame[float], point: Sequence[Any]) -> list[Any]:
 
 
 def middle(joint: Joint) -> Expression:
-    """The value half way between the limits of a joint.
-
-    Args:
-        joint: A joint that has limits.
-    """
+    """The value half way between the limits of a joint."""
     return Product((Number(Fraction(1, 2)), Sum(joint.limits or ())))
 
 

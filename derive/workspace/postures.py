@@ -21,35 +21,21 @@ from derive.robot.options.inverse import POSE, InverseOptions
 from derive.workspace.critical import zeros
 from derive.workspace.point import TURN, ArmPoint, Picture, PlaneMap
 
-_TRIED = 24
-"""Random configurations at which it is tried whether a formula or a count holds."""
-
-_SAME = 1e-6
-"""Angles closer than this are one [rad]; lengths in parts of the arm's size."""
-
-_BEYOND = 1.5
-"""How far formulas are followed, in arm's sizes."""
+_TRIED = 24  # random configurations at which it is tried whether a formula or a count holds
+_SAME = 1e-6  # angles closer than this are one [rad]; lengths in parts of the arm's size
+_BEYOND = 1.5  # how far formulas are followed, in arm's sizes
 
 
 @dataclass(frozen=True, eq=False)
 class Postures:
-    """How an arm reaches places with a point.
+    """How an arm reaches places with a point."""
 
-    Attributes:
-        point: The point, which at most three joints move.
-        reach: The bounds of the inverse kinematics, and itself.
-    """
-
-    point: ArmPoint
-    reach: Reach
+    point: ArmPoint  # the point, which at most three joints move
+    reach: Reach  # the bounds of the inverse kinematics, and itself
 
     @classmethod
     def of(cls, point: ArmPoint) -> Postures | None:
-        """The postures of an arm; None where more than three joints move the point, or some joint is given.
-
-        Args:
-            point: The point.
-        """
+        """The postures of an arm; None where more than three joints move the point, or some joint is given."""
         robot = replace(point.poses.robot, inverse=InverseOptions(POSE))
         if not 0 < len(point.moving) <= 3:
             return None
@@ -79,9 +65,6 @@ class Postures:
 
         Args:
             places: (3, k) in the frame of the axis [m].
-
-        Returns:
-            (k, 4, 4).
         """
         rotation, origin = self.point.axis
         turn = self._poses_tried[0, :3, :3]
@@ -112,22 +95,13 @@ class Postures:
         return np.stack([first, second, np.full_like(first, self._places_tried[2, 0])])
 
     def within(self, plane: PlaneMap, places: Array) -> Array:
-        """Whether the bounds hold at places of a picture.
-
-        Args:
-            plane: The picture.
-            places: (2, k) [m].
-        """
+        """Whether the bounds hold at places of a picture."""
         ways = self.reach.margins(self.poses(self._in_space(plane, places)), self._values)
         found: Array = np.any([np.all([margin >= 0.0 for margin in way], axis=0) for way in ways], axis=0)
         return found
 
     def curves(self, plane: PlaneMap, parts: int) -> Array:
         """Segments along which a bound is reached.
-
-        Args:
-            plane: The picture.
-            parts: Into which each side of the picture is cut.
 
         Returns:
             (segments, 2 ends, 2) [m].
@@ -158,12 +132,7 @@ class Postures:
         return segments
 
     def number(self, plane: PlaneMap, places: Array) -> Array:
-        """In how many postures places of a picture are reached within the limits.
-
-        Args:
-            plane: The picture.
-            places: (2, k) [m].
-        """
+        """In how many postures places of a picture are reached within the limits."""
         exists = np.isfinite(self._solutions(self._in_space(plane, places))[..., 0])
         found: Array = exists.sum(axis=-1)
         return found

@@ -17,34 +17,19 @@ from derive.arrays import Array
 from derive.workspace.point import PlaneMap
 from derive.workspace.region import Area, closed, is_reached, shapely
 
-Nodes: TypeAlias = npt.NDArray[np.intp]
-"""Rows and columns of a grid, (2, k), or indices."""
-
+Nodes: TypeAlias = npt.NDArray[np.intp]  # rows and columns of a grid, (2, k), or indices
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
-CELLS = 200
-"""Cells along the arm's size: 0.5 % of the reach each."""
-
+CELLS = 200  # cells along the arm's size: 0.5 % of the reach each
 _SAMPLES_PER_CELL = 10
 
-_AT_A_LIMIT = 0.25
-"""Part of the samples of a joint that lie at one of its limits: the boundary is reached there."""
-
-_KEPT = 3
-"""Configurations that are remembered for a cell."""
-
-_TRIED = 6
-"""Configurations from which it is tried to come nearer to a node."""
-
-_LAYERS = 3
-"""Cells around the area in which the distance from it is known."""
-
+_AT_A_LIMIT = 0.25  # part of the samples of a joint that lie at one of its limits: the boundary is reached there
+_KEPT = 3  # configurations that are remembered for a cell
+_TRIED = 6  # configurations from which it is tried to come nearer to a node
+_LAYERS = 3  # cells around the area in which the distance from it is known
+# Part of a cell by which the boundary may be off on average; arms that have an exact one show less than 0.01.
 _DOUBT = 0.05
-"""Part of a cell by which the boundary may be off on average; arms that have an exact one show less than 0.01."""
-
-_SETTLED = 1e-3
-"""Part of a cell by which a distance shrinks where it matters to its neighbours."""
-
+_SETTLED = 1e-3  # part of a cell by which a distance shrinks where it matters to its neighbours
 _REACHED = 1e-6
 _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
 
@@ -53,8 +38,6 @@ class _Cells:
     """A grid over the picture, and for each node the configurations that come near it.
 
     Args:
-        plane: The map.
-        cells: Along the arm's size.
         far: How far the grid goes on in every direction beyond the samples [m].
     """
 
@@ -86,19 +69,12 @@ class _Cells:
 
         Args:
             nodes: Rows and columns, (2, k), whole or not.
-
-        Returns:
-            (2, k) [m].
         """
         found: Array = self.origin[:, None] + self.width * nodes
         return found
 
     def starts(self, nodes: Nodes, best: bool = False) -> tuple[Nodes, Array]:
-        """Configurations known at nodes and around them: those nearest to each node, or the best of every neighbour.
-
-        Returns:
-            Which node each belongs to, and the configurations.
-        """
+        """Configurations known at nodes and around them: those nearest to each node, or the best of every neighbour."""
         rows, found = [], []
         for i, j in ((0, 0), *_NEIGHBOURS):
             a, b = np.clip(nodes[0] + i, 0, self.shape[0] - 1), np.clip(nodes[1] + j, 0, self.shape[1] - 1)
@@ -150,9 +126,6 @@ class _Cells:
 
         Args:
             nodes: Rows and columns, (2, k).
-
-        Returns:
-            Which of the nodes are reached.
         """
         reached = is_reached(self.plane, self.places(nodes))
         self.tried_again[nodes[0], nodes[1]] = True
@@ -173,12 +146,7 @@ def _rank(rows: Nodes) -> Nodes:
 
 
 def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
-    """The area that a map of any number of joint variables covers, to a cell of a grid.
-
-    Args:
-        plane: The map.
-        cells: Cells of the grid along the arm's size.
-    """
+    """The area that a map of any number of joint variables covers, to a cell of a grid."""
     package = shapely()
     grid, far = _Cells(plane, cells), plane.point.size / 4.0
     _spread(grid)

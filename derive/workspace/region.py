@@ -19,90 +19,51 @@ from derive.errors import DeriveError, install_extra
 from derive.workspace.critical import boundary_candidates
 from derive.workspace.point import TURN, Picture, PlaneMap
 
-Region: TypeAlias = Any
-"""An area of Shapely: polygons with holes, or nothing."""
-
-CELLS = 400
-"""Parts into which the range of a joint is cut where critical curves are followed."""
-
+Region: TypeAlias = Any  # an area of Shapely: polygons with holes, or nothing
+CELLS = 400  # parts into which the range of a joint is cut where critical curves are followed
 _GRID = 1e-8
 """Corners are rounded to this part of the arm's size, so that curves that meet share a corner; with a hundredth of it
 straight curves that run back on themselves are cut at wrong places, and cells beside them run into one."""
 
-_THIN = 2e-5
-"""Cells thinner than this part of the arm's size lie between two approximations of one curve."""
-
-_SLIVER = 1e-3
-"""Of cells thinner than this part of the arm's size nothing is said for themselves."""
-
-_ROUND = 128
-"""Corners of a quarter of a circle."""
-
+_THIN = 2e-5  # cells thinner than this part of the arm's size lie between two approximations of one curve
+_SLIVER = 1e-3  # of cells thinner than this part of the arm's size nothing is said for themselves
+_ROUND = 128  # corners of a quarter of a circle
 _SEEDS = 40_000
 _SAMPLES = 200_000
-_AT_A_LIMIT = 0.25
-"""Part of the samples of a joint that lie at one of its limits."""
-
-_STARTS, _FIRST = 12, 2
-"""Configurations from which it is tried to reach a place."""
-
-_REACHED = 1e-8
-"""A place nearer than this part of the arm's size is reached."""
+_AT_A_LIMIT = 0.25  # part of the samples of a joint that lie at one of its limits
+_STARTS, _FIRST = 12, 2  # configurations from which it is tried to reach a place
+_REACHED = 1e-8  # a place nearer than this part of the arm's size is reached
 
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """An area or a volume.
+    """An area or a volume."""
 
-    Attributes:
-        value: In m^2 or m^3.
-        error: How much it may be off.
-    """
-
-    value: float
-    error: float
+    value: float  # in m^2 or m^3
+    error: float  # how much it may be off
 
     @classmethod
     def of(cls, fine: float, coarse: float) -> Measure:
-        """The limit of two approximations, and their difference as its error.
-
-        Args:
-            fine: With all points; its error is a quarter of that of the other.
-            coarse: With half of them.
-        """
+        """The limit of two approximations, and their difference as its error."""
         return cls(fine + (fine - coarse) / 3.0, abs(fine - coarse))
 
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """An area whose boundary is known in points.
+    """An area whose boundary is known in points."""
 
-    Attributes:
-        region: With all points.
-        coarse: With half of the points of every curve, which tells how exact the area is.
-        margin: How far the points themselves may be off [m].
-        cells: The cells of which it is made, within each of which the number of postures is the same.
-    """
-
-    region: Region
-    coarse: Region
-    margin: float = 0.0
+    region: Region  # with all points
+    coarse: Region  # with half of the points of every curve, which tells how exact the area is
+    margin: float = 0.0  # how far the points themselves may be off [m]
+    # The cells of which it is made, within each of which the number of postures is the same.
     cells: tuple[Region, ...] = ()
 
     def changed(self, change: Callable[[Region], Region]) -> Area:
-        """Another area, found in the same way.
-
-        Args:
-            change: What becomes of a region.
-        """
+        """Another area, found in the same way."""
         return Area(change(self.region), change(self.coarse), self.margin)
 
     def measured(self, measure: Callable[[Region], float]) -> Measure:
-        """A measure of it with its error.
-
-        Args:
-            measure: Of a region.
-        """
+        """A measure of it with its error."""
         found = Measure.of(measure(self.region), measure(self.coarse))
         doubt = measure(self.region.buffer(self.margin)) - measure(self.region) if self.margin else 0.0
         return Measure(found.value, found.error + abs(doubt))
@@ -119,11 +80,7 @@ class Area:
 
 
 def shapely() -> Any:
-    """The package that cuts and joins areas.
-
-    Raises:
-        DeriveError: It is not installed.
-    """
+    """The package that cuts and joins areas."""
     try:
         import shapely as package
     except ImportError as error:
@@ -132,12 +89,7 @@ def shapely() -> Any:
 
 
 def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
-    """The area that a map covers, from its critical curves.
-
-    Args:
-        plane: The map, of at most two variables and one that turns the picture.
-        cells: Parts into which the range of a joint is cut where critical curves are followed.
-    """
+    """The area that a map covers, from its critical curves."""
     if len(plane.joints) < 2:  # a line, which may close and yet covers nothing
         return Area(shapely().Polygon(), shapely().Polygon())
     fine, coarse = (_reached_cells(plane, boundary_candidates(plane, parts), parts) for parts in (cells, cells // 2))
@@ -145,13 +97,7 @@ def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
 
 
 def formula_area(plane: PlaneMap, curves: Callable[[int], Array], holds: Callable[[Array], Array]) -> Area:
-    """The area that a map covers, where formulas say so.
-
-    Args:
-        plane: The map.
-        curves: Segments among which the boundary lies, for a number of parts into which the plane is cut.
-        holds: Whether places of the plane are reached.
-    """
+    """The area that a map covers, where formulas say so."""
     found = []
     for parts in (CELLS, CELLS // 2):
         faces = _cells(plane, curves(parts))
@@ -197,12 +143,7 @@ def _reached_cells(plane: PlaneMap, segments: Array, parts: int) -> Any:
 
 
 def joined(cells: Any, size: float) -> Region:
-    """Cells joined to one area.
-
-    Args:
-        cells: The cells.
-        size: Of the arm [m].
-    """
+    """Cells joined to one area."""
     if not len(cells):
         return shapely().Polygon()
     return closed(shapely().unary_union(cells), 2.0 * _THIN * size)
@@ -212,11 +153,6 @@ def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tup
     """The parts of an area whose places are reached in different numbers of postures, the fewest first.
 
     Slivers between two approximations of one curve belong to the part beside them.
-
-    Args:
-        area: The area.
-        numbers: In how many postures places are reached.
-        size: Of the arm [m].
     """
     if not area.cells:
         return ()
@@ -252,7 +188,6 @@ def closed(region: Region, gap: float) -> Region:
     """An area without gaps and slits as thin as the approximation of a curve by segments.
 
     Args:
-        region: The area.
         gap: The width of what is closed [m].
     """
     return region.buffer(gap, quad_segs=2).buffer(-gap, quad_segs=2)
@@ -262,12 +197,7 @@ def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> npt.NDArr
     """Whether the point gets to places of the plane.
 
     Args:
-        plane: The map.
         places: (2, k) [m]; three rows in space.
-        seeds: Configurations among which those are chosen from which it is tried.
-
-    Returns:
-        (k,) of truth values.
     """
     if not places.shape[1]:
         return np.zeros(0, dtype=bool)
@@ -298,9 +228,7 @@ def dexterous(region: Region, radius: float, revolves: bool) -> Region:
     whole. The outermost part lies inside of none.
 
     Args:
-        region: Where the wrist centre gets to; of a section the half on one side of the axis.
         radius: From the wrist centre to the end effector's origin [m].
-        revolves: Whether the area is a section of a solid of revolution, and the hand turns in space.
     """
     package = shapely()
     whole = package.unary_union([region, _mirrored(region)]) if revolves else region
@@ -318,13 +246,7 @@ def dexterous(region: Region, radius: float, revolves: bool) -> Region:
 
 
 def enlarged(region: Region, radius: float, revolves: bool) -> Region:
-    """Places at a given distance from some place of an area.
-
-    Args:
-        region: Where the wrist centre gets to.
-        radius: The distance [m].
-        revolves: Whether the area is a section of a solid of revolution.
-    """
+    """Places at a given distance from some place of an area."""
     package = shapely()
     whole = package.unary_union([region, _mirrored(region)]) if revolves else region
     around = whole.buffer(radius, quad_segs=_ROUND).difference(enclosing(whole, radius))
@@ -332,12 +254,7 @@ def enlarged(region: Region, radius: float, revolves: bool) -> Region:
 
 
 def enclosing(region: Region, radius: float) -> Region:
-    """Centres of circles that hold all of an area.
-
-    Args:
-        region: The area.
-        radius: Of the circles [m].
-    """
+    """Centres of circles that hold all of an area."""
     package = shapely()
     hull = region.convex_hull
     if package.minimum_bounding_radius(hull) >= radius:

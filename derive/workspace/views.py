@@ -32,78 +32,48 @@ from derive.workspace.region import (
 )
 
 _SAME = 1e-9
-_CONFIGURATIONS = 4
-"""Configurations at which it is seen whether axes meet."""
-
-_PLACES = 2_500
-"""Places in space for one estimate of a volume."""
-
-_SEEDS = 8_000
-"""Configurations among which those are chosen from which it is tried to reach a place in space."""
-
-_ESTIMATES = 8
-"""Estimates of a volume; their spread is its error."""
+_CONFIGURATIONS = 4  # configurations at which it is seen whether axes meet
+_PLACES = 2_500  # places in space for one estimate of a volume
+_SEEDS = 8_000  # configurations among which those are chosen from which it is tried to reach a place in space
+_ESTIMATES = 8  # estimates of a volume; their spread is its error
 
 
 @dataclass(frozen=True, slots=True)
 class Wrist:
-    """The last joints, which turn the hand about one point.
+    """The last joints, which turn the hand about one point."""
 
-    Attributes:
-        centre: The point in the axes of the end effector [m].
-        hand: Its distance from the end effector's origin [m].
-        joints: Its joints, from 0.
-        complete: Whether its joints turn the hand into every orientation.
-        planar: Whether it is one joint, and all orientations are those about the axis.
-    """
-
-    centre: tuple[float, float, float]
-    hand: float
-    joints: tuple[int, ...]
-    complete: bool
-    planar: bool
+    centre: tuple[float, float, float]  # the point in the axes of the end effector [m]
+    hand: float  # its distance from the end effector's origin [m]
+    joints: tuple[int, ...]  # its joints, from 0
+    complete: bool  # whether its joints turn the hand into every orientation
+    planar: bool  # whether it is one joint, and all orientations are those about the axis
 
 
 @dataclass(frozen=True, eq=False)
 class WorkspaceView:
-    """A picture of the workspace.
+    """A picture of the workspace."""
 
-    Attributes:
-        picture: Section, top view or side view.
-        reachable: The area that is reached.
-        dexterous: The area that is reached in every orientation; None where that is not known.
-        exact: Whether the boundary follows the exact critical curves.
-        path: (k, 2) positions where these are but a line or a point [m].
-        by_number: The parts that are reached in different numbers of postures, the fewest first; empty where the joints
-            behind the arm move the end effector too.
-        by_formula: Whether the boundary is that of formulas, the square roots of the inverse kinematics.
-    """
-
-    picture: Picture
-    reachable: Area
-    dexterous: Area | None
-    exact: bool
-    path: Array
+    picture: Picture  # section, top view or side view
+    reachable: Area  # the area that is reached
+    dexterous: Area | None  # the area that is reached in every orientation; None where that is not known
+    exact: bool  # whether the boundary follows the exact critical curves
+    path: Array  # (k, 2) positions where these are but a line or a point [m]
+    # The parts that are reached in different numbers of postures, the fewest first; empty where the joints behind the
+    # arm move the end effector too.
     by_number: tuple[tuple[int, Region], ...] = ()
-    by_formula: bool = False
+    by_formula: bool = False  # whether the boundary is that of formulas, the square roots of the inverse kinematics
 
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """The workspace of the origin of the end effector's frame.
+    """The workspace of the origin of the end effector's frame."""
 
-    Attributes:
-        views: Section and top view; side and top view of an arm without an axis of symmetry; one view of a flat one.
-        volume: Of what is reached; None for a flat workspace.
-        dexterous_volume: Of what is dexterous; None where that is not known.
-        wrist: The last joints, where they turn the hand about one point.
-        ranges: The ways of the joints that move it, and of the wrist where something is said about orientations.
-    """
-
+    # Section and top view; side and top view of an arm without an axis of symmetry; one view of a flat one.
     views: tuple[WorkspaceView, ...]
-    volume: Measure | None
-    dexterous_volume: Measure | None
-    wrist: Wrist | None
+    volume: Measure | None  # of what is reached; None for a flat workspace
+    dexterous_volume: Measure | None  # of what is dexterous; None where that is not known
+    wrist: Wrist | None  # the last joints, where they turn the hand about one point
+    # The ways of the joints that move it, and of the wrist where something is said about orientations.
     ranges: tuple[Range, ...]
 
     @property
@@ -113,15 +83,7 @@ class Workspace:
 
 
 def find_workspace(poses: RobotPoses, tell: Callable[[str], None] | None = None) -> Workspace:
-    """The workspace of a robot.
-
-    Args:
-        poses: The robot in numbers.
-        tell: Told what is looked for, for many joints take seconds.
-
-    Raises:
-        DeriveError: Shapely is not installed.
-    """
+    """The workspace of a robot."""
     point = ArmPoint(poses, joint_ranges(poses))
     wrist = find_wrist(point)
     search = _Search(point, wrist, tell or (lambda stage: None))
@@ -131,11 +93,7 @@ def find_workspace(poses: RobotPoses, tell: Callable[[str], None] | None = None)
 
 
 def find_wrist(point: ArmPoint) -> Wrist | None:
-    """The wrist of an arm: three last joints whose axes meet, or the last one of an arm whose axes are parallel.
-
-    Args:
-        point: The end effector's origin.
-    """
+    """The wrist of an arm: three last joints whose axes meet, or the last one of an arm whose axes are parallel."""
     revolute = [j for j, way in enumerate(point.ranges) if way.revolute]
     q = point.random(_CONFIGURATIONS, range(len(point.ranges)), seed=3)
     frames = [point.poses.joint_frames(list(column)) for column in q.T]

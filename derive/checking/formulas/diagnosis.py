@@ -31,30 +31,16 @@ from derive.robot.expression import Call, Expression, Name, Product, Sum, childr
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
-MAX_WORK = 4_000_000
-"""Float operations, about, spent on one formula; beyond them no change is named."""
-
-WORK_OF_EDIT = 8
-"""Float operations of one change beside those on the way to the root, about."""
-
-MAX_LACKING_TERMS = 400
-"""Terms of the right formula that a printed one may lack."""
-
+MAX_WORK = 4_000_000  # float operations, about, spent on one formula; beyond them no change is named
+WORK_OF_EDIT = 8  # float operations of one change beside those on the way to the root, about
+MAX_LACKING_TERMS = 400  # terms of the right formula that a printed one may lack
+# Candidates of one kind that are decided exactly: what is right at one point to nine digits rarely fails.
 MAX_PROOFS = 20
-"""Candidates of one kind that are decided exactly: what is right at one point to nine digits rarely fails."""
-
-CLOSE = 1e-9
-"""Relative difference of two values that count as the same."""
-
-POINTS = 40
-"""Points that are tried until both formulas have a value."""
-
+CLOSE = 1e-9  # relative difference of two values that count as the same
+POINTS = 40  # points that are tried until both formulas have a value
+# Joint angles whose sine and cosine a term may lack; for longer arms only those that occur are tried.
 MAX_SINGLE_ANGLES = 12
-"""Joint angles whose sine and cosine a term may lack; for longer arms only those that occur are tried."""
-
-PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)
-"""Kinds of which two changes are tried."""
-
+PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)  # kinds of which two changes are tried
 _BAD = (ArithmeticError, ValueError, KeyError)
 
 
@@ -64,24 +50,16 @@ def _itself(e: Expression) -> Expression:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A wrong formula and what it should be.
+    """A wrong formula and what it should be."""
 
-    Attributes:
-        robot: Whose formula it is.
-        printed: The printed tree, in which definitions may still stand as names.
-        right: What it should be.
-        definitions: What further names stand for.
-        compared: What of a printed tree must equal the right one; the tree itself by default.
-        extra_terms: Further terms that may be missing.
-        others: Other quantities by name that the formula may be right for.
-    """
-
-    robot: Robot
-    printed: Expression
-    right: Expression
-    definitions: Mapping[str, Expression] = field(default_factory=dict)
+    robot: Robot  # whose formula it is
+    printed: Expression  # the printed tree, in which definitions may still stand as names
+    right: Expression  # what it should be
+    definitions: Mapping[str, Expression] = field(default_factory=dict)  # what further names stand for
+    # What of a printed tree must equal the right one; the tree itself by default.
     compared: Callable[[Expression], Expression] = _itself
-    extra_terms: tuple[Expression, ...] = ()
+    extra_terms: tuple[Expression, ...] = ()  # further terms that may be missing
+    # Other quantities by name that the formula may be right for.
     others: Mapping[str, Expression] = field(default_factory=dict)
 
     @property
@@ -90,11 +68,7 @@ class Question:
         return self.compared is _itself
 
     def is_answer(self, formula: Expression) -> bool:
-        """Whether a formula is right, decided exactly.
-
-        Args:
-            formula: What might have been printed.
-        """
+        """Whether a formula is right, decided exactly."""
         whole = substitute(self.compared(formula), self.definitions)
         try:
             return compare(self.robot, self.right, whole).equal
@@ -104,29 +78,15 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """What makes a wrong formula right.
+    """What makes a wrong formula right."""
 
-    Attributes:
-        kinds: The kind of each change.
-        text: The changes in words.
-        formula: The printed formula with the changes made.
-    """
-
-    kinds: tuple[SlipKind, ...]
-    text: str
-    formula: Expression
+    kinds: tuple[SlipKind, ...]  # the kind of each change
+    text: str  # the changes in words
+    formula: Expression  # the printed formula with the changes made
 
 
 def other_orders(model: DynamicModel, quantity: str) -> Mapping[str, Expression]:
-    """Christoffel symbols with the indices of one in another order, as Spong writes c_ijk for our c_kij.
-
-    Args:
-        model: The robot's model.
-        quantity: A name; anything but a Christoffel symbol has none.
-
-    Returns:
-        Name -> value; those that are zero are left out.
-    """
+    """Christoffel symbols with the indices of one in another order, as Spong writes c_ijk for our c_kij."""
     if not quantity.startswith("christoffel["):
         return {}
     i, j, k = parse(model, quantity)[1]
@@ -136,9 +96,6 @@ def other_orders(model: DynamicModel, quantity: str) -> Mapping[str, Expression]
 
 def diagnose(question: Question) -> Repair | None:
     """The smallest change that repairs a formula, and what else it is right for.
-
-    Args:
-        question: The formula and what it should be.
 
     Returns:
         The change, or None if no single change and no two of one kind repair it and it is right for nothing else.

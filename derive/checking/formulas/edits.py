@@ -47,23 +47,14 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spot:
-    """One node of a formula.
+    """One node of a formula."""
 
-    Attributes:
-        node: What stands there.
-        above: The place above; None for the whole formula.
-        index: Which child of the node above it is, from 0.
-        siblings: Values of all children of the node above.
-        depth: Nodes above it.
-        cost: Float operations of one value of the whole, about.
-    """
-
-    node: Expression
-    above: Spot | None = None
-    index: int = 0
-    siblings: tuple[float, ...] = ()
-    depth: int = 0
-    cost: int = 1
+    node: Expression  # what stands there
+    above: Spot | None = None  # the place above; None for the whole formula
+    index: int = 0  # which child of the node above it is, from 0
+    siblings: tuple[float, ...] = ()  # values of all children of the node above
+    depth: int = 0  # nodes above it
+    cost: int = 1  # float operations of one value of the whole, about
 
     @property
     def parent(self) -> Expression | None:
@@ -76,11 +67,7 @@ class Spot:
         return self.above is None or isinstance(self.above.node, Sum)
 
     def value(self, here: float) -> float:
-        """The value of the whole formula for another value here.
-
-        Args:
-            here: What this place is worth.
-        """
+        """The value of the whole formula for another value here."""
         spot = self
         while (above := spot.above) is not None:
             parts = [*spot.siblings[: spot.index], here, *spot.siblings[spot.index + 1 :]]
@@ -88,11 +75,7 @@ class Spot:
         return here
 
     def formula(self, here: Expression) -> Expression:
-        """The whole formula with another node here, flattened.
-
-        Args:
-            here: What stands at this place.
-        """
+        """The whole formula with another node here, flattened."""
         if self.above is None:
             return here
         parts = children(self.above.node)
@@ -101,11 +84,7 @@ class Spot:
 
 
 class Evaluator:
-    """The values of trees at one point; every node is evaluated once.
-
-    Args:
-        values: Numbers of the names.
-    """
+    """The values of trees at one point; every node is evaluated once."""
 
     def __init__(self, values: Mapping[str, float]) -> None:
         self.values = values
@@ -131,16 +110,7 @@ class Evaluator:
 
 
 def combined(e: Expression, parts: Sequence[float]) -> float:
-    """The value of a node from the values below it.
-
-    Args:
-        e: A sum, product, power or call.
-        parts: The values of its children.
-
-    Raises:
-        ArithmeticError: There is none.
-        ValueError: There is none.
-    """
+    """The value of a node from the values below it."""
     match e:
         case Sum():
             return math.fsum(parts)
@@ -154,12 +124,7 @@ def combined(e: Expression, parts: Sequence[float]) -> float:
 
 
 def spots(root: Expression, evaluate: Evaluator) -> Iterator[Spot]:
-    """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token.
-
-    Args:
-        root: The formula.
-        evaluate: Gives the values at the point.
-    """
+    """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token."""
     waiting = [Spot(root)]
     while waiting:
         spot = waiting.pop()
@@ -173,11 +138,7 @@ def spots(root: Expression, evaluate: Evaluator) -> Iterator[Spot]:
 
 
 def is_token(e: Expression) -> bool:
-    """Whether it is the cosine or sine of an angle without numbers and further functions.
-
-    Args:
-        e: Any tree.
-    """
+    """Whether it is the cosine or sine of an angle without numbers and further functions."""
     if not (isinstance(e, Call) and e.function in ("cos", "sin")):
         return False
     (angle,) = e.arguments
@@ -207,21 +168,13 @@ class SlipKind(Enum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edit:
-    """One change at one place.
+    """One change at one place."""
 
-    Attributes:
-        kind: What it undoes.
-        place: Where.
-        node: What stands there then.
-        old: The part that is replaced.
-        new: What replaces it; None where a part is only negated or left out.
-    """
-
-    kind: SlipKind
-    place: Spot
-    node: Expression
-    old: Expression
-    new: Expression | None = None
+    kind: SlipKind  # what it undoes
+    place: Spot  # where
+    node: Expression  # what stands there then
+    old: Expression  # the part that is replaced
+    new: Expression | None = None  # what replaces it; None where a part is only negated or left out
 
     @property
     def formula(self) -> Expression:
@@ -231,29 +184,16 @@ class Edit:
 
 @dataclass(frozen=True, slots=True)
 class Replacements:
-    """What may stand in a formula.
+    """What may stand in a formula."""
 
-    Attributes:
-        names: Names that may stand for another.
-        angles: Joint variables of revolute joints, in their order.
-        factors: What a term may lack.
-        terms: What a sum may lack.
-    """
-
-    names: tuple[str, ...]
-    angles: tuple[str, ...]
-    factors: tuple[Expression, ...] = ()
-    terms: tuple[Expression, ...] = ()
+    names: tuple[str, ...]  # names that may stand for another
+    angles: tuple[str, ...]  # joint variables of revolute joints, in their order
+    factors: tuple[Expression, ...] = ()  # what a term may lack
+    terms: tuple[Expression, ...] = ()  # what a sum may lack
 
 
 def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
-    """All changes of one kind at one place.
-
-    Args:
-        spot: The place.
-        may: What may stand in the formula.
-        kind: The kind.
-    """
+    """All changes of one kind at one place."""
     node = spot.node
     match kind, node:
         case SlipKind.SIGN, _:
@@ -327,11 +267,7 @@ def _stem(name: str) -> str:
 
 
 def ordinal(i: int) -> str:
-    """``2nd`` for 2.
-
-    Args:
-        i: A number from 1.
-    """
+    """``2nd`` for 2."""
     plain = 10 < i % 100 < 14 or not 1 <= i % 10 <= 3
     return f"{i}th" if plain else f"{i}{('st', 'nd', 'rd')[i % 10 - 1]}"
 
@@ -340,10 +276,6 @@ def changes_text(made: Sequence[Edit], robot: Robot) -> str:
     """One change, or several and how many, with formulas in the notation of the robot.
 
     Numbers have few digits, except where the change is in the digits behind them.
-
-    Args:
-        made: At least one.
-        robot: Whose formula it is.
     """
     rounded = partial(number_text, decimals=is_given_in_decimals(robot))
     texts = []

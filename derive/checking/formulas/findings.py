@@ -42,8 +42,7 @@ from derive.robot.expression import (
 from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 
-NOTHING_KNOWN = Verdict(equal=False, exact=True)
-"""Stands where no verdict is possible."""
+NOTHING_KNOWN = Verdict(equal=False, exact=True)  # stands where no verdict is possible
 
 
 class Role(Enum):
@@ -63,45 +62,27 @@ class Role(Enum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
-    """One comparison.
+    """One comparison."""
 
-    Attributes:
-        quantity: What the formula is printed for, without the place of the entry.
-        row: Row of the entry, from 1; 0 where the whole is one formula.
-        column: Column of the entry, from 1; 0 where the whole is a vector or one formula.
-        role: What the formula is in its file.
-        text: The formula as printed.
-        verdict: Whether it is right; `NOTHING_KNOWN` where that cannot be decided.
-        right: The derived formula.
-        location: Where it stands.
-        erratum: Whether the file marks it as wrong.
-        question: What a search for the slip starts from; None where the formula is no single tree.
-        repair: What repairs it, where that was found with the comparison.
-        remark: What the file says about it.
-        unknown: The name that the robot does not know, where the formula has one: nothing can be decided.
-        same: Whether it is known to have the form of the derived one.
-        some: Whether it is right for some branches of a solution.
-        missing: Names of the branches that are missing.
-        note: What is said behind the verdict.
-    """
-
-    quantity: str
-    row: int
-    column: int
-    role: Role
-    text: str
-    verdict: Verdict
-    right: Expr
-    location: Location
-    erratum: bool = False
+    quantity: str  # what the formula is printed for, without the place of the entry
+    row: int  # row of the entry, from 1; 0 where the whole is one formula
+    column: int  # column of the entry, from 1; 0 where the whole is a vector or one formula
+    role: Role  # what the formula is in its file
+    text: str  # the formula as printed
+    verdict: Verdict  # whether it is right; `NOTHING_KNOWN` where that cannot be decided
+    right: Expr  # the derived formula
+    location: Location  # where it stands
+    erratum: bool = False  # whether the file marks it as wrong
+    # What a search for the slip starts from; None where the formula is no single tree.
     question: Question | None = None
-    repair: Repair | None = None
-    remark: Remark = NO_REMARK
+    repair: Repair | None = None  # what repairs it, where that was found with the comparison
+    remark: Remark = NO_REMARK  # what the file says about it
+    # The name that the robot does not know, where the formula has one: nothing can be decided.
     unknown: UnknownNameError | None = None
-    same: bool = False
-    some: bool = False
-    missing: tuple[str, ...] = ()
-    note: str = ""
+    same: bool = False  # whether it is known to have the form of the derived one
+    some: bool = False  # whether it is right for some branches of a solution
+    missing: tuple[str, ...] = ()  # names of the branches that are missing
+    note: str = ""  # what is said behind the verdict
 
     @property
     def entry(self) -> str:
@@ -112,17 +93,7 @@ class Finding:
 
 
 def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expression) -> Verdict:
-    """Whether a printed formula is right.
-
-    Args:
-        where: Where it stands.
-        robot: Whose formula it is.
-        right: The derived formula.
-        printed: The printed one.
-
-    Raises:
-        CheckError: It has no value; placed where it stands.
-    """
+    """Whether a printed formula is right."""
     try:
         verdict = compare(robot, right, printed)
     except DeriveError as error:
@@ -132,14 +103,9 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
     return Verdict(equal=True, exact=False)
 
 
-ROUNDED = range(5, 18)
-"""Significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand."""
-
-ROUNDING_POINTS = 12
-"""Points at which a difference must be as small as rounding explains."""
-
-_SLACK = 1.05
-"""More than what the squares of rounding errors add."""
+ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
+ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
+_SLACK = 1.05  # more than what the squares of rounding errors add
 
 
 def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bool:
@@ -183,19 +149,14 @@ def _with_marked_decimals(e: Expression, decimals: dict[str, Fraction]) -> Expre
 
 
 def significant(value: Fraction) -> int:
-    """Significant digits of a decimal; 0 of a fraction that is none, or of a whole number.
-
-    Args:
-        value: The number.
-    """
+    """Significant digits of a decimal; 0 of a fraction that is none, or of a whole number."""
     if value.denominator == 1:
         return 0
     scaled = value * 10**DECIMAL_PLACES
     return len(str(abs(scaled.numerator)).strip("0")) if scaled.denominator == 1 else 0
 
 
-DECIMAL_PLACES = 24
-"""Places that a decimal may have."""
+DECIMAL_PLACES = 24  # places that a decimal may have
 
 
 def undecidable(
@@ -207,41 +168,20 @@ def undecidable(
     erratum: bool,
     remark: Remark = NO_REMARK,
 ) -> Finding:
-    """A formula with an unknown name; it is placed at that name.
-
-    Args:
-        quantity: What it is printed for.
-        place: Row and column of the entry, 0 where it has none.
-        role: What the formula is in its file.
-        text: The formula as printed.
-        unknown: The name, with its place and the nearest known ones.
-        erratum: Whether the file marks it as wrong.
-        remark: What the file says about it.
-
-    Returns:
-        A finding without a verdict.
-    """
+    """A formula with an unknown name; it is placed at that name."""
     where = unknown.location or Location("")
     return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, erratum, remark=remark, unknown=unknown)
 
 
 @dataclass(frozen=True, slots=True)
 class FileReport:
-    """Everything that was compared in one file.
+    """Everything that was compared in one file."""
 
-    Attributes:
-        source: Name of the file.
-        robot: Name of its robot.
-        findings: One for each comparison, in the order of the file.
-        unread: Blocks that were not compared.
-        document: Where all this is printed.
-    """
-
-    source: str
-    robot: str
-    findings: tuple[Finding, ...]
-    unread: tuple[str, ...] = ()
-    document: Citation = NO_CITATION
+    source: str  # name of the file
+    robot: str  # name of its robot
+    findings: tuple[Finding, ...]  # one for each comparison, in the order of the file
+    unread: tuple[str, ...] = ()  # blocks that were not compared
+    document: Citation = NO_CITATION  # where all this is printed
 
     @property
     def wrong(self) -> tuple[Finding, ...]:
@@ -264,58 +204,35 @@ class FileReport:
         return not self.wrong and not self.undecidable
 
 
+# Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it.
 MAX_TERMS = 20_000
-"""Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it."""
-
+# The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
 Shape = tuple[Any, ...]
-"""The form of an expression up to a rational factor; ordered, so that equal forms are equal values."""
-
 ONE: Shape = ("*",)
 
 
 class Outcome(StrEnum):
-    """The verdict on one formula.
+    """The verdict on one formula."""
 
-    Attributes:
-        SAME_FORM: Right, and written as the lecture form writes it.
-        EQUAL: Right, written in another way.
-        SOME: Right for some branches of an inverse solution only.
-        WRONG: Not equal.
-        UNDECIDABLE: A name that the robot does not know; nothing can be said.
-    """
-
-    SAME_FORM = "same form"
-    EQUAL = "equal"
-    SOME = "right for some branches"
-    WRONG = "wrong"
-    UNDECIDABLE = "undecidable name"
+    SAME_FORM = "same form"  # right, and written as the lecture form writes it
+    EQUAL = "equal"  # right, written in another way
+    SOME = "right for some branches"  # right for some branches of an inverse solution only
+    WRONG = "wrong"  # not equal
+    UNDECIDABLE = "undecidable name"  # a name that the robot does not know; nothing can be said
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """The verdict on one formula and the reasons.
+    """The verdict on one formula and the reasons."""
 
-    Attributes:
-        outcome: The verdict.
-        difference: Terms of printed minus right, where it is wrong and both are polynomials.
-        repair: The smallest change that makes it right, if one was found.
-    """
-
-    outcome: Outcome
-    difference: tuple[Expr, ...] = ()
-    repair: Repair | None = None
+    outcome: Outcome  # the verdict
+    difference: tuple[Expr, ...] = ()  # terms of printed minus right, where it is wrong and both are polynomials
+    repair: Repair | None = None  # the smallest change that makes it right, if one was found
 
 
 @lru_cache(maxsize=10_000)
 def judge(finding: Finding) -> Judgement:
-    """The verdict on a comparison.
-
-    Args:
-        finding: What was compared.
-
-    Returns:
-        The verdict; the search for the slip is made once for each finding.
-    """
+    """The verdict on a comparison."""
     question = finding.question
     if finding.unknown is not None:
         return Judgement(Outcome.UNDECIDABLE)
@@ -351,24 +268,12 @@ def _difference_terms(question: Question) -> tuple[Expr, ...]:
 
 
 def same_form(a: Expression, b: Expression) -> bool:
-    """Whether two expressions have the same form and the same rational factor in front.
-
-    Args:
-        a: A tree.
-        b: Another.
-    """
+    """Whether two expressions have the same form and the same rational factor in front."""
     return form_of(a) == form_of(b)
 
 
 def form_of(e: Expression) -> tuple[Fraction, Shape]:
-    """The form of an expression: two that have the same one are equal values.
-
-    Args:
-        e: A tree.
-
-    Returns:
-        The rational factor of the expression and the shape of the rest.
-    """
+    """The form of an expression: two that have the same one are equal values."""
     match e:
         case Number(value):
             return value, ONE

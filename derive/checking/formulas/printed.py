@@ -12,15 +12,10 @@ from derive.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class Citation:
-    """Where something is printed.
+    """Where something is printed."""
 
-    Attributes:
-        title: The document.
-        section: Its section, page or equation.
-    """
-
-    title: str = ""
-    section: str = ""
+    title: str = ""  # the document
+    section: str = ""  # its section, page or equation
 
 
 NO_CITATION = Citation()
@@ -28,19 +23,12 @@ NO_CITATION = Citation()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Remark:
-    """What a file says about one printed item; remarks on two items are never the same, though they say the same.
+    """What a file says about one printed item; remarks on two items are never the same, though they say the same."""
 
-    Attributes:
-        note: Why it is an erratum, how it was verified.
-        kind: What makes it one: ``error``, ``convention``, ``notation``.
-        duplicate: Whether another file counts it.
-        document: Where it is printed, if not where the rest of the file is.
-    """
-
-    note: str = ""
-    kind: str = "error"
-    duplicate: bool = False
-    document: Citation = NO_CITATION
+    note: str = ""  # why it is an erratum, how it was verified
+    kind: str = "error"  # what makes it one: ``error``, ``convention``, ``notation``
+    duplicate: bool = False  # whether another file counts it
+    document: Citation = NO_CITATION  # where it is printed, if not where the rest of the file is
 
 
 NO_REMARK = Remark()
@@ -48,182 +36,105 @@ NO_REMARK = Remark()
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """One printed formula.
+    """One printed formula."""
 
-    Attributes:
-        row: Row of the entry, from 1.
-        column: Column of the entry, from 1.
-        text: As it is printed.
-        formula: What it says, in the robot's own names; zero where that is unknown.
-        location: Where it stands.
-        unknown: The name that the robot does not know, if there is one.
-    """
-
-    row: int
-    column: int
-    text: str
-    formula: Expression
-    location: Location
-    unknown: UnknownNameError | None = None
+    row: int  # row of the entry, from 1
+    column: int  # column of the entry, from 1
+    text: str  # as it is printed
+    formula: Expression  # what it says, in the robot's own names; zero where that is unknown
+    location: Location  # where it stands
+    unknown: UnknownNameError | None = None  # the name that the robot does not know, if there is one
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedText:
-    """LaTeX in a file.
+    """LaTeX in a file."""
 
-    Attributes:
-        text: As it is printed.
-        location: Where its first character stands.
-        verbatim: Whether it stands in the file character by character, so that offsets are exact.
-    """
-
-    text: str
-    location: Location
-    verbatim: bool = True
+    text: str  # as it is printed
+    location: Location  # where its first character stands
+    verbatim: bool = True  # whether it stands in the file character by character, so that offsets are exact
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedQuantity:
-    """One printed matrix, vector or scalar, or some entries of it.
+    """One printed matrix, vector or scalar, or some entries of it."""
 
-    Attributes:
-        quantity: Its name, for instance ``A[1]`` or ``christoffel[1,1,2]``; may be empty of LaTeX with left sides.
-        location: Where the item begins.
-        entries: The printed entries.
-        shape: Rows and columns where the whole matrix is printed.
-        abbreviated: The same entries once more, with the abbreviations of the notes.
-        corrections: Right formulas for wrong entries.
-        rest_zero: Whether all other entries are printed as zero.
-        status: ``ok``, or ``erratum`` where the notes are known to be wrong.
-        remark: What the file says about it.
-        implied: Whether it is only implied by the text.
-        latex: What is printed as LaTeX, in the place of entries.
-    """
-
-    quantity: str
-    location: Location
-    entries: tuple[Printed, ...]
-    shape: tuple[int, int] | None = None
-    abbreviated: tuple[Printed, ...] = ()
-    corrections: tuple[Printed, ...] = ()
-    rest_zero: bool = False
-    status: str = "ok"
-    remark: Remark = NO_REMARK
-    implied: bool = False
-    latex: PrintedText | None = None
+    quantity: str  # its name, for instance ``A[1]`` or ``christoffel[1,1,2]``; may be empty of LaTeX with left sides
+    location: Location  # where the item begins
+    entries: tuple[Printed, ...]  # the printed entries
+    shape: tuple[int, int] | None = None  # rows and columns where the whole matrix is printed
+    abbreviated: tuple[Printed, ...] = ()  # the same entries once more, with the abbreviations of the notes
+    corrections: tuple[Printed, ...] = ()  # right formulas for wrong entries
+    rest_zero: bool = False  # whether all other entries are printed as zero
+    status: str = "ok"  # ``ok``, or ``erratum`` where the notes are known to be wrong
+    remark: Remark = NO_REMARK  # what the file says about it
+    implied: bool = False  # whether it is only implied by the text
+    latex: PrintedText | None = None  # what is printed as LaTeX, in the place of entries
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """A printed identity between two formulas.
+    """A printed identity between two formulas."""
 
-    Attributes:
-        left: Its left-hand side.
-        right: Its right-hand side.
-        status: ``ok`` or ``erratum``.
-    """
-
-    left: Printed
-    right: Printed
-    status: str = "ok"
+    left: Printed  # its left-hand side
+    right: Printed  # its right-hand side
+    status: str = "ok"  # ``ok`` or ``erratum``
 
 
 @dataclass(frozen=True, slots=True)
 class Factorisation:
-    """A printed product of matrices.
+    """A printed product of matrices."""
 
-    Attributes:
-        of: The quantity on the left-hand side.
-        factors: The quantities whose product it is.
-        location: Where it stands.
-    """
-
-    of: str
-    factors: tuple[str, ...]
-    location: Location
+    of: str  # the quantity on the left-hand side
+    factors: tuple[str, ...]  # the quantities whose product it is
+    location: Location  # where it stands
 
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """A printed formula of inverse kinematics: an unknown from the entries of T.
+    """A printed formula of inverse kinematics: an unknown from the entries of T."""
 
-    Attributes:
-        unknown: Its name, for messages.
-        value: What it is, in the joint variables.
-        printed: The formula; its names ox, r11, ... are kept.
-        is_angle: Whether it is right up to full turns.
-        correction: The right formula, where the printed one is known to be wrong.
-        status: ``ok`` or ``erratum``.
-        remark: What the file says about it.
-    """
-
-    unknown: str
-    value: Expression
-    printed: Printed
-    is_angle: bool = False
-    correction: Printed | None = None
-    status: str = "ok"
-    remark: Remark = NO_REMARK
+    unknown: str  # its name, for messages
+    value: Expression  # what it is, in the joint variables
+    printed: Printed  # the formula; its names ox, r11, ... are kept
+    is_angle: bool = False  # whether it is right up to full turns
+    correction: Printed | None = None  # the right formula, where the printed one is known to be wrong
+    status: str = "ok"  # ``ok`` or ``erratum``
+    remark: Remark = NO_REMARK  # what the file says about it
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What is said beside the lines of a printed solution.
+    """What is said beside the lines of a printed solution."""
 
-    Attributes:
-        location: Where it stands.
-        task: The rows of its task; None where the names that it uses say it.
-        cosine_first: Whether the first argument of its atan2 is the cosine; None where the text decides.
-    """
-
-    location: Location
-    task: Task | None = None
+    location: Location  # where it stands
+    task: Task | None = None  # the rows of its task; None where the names that it uses say it
+    # Whether the first argument of its atan2 is the cosine; None where the text decides.
     cosine_first: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class InverseText:
-    """A printed solution as it is given.
+    """A printed solution as it is given."""
 
-    Attributes:
-        parts: Its text in one or several pieces.
-        asked: What is said beside it, and where it begins.
-        latex: Whether it is LaTeX.
-        document: Whether it is a LaTeX document, whose displays are read.
-        status: ``ok``, or ``erratum`` where it is known to be wrong.
-        remark: What the file says about it.
-    """
-
-    parts: tuple[PrintedText, ...]
-    asked: Asked
-    latex: bool = False
-    document: bool = False
-    status: str = "ok"
-    remark: Remark = NO_REMARK
+    parts: tuple[PrintedText, ...]  # its text in one or several pieces
+    asked: Asked  # what is said beside it, and where it begins
+    latex: bool = False  # whether it is LaTeX
+    document: bool = False  # whether it is a LaTeX document, whose displays are read
+    status: str = "ok"  # ``ok``, or ``erratum`` where it is known to be wrong
+    remark: Remark = NO_REMARK  # what the file says about it
 
 
 @dataclass(frozen=True, slots=True)
 class CorpusFile:
-    """A robot and what is printed about it.
+    """A robot and what is printed about it."""
 
-    Attributes:
-        source: Name of the file as given.
-        robot: The robot.
-        expected: Printed quantities.
-        identities: Printed identities.
-        factorisation: A printed product, or None.
-        unread: Blocks that hold printed results of other kinds.
-        solutions: Printed inverse kinematics.
-        document: Where all this is printed.
-        inverse: Printed solutions of the inverse kinematics, all lines together.
-    """
-
-    source: str
-    robot: Robot
-    expected: tuple[PrintedQuantity, ...]
-    identities: tuple[Identity, ...] = ()
-    factorisation: Factorisation | None = None
-    unread: tuple[str, ...] = ()
-    solutions: tuple[Solution, ...] = ()
-    document: Citation = NO_CITATION
-    inverse: tuple[InverseText, ...] = ()
+    source: str  # name of the file as given
+    robot: Robot  # the robot
+    expected: tuple[PrintedQuantity, ...]  # printed quantities
+    identities: tuple[Identity, ...] = ()  # printed identities
+    factorisation: Factorisation | None = None  # a printed product, or None
+    unread: tuple[str, ...] = ()  # blocks that hold printed results of other kinds
+    solutions: tuple[Solution, ...] = ()  # printed inverse kinematics
+    document: Citation = NO_CITATION  # where all this is printed
+    inverse: tuple[InverseText, ...] = ()  # printed solutions of the inverse kinematics, all lines together

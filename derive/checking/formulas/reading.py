@@ -19,17 +19,7 @@ from derive.robot.robot import Robot
 
 
 def mapping(node: Node, what: str, required: Collection[str] = (), optional: Collection[str] = ()) -> YamlMapping:
-    """A mapping with some keys and no others; with no keys given, any.
-
-    Args:
-        node: The node that should be one.
-        what: What it is, for messages.
-        required: Keys that it must have.
-        optional: Keys that it may have.
-
-    Raises:
-        CheckError: Another kind of node, a key that is missing, or one that is unknown.
-    """
+    """A mapping with some keys and no others; with no keys given, any."""
     if not isinstance(node, YamlMapping):
         raise CheckError(f"{what} is not a mapping", remedy="write key: value", location=node.location)
     known = (*required, *optional)
@@ -48,15 +38,7 @@ def mapping(node: Node, what: str, required: Collection[str] = (), optional: Col
 
 
 def items(node: Node | None, what: str) -> list[Node]:
-    """The items of a list; none where there is no node.
-
-    Args:
-        node: The node that should be one.
-        what: What it is, for messages.
-
-    Raises:
-        CheckError: Another kind of node.
-    """
+    """The items of a list; none where there is no node."""
     if node is None:
         return []
     if not isinstance(node, YamlSequence):
@@ -65,86 +47,37 @@ def items(node: Node | None, what: str) -> list[Node]:
 
 
 def scalar(node: Node, what: str) -> YamlScalar:
-    """A text with its place.
-
-    Args:
-        node: The node that should be one.
-        what: What it is, for messages.
-
-    Raises:
-        CheckError: A list or a mapping.
-    """
+    """A text with its place."""
     if not isinstance(node, YamlScalar):
         raise CheckError(f"{what} is not a single text", remedy='write "..."', location=node.location)
     return node
 
 
 def required_text(node: YamlMapping, key: str) -> YamlScalar:
-    """The text under a key that the mapping is known to have.
-
-    Args:
-        node: The mapping.
-        key: The key, also what the text is called in messages.
-
-    Raises:
-        CheckError: A list or a mapping.
-    """
+    """The text under a key that the mapping is known to have."""
     return scalar(node.entries[key][1], key)
 
 
 def child(node: YamlMapping, name: str) -> Node | None:
-    """The value of a key, or None.
-
-    Args:
-        node: The mapping.
-        name: The key.
-    """
+    """The value of a key, or None."""
     entry = node.entries.get(name)
     return entry[1] if entry else None
 
 
 def pairs(node: YamlMapping, name: str, what: str) -> Iterator[tuple[YamlScalar, YamlScalar]]:
-    """The keys and texts of a mapping inside another; none where the key is missing.
-
-    Args:
-        node: The mapping.
-        name: The key of the inner one.
-        what: What its values are, for messages.
-
-    Raises:
-        CheckError: Another kind of node, or a value that is no text.
-    """
+    """The keys and texts of a mapping inside another; none where the key is missing."""
     inner = child(node, name)
     for key, value in mapping(inner, name).entries.values() if inner else ():
         yield key, scalar(value, what)
 
 
 def rows(node: Node | None, what: str, row: str) -> list[list[Node]]:
-    """The entries of a matrix, row by row.
-
-    Args:
-        node: A list of lists.
-        what: What it is, for messages.
-        row: What one of its rows is, for messages.
-
-    Raises:
-        CheckError: Another kind of node.
-    """
+    """The entries of a matrix, row by row."""
     return [items(entries, row) for entries in items(node, what)]
 
 
 def word(node: YamlMapping, name: str, allowed: Collection[str], default: str) -> str:
-    """One of some words.
-
-    Args:
-        node: The mapping.
-        name: The key.
-        allowed: The words.
-        default: What a missing key stands for.
-
-    Raises:
-        CheckError: Another word.
-    """
+    """One of some words."""
     value = child(node, name)
     if value is None:
         return default
@@ -160,50 +93,23 @@ def word(node: YamlMapping, name: str, allowed: Collection[str], default: str) -
 
 
 def flag(node: YamlMapping, name: str) -> bool:
-    """``true`` or ``false``; false where the key is missing.
-
-    Args:
-        node: The mapping.
-        name: The key.
-
-    Raises:
-        CheckError: Another word.
-    """
+    """``true`` or ``false``; false where the key is missing."""
     return word(node, name, ("true", "false"), "false") == "true"
 
 
 def text_of(node: YamlMapping, key: str) -> str:
-    """The text under a key, on one line; empty where it is missing or no text.
-
-    Args:
-        node: The mapping.
-        key: The key.
-    """
+    """The text under a key, on one line; empty where it is missing or no text."""
     value = child(node, key)
     return " ".join(value.text.split()) if isinstance(value, YamlScalar) else ""
 
 
 def status(item: YamlMapping) -> str:
-    """``ok``, or ``erratum`` where an item is marked as wrong.
-
-    Args:
-        item: The item.
-
-    Raises:
-        CheckError: Another word.
-    """
+    """``ok``, or ``erratum`` where an item is marked as wrong."""
     return word(item, "status", ("ok", "erratum"), "ok")
 
 
 def remark(item: YamlMapping) -> Remark:
-    """What a file says about one item.
-
-    Args:
-        item: The item, with or without ``note``, ``kind``, ``duplicate`` and ``source``.
-
-    Raises:
-        CheckError: An unknown kind.
-    """
+    """What a file says about one item."""
     return Remark(
         note=text_of(item, "note"),
         kind=word(item, "kind", ("error", "convention", "notation"), "error"),
@@ -213,11 +119,7 @@ def remark(item: YamlMapping) -> Remark:
 
 
 def printed_in(node: YamlMapping) -> Citation:
-    """Where something is printed, from the block ``source:``; empty where there is none.
-
-    Args:
-        node: A file or an item.
-    """
+    """Where something is printed, from the block ``source:``; empty where there is none."""
     source = child(node, "source")
     if isinstance(source, YamlMapping):
         return Citation(text_of(source, "document"), text_of(source, "section"))
@@ -228,12 +130,7 @@ Refusal = TypeVar("Refusal", bound=CheckError)
 
 
 def printed_text(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
-    """A text with its place; of a literal block (``|``) the lines of the file themselves, so that columns are exact.
-
-    Args:
-        scalar: The text in the file.
-        lines: The lines of the file.
-    """
+    """A text with its place; of a literal block (``|``) the lines of the file themselves, so that columns are exact."""
     if scalar.verbatim:
         return PrintedText(scalar.text, scalar.inner)
     block = lines[scalar.location.line :][: len(scalar.text.splitlines())]
@@ -247,23 +144,15 @@ _WORD = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 @dataclass(frozen=True, slots=True)
 class Abbreviations:
-    """Further names of some formulas, beside the robot's own.
+    """Further names of some formulas, beside the robot's own."""
 
-    Attributes:
-        names: What they stand for; those of `unknown` stand for themselves.
-        unknown: Why nothing can be said about a formula with such a name: its definition has an unknown name.
-    """
-
+    # What they stand for; those of `unknown` stand for themselves.
     names: Mapping[str, Expression] = field(default_factory=dict)
+    # Why nothing can be said about a formula with such a name: its definition has an unknown name.
     unknown: Mapping[str, UnknownNameError] = field(default_factory=dict)
 
     def defining(self, name: str, definition: Printed) -> Abbreviations:
-        """With one name more.
-
-        Args:
-            name: The name.
-            definition: What it stands for.
-        """
+        """With one name more."""
         if definition.unknown is None:
             return Abbreviations({**self.names, name: definition.formula}, self.unknown)
         return Abbreviations({**self.names, name: Name(name)}, {**self.unknown, name: definition.unknown})
@@ -275,17 +164,7 @@ NO_ABBREVIATIONS = Abbreviations()
 def read_printed(
     text: YamlScalar, robot: Robot, further: Abbreviations = NO_ABBREVIATIONS, place: tuple[int, int] = (1, 1)
 ) -> Printed:
-    """A printed formula; one with a name that the robot does not know says so and has the formula zero.
-
-    Args:
-        text: The formula in the file.
-        robot: Whose formula it is.
-        further: Names beside the robot's own.
-        place: Row and column of the entry, from 1.
-
-    Raises:
-        CheckError: The text is no formula.
-    """
+    """A printed formula; one with a name that the robot does not know says so and has the formula zero."""
     try:
         formula = read_formula(text.text, robot, text.inner, further.names)
     except UnknownNameError as error:

@@ -21,9 +21,7 @@ from derive.robot.parser import place
 
 Array = Any
 
-MAX_LENGTH = 400
-"""Characters; three times the longest equation of the books, and no tree of them is too deep."""
-
+MAX_LENGTH = 400  # characters; three times the longest equation of the books, and no tree of them is too deep
 GRAMMAR = """
 ?start: sum
 ?sum: first ((PLUS | MINUS) product)*
@@ -45,17 +43,11 @@ NUMBER: /[0-9]+(\\.[0-9]+)?/
 
 @dataclass(frozen=True, slots=True)
 class Vector:
-    """A node: a name, a number, or an operation on the nodes below.
+    """A node: a name, a number, or an operation on the nodes below."""
 
-    Attributes:
-        operation: ``name``, ``number``, ``+``, ``*``, ``@``, ``cross`` or ``-`` (of one part).
-        text: The name, or the digits.
-        parts: The nodes below.
-    """
-
-    operation: str
-    text: str = ""
-    parts: tuple[Vector, ...] = ()
+    operation: str  # ``name``, ``number``, ``+``, ``*``, ``@``, ``cross`` or ``-`` (of one part)
+    text: str = ""  # the name, or the digits
+    parts: tuple[Vector, ...] = ()  # the nodes below
 
     def __str__(self) -> str:
         match self.operation:
@@ -78,18 +70,7 @@ def _bracketed(part: Vector) -> str:
 
 
 def read_vector(text: str, where: Location) -> Vector:
-    """A printed vector equation's right-hand side.
-
-    Args:
-        text: Sums, products with numbers (``*``), products with matrices (``@``), ``cross(a, b)``.
-        where: Where its first character stands.
-
-    Returns:
-        The tree.
-
-    Raises:
-        CheckError: Outside the grammar.
-    """
+    """A printed vector equation's right-hand side."""
     if len(text) > MAX_LENGTH:
         raise CheckError("vector equation too long", allowed=f"at most {MAX_LENGTH} characters", location=where)
     try:
@@ -131,12 +112,7 @@ def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
     """The value of an equation.
 
     Args:
-        e: The equation.
         values: What its names stand for: numbers, vectors (3,) and matrices (3, 3).
-
-    Raises:
-        KeyError: An unknown name.
-        ValueError: Shapes that do not fit.
     """
     if e.operation == "name":
         return values[e.text]
@@ -161,11 +137,7 @@ def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
 
 
 def names_in(e: Vector) -> Iterator[str]:
-    """Every name in an equation, in order of appearance.
-
-    Args:
-        e: The equation.
-    """
+    """Every name in an equation, in order of appearance."""
     if e.operation == "name":
         yield e.text
     for part in e.parts:
@@ -174,17 +146,11 @@ def names_in(e: Vector) -> Iterator[str]:
 
 Change = tuple[SlipKind, str, Vector]
 
-MAX_TRIES = 10_000
-"""Changes of one kind that are tried, so that the search ends for the longest equation too."""
+MAX_TRIES = 10_000  # changes of one kind that are tried, so that the search ends for the longest equation too
 
 
 def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vector], bool]) -> Repair | None:
     """One change that makes an equation hold, or two names of the same letter.
-
-    Args:
-        printed: The printed right-hand side.
-        names: What may stand in it.
-        holds: Whether an equation is right.
 
     Returns:
         The change, or None if no such change does.

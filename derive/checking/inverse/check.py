@@ -34,34 +34,17 @@ from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, add, names, negate, substitute
 from derive.robot.names import robot_symbols
 
+# The changes that are tried where a line is never right.
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
-"""The changes that are tried where a line is never right."""
-
-SHOWN_OF = 12
-"""Configurations among which one is chosen that shows a difference."""
-
+SHOWN_OF = 12  # configurations among which one is chosen that shows a difference
 RIGHT = Verdict(equal=True, exact=False)
 WRONG = Verdict(equal=False, exact=False)
 
-TRIED_FOR_BRANCHES = 16
-"""Poses at which it is counted how many of their solutions are given."""
+TRIED_FOR_BRANCHES = 16  # poses at which it is counted how many of their solutions are given
 
 
 def inverse_findings(model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> Iterator[Finding]:
-    """The verdict on every line that gives a joint or something of it, and on all branches together.
-
-    Args:
-        model: The robot's model.
-        printed: The solution.
-        vocabulary: Its names.
-        asked: Its task and where it stands.
-
-    Yields:
-        One finding for each line, in the order of the text, and one for the branches.
-
-    Raises:
-        CheckError: Lines that need each other.
-    """
+    """The verdict on every line that gives a joint or something of it, and on all branches together."""
     check = _InverseCheck(model, printed, vocabulary, asked)
     yield from check.lines()
     if not check.is_wrong:
@@ -381,11 +364,7 @@ class _InverseCheck:
 
 
 def shown(text: str) -> str:
-    """A text with ``+-`` for the name of a plus-minus.
-
-    Args:
-        text: A formula, or words with formulas.
-    """
+    """A text with ``+-`` for the name of a plus-minus."""
     text = re.sub(rf"([+-]) -?{SIGN}\w*\*?", lambda m: f"{m[1]}- " if m[1] == "+" else "-+ ", text)
     text = re.sub(rf"-{SIGN}\w*\*?", "-+", text)
     return re.sub(rf"{SIGN}\w*\*?", "+-", text)

@@ -10,28 +10,18 @@ import numpy as np
 from derive.robot.expression import Call, Expression, Name, children, linear_terms, names
 from derive.robot.robot import Robot
 
-Vector = tuple[Fraction, ...]
-"""A linear combination of the joint variables."""
+Vector = tuple[Fraction, ...]  # a linear combination of the joint variables
 
 
 class JointCombinations:
-    """Reads expressions as linear combinations of joint variables.
-
-    Args:
-        robot: Whose joints they are.
-        sums: What names such as q23 stand for.
-    """
+    """Reads expressions as linear combinations of joint variables."""
 
     def __init__(self, robot: Robot, sums: Mapping[str, Expression]) -> None:
         self._variables = [joint.variable for joint in robot.joints]
         self._sums = sums
 
     def combination(self, e: Expression) -> Vector | None:
-        """The linear combination of joint variables that an expression is, constants aside; None if it is none.
-
-        Args:
-            e: The expression.
-        """
+        """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
         variables = self._variables
         vector = [Fraction(0)] * len(variables)
         for factor, term in linear_terms(e):
@@ -45,11 +35,7 @@ class JointCombinations:
         return tuple(vector) if any(vector) else None
 
     def meaning(self, e: Expression) -> tuple[str, Vector] | None:
-        """What is known where an expression is: an angle or length itself, or its cosine, sine or tangent.
-
-        Args:
-            e: The expression.
-        """
+        """What is known where an expression is: an angle or length itself, or its cosine, sine or tangent."""
         if isinstance(e, Call) and e.function in ("cos", "sin", "tan"):
             vector = self.combination(e.arguments[0])
             return (e.function, vector) if vector else None
@@ -57,14 +43,7 @@ class JointCombinations:
         return ("", vector) if vector else None
 
     def needed(self, e: Expression) -> Iterator[tuple[str, Vector]]:
-        """What must be known for an expression to have a value.
-
-        Args:
-            e: The expression.
-
-        Yields:
-            Joint variables, sums of them, cosines, sines and tangents.
-        """
+        """What must be known for an expression to have a value."""
         if isinstance(e, Name | Call) and (found := self.meaning(e)):
             yield found
         elif not isinstance(e, Name):
@@ -73,46 +52,26 @@ class JointCombinations:
 
 
 class Known:
-    """What is known of the joint variables: linear combinations, cosines and sines of some.
-
-    Args:
-        joints: Indices of joints that are known from the start.
-        n: Number of joints.
-    """
+    """What is known of the joint variables: linear combinations, cosines and sines of some."""
 
     def __init__(self, joints: Sequence[int], n: int) -> None:
         self._rows: list[Vector] = [unit_vector(j, n) for j in joints]
         self._functions: set[tuple[str, Vector]] = set()
 
     def has(self, function: str, vector: Vector) -> bool:
-        """Whether it follows from what is known.
-
-        Args:
-            function: ``cos``, ``sin`` or ``tan``; empty for the combination itself.
-            vector: The combination.
-        """
+        """Whether it follows from what is known."""
         if (function, vector) in self._functions:
             return True
         rows = np.array([*self._rows, vector], dtype=float)
         return bool(np.linalg.matrix_rank(rows) == (np.linalg.matrix_rank(rows[:-1]) if len(rows) > 1 else 0))
 
     def add(self, function: str, vector: Vector) -> None:
-        """One thing more; cosine and sine together are the angle.
-
-        Args:
-            function: ``cos``, ``sin`` or ``tan``; empty for the combination itself.
-            vector: The combination.
-        """
+        """One thing more; cosine and sine together are the angle."""
         self._functions.add((function, vector))
         if not function or {("cos", vector), ("sin", vector)} <= self._functions:
             self._rows.append(vector)
 
 
 def unit_vector(j: int, n: int) -> Vector:
-    """One joint variable.
-
-    Args:
-        j: Its index.
-        n: Number of joints.
-    """
+    """One joint variable."""
     return tuple(Fraction(int(k == j)) for k in range(n))

@@ -18,9 +18,7 @@ from derive.robot.expression import Expression
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
-_OR_MARK = "\ue0f0"
-"""Stands for the word between alternatives."""
-
+_OR_MARK = "\ue0f0"  # stands for the word between alternatives
 _OR = re.compile(r"\\(?:text|textrm|mathrm|mbox)\s*\{\s*(?:or|oppure|ou|o)\s*\}|\\(?:lor|vee)(?![A-Za-z])")
 _PRIME = re.compile(r"(?:\^\s*(?:\\prime(?![A-Za-z])|\{\s*\\prime\s*\})|')\s*$")
 _NAME = re.compile(
@@ -33,21 +31,7 @@ _BRACED = re.compile(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}")
 def latex_equations(
     text: str, robot: Robot, start: Location, signs: PlusMinus, *, document: bool
 ) -> tuple[list[list[Side]], list[str]]:
-    """The equations of a LaTeX text.
-
-    Args:
-        text: A display, several, or a document.
-        robot: Whose solution it is.
-        start: Where its first character stands.
-        signs: Gives plus-minus signs their names.
-        document: Whether prose may stand around the displays.
-
-    Returns:
-        Equations with their sides, and every name.
-
-    Raises:
-        CheckError: An environment that is no display and no matrix.
-    """
+    """The equations of a LaTeX text."""
     marked = _OR.sub(lambda match: _OR_MARK.ljust(len(match[0])), text)
     found = []
     for equation in equations(marked, start, document=document, time=False):
@@ -56,12 +40,7 @@ def latex_equations(
 
 
 def gives_joints(text: str, robot: Robot) -> bool:
-    r"""Whether a text is a printed solution: a left side is a joint variable, and an arc function stands somewhere.
-
-    Args:
-        text: LaTeX.
-        robot: Whose text it might be.
-    """
+    r"""Whether a text is a printed solution: a left side is a joint variable, and an arc function stands somewhere."""
     if not re.search(r"(?i)a(?:rc)?\s*\\?tan|arc(?:cos|sin)|\^\s*\{\s*-\s*1\s*\}", text):
         return False
     variables = {joint.variable for joint in robot.joints}

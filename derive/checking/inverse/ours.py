@@ -34,11 +34,7 @@ class OurSolution:
     """The derived solution for the task of a printed one.
 
     Args:
-        model: The robot's model.
-        printed: The printed solution.
-        pose: Its names of the pose.
         task: The rows of its task; None where the names that it uses say it.
-        places: Configurations at which formulas are tried.
     """
 
     def __init__(
@@ -100,11 +96,7 @@ class OurSolution:
         return forms
 
     def has_form(self, formula: Formula) -> bool:
-        """Whether a printed formula is one of ours but for names.
-
-        Args:
-            formula: The formula.
-        """
+        """Whether a printed formula is one of ours but for names."""
         if self.inverse is None:
             return False
         pose, printed = self.inverse.pose, self._printed
@@ -132,11 +124,7 @@ class OurSolution:
         return {a: Name(b) for a, b in first if a != b}
 
     def text(self, line: Line) -> str:
-        """Our formula for what a line gives, with what it names; empty where there is none.
-
-        Args:
-            line: The printed line.
-        """
+        """Our formula for what a line gives, with what it names; empty where there is none."""
         name = line.target.name if isinstance(line.target, Name) else ""
         if name not in self._lines or self.inverse is None:
             return ""
@@ -153,15 +141,7 @@ class OurSolution:
         return ", ".join(found.values())
 
     def met(self, places: Sequence[Place], is_met: Callable[[Place], bool]) -> tuple[int, tuple[str, ...]]:
-        """How many of the solutions of a pose are given, and the names of the branches that never are.
-
-        Args:
-            places: Configurations; what is looked at are all solutions of their poses.
-            is_met: Whether the printed solution gives a configuration.
-
-        Returns:
-            The number, 0 where it is not the same at all poses or not known; the names.
-        """
+        """How many of the solutions of a pose are given, and the names of the branches that never are."""
         if self.inverse is None or not self.inverse.is_explicit:
             return 0, ()
         counts = [0] * len(places)

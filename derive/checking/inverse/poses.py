@@ -32,15 +32,10 @@ from derive.robot.robot import Robot
 
 Arrays = Mapping[str, npt.NDArray[np.float64]]
 
-BATCHES = 5
-"""Geometries that are tried."""
-
-CONFIGURATIONS = 12
-"""Configurations of each."""
-
+BATCHES = 5  # geometries that are tried
+CONFIGURATIONS = 12  # configurations of each
+# Angles of joints that are tried, none close to a right angle, where arms are singular.
 ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
-"""Angles of joints that are tried, none close to a right angle, where arms are singular."""
-
 _ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
 _WRIST = re.compile(r"[pP]?[wWcC]([xyz])|([xyz])[wWcC]")
@@ -49,30 +44,18 @@ _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
 @dataclass(frozen=True)
 class PoseNames:
-    """The names of a printed solution that the pose gives.
+    """The names of a printed solution that the pose gives."""
 
-    Attributes:
-        robot: Whose pose it is; its own names are none of the pose.
-        entries: Row and column, from 1, of each name.
-        wrist: Which coordinate, from 0, of the wrist's centre a name is.
-        angles: Names of the planar orientation.
-        relatives: Entries whose names differ from those by their indices only, which may have been meant.
-    """
-
-    robot: Robot
-    entries: Mapping[str, tuple[int, int]]
-    wrist: Mapping[str, int]
-    angles: Mapping[str, Expression]
+    robot: Robot  # whose pose it is; its own names are none of the pose
+    entries: Mapping[str, tuple[int, int]]  # row and column, from 1, of each name
+    wrist: Mapping[str, int]  # which coordinate, from 0, of the wrist's centre a name is
+    angles: Mapping[str, Expression]  # names of the planar orientation
+    # Entries whose names differ from those by their indices only, which may have been meant.
     relatives: Mapping[str, tuple[int, int]]
 
     @classmethod
     def of(cls, robot: Robot, words: Iterable[str]) -> PoseNames:
-        """Those among the words of a text.
-
-        Args:
-            robot: Whose pose it is.
-            words: Everything in the text that may be a name.
-        """
+        """Those among the words of a text."""
         own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
         words = [word for word in dict.fromkeys(words) if word not in own]
         flat = {word: word.replace("_", "") for word in words}
@@ -126,13 +109,7 @@ class PoseNames:
 
 
 class _Arm:
-    """An arm of numbers at several configurations.
-
-    Args:
-        robot: The robot.
-        values: Numbers of its parameters.
-        q: The joint variables.
-    """
+    """An arm of numbers at several configurations."""
 
     def __init__(self, robot: Robot, values: Mapping[str, float], q: list[npt.NDArray[np.float64]]) -> None:
         self._robot = plain = replace(robot, links=(), gravity=None)
@@ -178,23 +155,12 @@ def _relatives(word: str, place: tuple[int, int]) -> Iterator[tuple[str, tuple[i
 
 
 def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = False) -> tuple[Place, ...]:
-    """Random configurations with everything that a formula may know; the same ones each time.
-
-    Args:
-        names: The names of the pose.
-        sums: Names of sums of joint variables.
-        numbers: Whether parameters have the numbers of the robot file, else random ones.
-    """
+    """Random configurations with everything that a formula may know; the same ones each time."""
     return tuple(place for batch in range(BATCHES) for place in _places(names, sums, random.Random(batch), numbers))
 
 
 def pose_of(robot: Robot, values: Mapping[str, float]) -> list[list[float]]:
-    """The pose of an arm, three rows of four entries.
-
-    Args:
-        robot: The robot.
-        values: Numbers of its parameters and joint variables.
-    """
+    """The pose of an arm, three rows of four entries."""
     q = [np.array([values[joint.variable]]) for joint in robot.joints]
     arm = _Arm(robot, {name: values[name] for name in _symbols(robot)}, q)
     return [[float(x[0]) for x in row] for row in arm.pose]

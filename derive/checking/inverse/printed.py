@@ -30,51 +30,31 @@ from derive.robot.expression import (
 )
 from derive.robot.robot import Robot
 
-MAX_SIGNS = 10
-"""Plus-minus signs that one line may depend on."""
-
-CLOSE = 1e-7
-"""Difference of angles [rad] and of lengths relative to their size below which they are the same."""
-
-Choice = Mapping[str, float]
-"""A value of every plus-minus, and for lines with alternatives which one."""
-
+MAX_SIGNS = 10  # plus-minus signs that one line may depend on
+CLOSE = 1e-7  # difference of angles [rad] and of lengths relative to their size below which they are the same
+Choice = Mapping[str, float]  # a value of every plus-minus, and for lines with alternatives which one
 _BAD = (ArithmeticError, ValueError, KeyError)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Formula:
-    """A printed right-hand side.
+    """A printed right-hand side."""
 
-    Attributes:
-        expression: What it says, in the names of the robot, of the pose and of named quantities.
-        text: As it is printed.
-        location: Where it stands.
-        first: The name that means the first alternative in it, as in ``or q4 + pi``.
-    """
-
-    expression: Expression
-    text: str
-    location: Location
-    first: str = ""
+    expression: Expression  # what it says, in the names of the robot, of the pose and of named quantities
+    text: str  # as it is printed
+    location: Location  # where it stands
+    first: str = ""  # the name that means the first alternative in it, as in ``or q4 + pi``
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """What is printed about one quantity.
+    """What is printed about one quantity."""
 
-    Attributes:
-        quantity: What it is called in messages: ``q2``, ``cos(q2)``, ``D``.
-        formulas: What is printed for it; several where alternatives are given.
-        target: What it is in the joint variables; None of a quantity that is only named.
-        name: Its name in other lines, if it has one.
-        primed: Whether it gives a joint of a second solution from those of the first, as in ``theta5' = -theta5``.
-    """
-
-    quantity: str
-    formulas: tuple[Formula, ...]
-    target: Expression | None = None
-    name: str = ""
+    quantity: str  # what it is called in messages: ``q2``, ``cos(q2)``, ``D``
+    formulas: tuple[Formula, ...]  # what is printed for it; several where alternatives are given
+    target: Expression | None = None  # what it is in the joint variables; None of a quantity that is only named
+    name: str = ""  # its name in other lines, if it has one
+    # Whether it gives a joint of a second solution from those of the first, as in ``theta5' = -theta5``.
     primed: bool = False
 
     @property
@@ -85,28 +65,16 @@ class Line:
 
 @dataclass(frozen=True)
 class Place:
-    """One configuration of the arm and everything that a printed formula may know about it.
+    """One configuration of the arm and everything that a printed formula may know about it."""
 
-    Attributes:
-        values: Numbers by name: parameters, joint variables, sums of them, entries of the pose.
-        pose: Three rows of four entries.
-        required: Whether a complete solution must give it; negative slides need not be given.
-        twin: The configuration whose second solution it is, where primed lines are printed.
-    """
-
-    values: Mapping[str, float]
-    pose: Sequence[Sequence[float]]
-    required: bool = True
-    twin: Place | None = None
+    values: Mapping[str, float]  # numbers by name: parameters, joint variables, sums of them, entries of the pose
+    pose: Sequence[Sequence[float]]  # three rows of four entries
+    required: bool = True  # whether a complete solution must give it; negative slides need not be given
+    twin: Place | None = None  # the configuration whose second solution it is, where primed lines are printed
 
 
 class PrintedInverse:
     """The lines of one printed solution.
-
-    Args:
-        robot: Whose solution it is.
-        lines: Its lines, those that only name quantities too.
-        sums: What names such as q23 stand for.
 
     Attributes:
         robot: Whose solution it is.
@@ -131,11 +99,7 @@ class PrintedInverse:
         self._choices: dict[Line, dict[str, tuple[float, ...]]] = {}
 
     def check_size(self) -> None:
-        """Refuse what cannot be tried, and look for decimals of many digits.
-
-        Raises:
-            CheckError: A line that depends on too many plus-minus signs, or on itself.
-        """
+        """Refuse what cannot be tried, and look for decimals of many digits."""
         decimals = [d for line in self.lines for f in line.formulas for d in _digits(f.expression)]
         self.close = max(CLOSE, 10.0 ** (3 - max(decimals))) if decimals else CLOSE
         for line in self.lines:
@@ -144,13 +108,7 @@ class PrintedInverse:
                 raise CheckError(found, allowed=f"at most {MAX_SIGNS}", location=line.formulas[0].location)
 
     def changed(self, line: Line, formula: Formula, expression: Expression) -> PrintedInverse:
-        """The solution with another expression in the place of one.
-
-        Args:
-            line: The line.
-            formula: One of its formulas.
-            expression: What stands there then.
-        """
+        """The solution with another expression in the place of one."""
         formulas = tuple(replace(f, expression=expression) if f is formula else f for f in line.formulas)
         return self._with([replace(line, formulas=formulas) if x is line else x for x in self.lines])
 
@@ -166,11 +124,7 @@ class PrintedInverse:
         return self._names[formula]
 
     def mapped(self, change: Mapping[int, Expression]) -> PrintedInverse:
-        """The solution with other expressions.
-
-        Args:
-            change: By the identity of a formula what it says then.
-        """
+        """The solution with other expressions."""
         lines = [
             replace(line, formulas=tuple(replace(f, expression=change.get(id(f), f.expression)) for f in line.formulas))
             for line in self.lines
@@ -180,14 +134,7 @@ class PrintedInverse:
     # -- values
 
     def named_before(self, line: Line) -> tuple[Line, ...]:
-        """The named quantities that a line needs, each behind those that it needs itself.
-
-        Args:
-            line: The line.
-
-        Raises:
-            CheckError: Some need each other.
-        """
+        """The named quantities that a line needs, each behind those that it needs itself."""
         if line not in self._before:
             found: dict[str, Line] = {}
             self._collect(line, found, ())
@@ -205,11 +152,7 @@ class PrintedInverse:
                     found[name] = self.named[name]
 
     def choices(self, line: Line) -> dict[str, tuple[float, ...]]:
-        """The plus-minus signs and alternatives that the value of a line depends on, with their values.
-
-        Args:
-            line: The line.
-        """
+        """The plus-minus signs and alternatives that the value of a line depends on, with their values."""
         if line not in self._choices:
             parts = (*self.named_before(line), line)
             switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in parts}
@@ -225,18 +168,7 @@ class PrintedInverse:
         return tuple(sorted(found))
 
     def value(self, line: Line, place: Place, choice: Choice) -> float:
-        """What a line gives at a configuration.
-
-        Args:
-            line: The line.
-            place: The configuration.
-            choice: The values of plus-minus signs and alternatives.
-
-        Raises:
-            ArithmeticError: There is no value.
-            ValueError: A root of a negative number.
-            KeyError: A name without a number.
-        """
+        """What a line gives at a configuration."""
         known = {**place.values, **choice}
         for part in (*self.named_before(line), line):
             formula = part.formulas[int(choice.get(part.switch, 0))]
@@ -245,16 +177,7 @@ class PrintedInverse:
         return value
 
     def values(self, line: Line, place: Place, fixed: Choice | None = None) -> Iterator[float]:
-        """What a line gives at a configuration, for all choices.
-
-        Args:
-            line: The line.
-            place: The configuration.
-            fixed: Choices that are made already.
-
-        Yields:
-            Its values; choices that give none are left out.
-        """
+        """What a line gives at a configuration, for all choices."""
         free = {name: values for name, values in self.choices(line).items() if name not in (fixed or {})}
         for chosen in product(*free.values()):
             try:
@@ -263,12 +186,7 @@ class PrintedInverse:
                 continue
 
     def wanted(self, line: Line, place: Place) -> float:
-        """What a line should give at a configuration; not a number where its left side has no value.
-
-        Args:
-            line: The line, one with a target.
-            place: The configuration.
-        """
+        """What a line should give at a configuration; not a number where its left side has no value."""
         assert line.target is not None
         try:
             return Evaluator(place.values)(line.target)
@@ -276,13 +194,7 @@ class PrintedInverse:
             return math.nan
 
     def hits(self, line: Line, place: Place, fixed: Choice | None = None) -> bool:
-        """Whether some choice gives what the line is about.
-
-        Args:
-            line: The line.
-            place: The configuration.
-            fixed: Choices that are made already.
-        """
+        """Whether some choice gives what the line is about."""
         if place.twin is not None and self.hits(line, place.twin, fixed):
             return True
         wanted, is_angle = self.wanted(line, place), self.is_angle(line)
@@ -291,13 +203,7 @@ class PrintedInverse:
         return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
 
     def hit_together(self, lines: Sequence[Line], place: Place, fixed: Choice | None = None) -> bool:
-        """Whether some choice gives what all of some lines are about.
-
-        Args:
-            lines: The lines.
-            place: The configuration.
-            fixed: Choices that are made already.
-        """
+        """Whether some choice gives what all of some lines are about."""
         shared = {name: values for name, values in self.shared(lines).items() if name not in (fixed or {})}
         return any(
             all(self.hits(line, at, {**(fixed or {}), **dict(zip(shared, chosen, strict=True))}) for line in lines)
@@ -306,11 +212,7 @@ class PrintedInverse:
         )
 
     def shared(self, lines: Sequence[Line]) -> dict[str, tuple[float, ...]]:
-        """The choices that more than one of some lines depend on.
-
-        Args:
-            lines: The lines.
-        """
+        """The choices that more than one of some lines depend on."""
         own = [self.choices(line) for line in lines]
         return {n: values for choices in own for n, values in choices.items() if sum(n in o for o in own) > 1}
 
@@ -327,20 +229,12 @@ class PrintedInverse:
             yield tuple(line for line in self.given if line in group)
 
     def has_arc(self, line: Line) -> bool:
-        """Whether an arc function of one argument stands in a line or in what it needs.
-
-        Args:
-            line: The line.
-        """
+        """Whether an arc function of one argument stands in a line or in what it needs."""
         formulas = [f.expression for part in (*self.named_before(line), line) for f in part.formulas]
         return any(count_calls(e, arc) for e in formulas for arc in ("acos", "asin", "atan"))
 
     def is_angle(self, line: Line) -> bool:
-        """Whether a line is right up to full turns.
-
-        Args:
-            line: The line, one with a target.
-        """
+        """Whether a line is right up to full turns."""
         assert line.target is not None
         vector = self.joints.combination(line.target)
         revolute = [joint.is_revolute for joint in self.robot.joints]
@@ -376,11 +270,7 @@ class PrintedInverse:
 
     @cached_property
     def determined(self) -> tuple[str, ...]:
-        """The joint variables that the lines give.
-
-        Raises:
-            CheckError: Lines that need each other.
-        """
+        """The joint variables that the lines give."""
         known, left = self._order(self.free)
         if left:
             whole = listed(dict.fromkeys(line.quantity for line in left))
@@ -406,28 +296,14 @@ def _digits(e: Expression) -> Iterator[int]:
 
 
 def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -> bool:
-    """Whether two values are the same, angles up to full turns.
-
-    Args:
-        value: What is printed.
-        wanted: What is right.
-        is_angle: Whether they are angles.
-        close: Difference below which they are the same.
-    """
+    """Whether two values are the same, angles up to full turns."""
     if is_angle:
         return abs(math.remainder(value - wanted, math.tau)) < close
     return abs(value - wanted) < close * (1 + abs(wanted))
 
 
 def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
-    """An expression with calls of one function in the place of those of another.
-
-    Args:
-        e: The expression.
-        old: The function.
-        new: What is called instead.
-        swapped: Whether its two arguments change their order.
-    """
+    """An expression with calls of one function in the place of those of another."""
     whole = rebuilt(e, lambda part: with_calls(part, old, new, swapped))
     if isinstance(whole, Call) and whole.function == old:
         return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
@@ -435,11 +311,6 @@ def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
 
 
 def count_calls(e: Expression, function: str) -> int:
-    """How often a function is called.
-
-    Args:
-        e: An expression.
-        function: The name of the function.
-    """
+    """How often a function is called."""
     own = isinstance(e, Call) and e.function == function
     return own + sum(count_calls(part, function) for part in children(e))

@@ -27,32 +27,20 @@ _SIGN_NAME = re.compile(r"(?:sgn|sign|eps|epsilon|varepsilon|sigma)[0-9]*")
 
 @dataclass(frozen=True)
 class Part:
-    """One of the alternatives that a side of an equation is.
+    """One of the alternatives that a side of an equation is."""
 
-    Attributes:
-        text: As it is printed.
-        location: Where it stands.
-        read: Reads it with some names and what they stand for.
-    """
-
-    text: str
-    location: Location
-    read: Callable[[Mapping[str, Expression]], Expression]
+    text: str  # as it is printed
+    location: Location  # where it stands
+    read: Callable[[Mapping[str, Expression]], Expression]  # reads it with some names and what they stand for
 
 
 @dataclass(frozen=True)
 class Side:
-    """One side of an equation.
+    """One side of an equation."""
 
-    Attributes:
-        parts: Its alternatives, mostly one.
-        word: The name that it is, on one line; empty of a formula.
-        primed: Whether that name has a prime.
-    """
-
-    parts: tuple[Part, ...]
-    word: str = ""
-    primed: bool = False
+    parts: tuple[Part, ...]  # its alternatives, mostly one
+    word: str = ""  # the name that it is, on one line; empty of a formula
+    primed: bool = False  # whether that name has a prime
 
 
 @dataclass(frozen=True)
@@ -70,31 +58,18 @@ class _Read:
 
 @dataclass
 class Vocabulary:
-    """The names of one printed solution.
+    """The names of one printed solution."""
 
-    Attributes:
-        robot: Whose solution it is.
-        pose: The names of the pose.
-        meanings: What names stand for that the robot itself does not have.
-        sums: Names of sums of joint variables.
-        new: Names that the solution gives itself.
-    """
-
-    robot: Robot
-    pose: PoseNames
+    robot: Robot  # whose solution it is
+    pose: PoseNames  # the names of the pose
+    # What names stand for that the robot itself does not have.
     meanings: dict[str, Expression] = field(default_factory=dict)
-    sums: dict[str, Expression] = field(default_factory=dict)
-    new: set[str] = field(default_factory=set)
+    sums: dict[str, Expression] = field(default_factory=dict)  # names of sums of joint variables
+    new: set[str] = field(default_factory=set)  # names that the solution gives itself
 
     @classmethod
     def of(cls, robot: Robot, words: Sequence[str], defined: Sequence[str]) -> Vocabulary:
-        """The names among the words of a text.
-
-        Args:
-            robot: Whose solution it is.
-            words: Everything that may be a name.
-            defined: Names that stand alone on a side of an equation.
-        """
+        """The names among the words of a text."""
         own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
         found = cls(robot, PoseNames.of(robot, words))
         for word in dict.fromkeys(words):
@@ -138,36 +113,22 @@ class Vocabulary:
         return ""
 
     def is_forward(self, word: str, e: Expression) -> bool:
-        """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone.
-
-        Args:
-            word: The name on its left side.
-            e: Its right side.
-        """
+        """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone."""
         is_plain = self.pose.entries.keys().isdisjoint(names(e)) and self.new.isdisjoint(names(e))
         return word in self.pose.entries and is_plain and self.has_joints(e)
 
     def has_joints(self, e: Expression) -> bool:
-        """Whether joint variables occur in an expression.
-
-        Args:
-            e: The expression.
-        """
+        """Whether joint variables occur in an expression."""
         variables = {joint.variable for joint in self.robot.joints}
         return any(name in variables or name in self.sums for name in names(e))
 
 
 @dataclass(frozen=True)
 class Refused:
-    """An equation that is not understood.
+    """An equation that is not understood."""
 
-    Attributes:
-        location: Where it stands.
-        reason: Why not.
-    """
-
-    location: Location
-    reason: str
+    location: Location  # where it stands
+    reason: str  # why not
 
 
 def assembled(
@@ -176,16 +137,7 @@ def assembled(
     """The lines of a printed solution.
 
     Args:
-        robot: Whose solution it is.
-        equations: Its equations, side by side.
-        words: Everything in them that may be a name.
         refused: Where equations go that are not understood; None to refuse the whole.
-
-    Returns:
-        The solution, and its names.
-
-    Raises:
-        CheckError: A side that cannot be read, or nothing about a joint.
     """
     defined = [side.word for sides in equations for side in sides if side.word]
     vocabulary = Vocabulary.of(robot, words, defined)

@@ -33,34 +33,20 @@ from derive.robot.expression import (
 )
 from derive.robot.expression import names as names_in
 
-MAX_TRIED = 6_000
-"""Changes that are tried for one line."""
-
-MAX_PAIRS = 6_000
-"""Pairs of changes of one kind that are tried."""
-
-LONGEST_SUM = 8
-"""Terms of a sum of which neighbouring ones are squared."""
-
-MISSING = Name(f"{SIGN}new")
-"""A plus-minus that is put in."""
+MAX_TRIED = 6_000  # changes that are tried for one line
+MAX_PAIRS = 6_000  # pairs of changes of one kind that are tried
+LONGEST_SUM = 8  # terms of a sum of which neighbouring ones are squared
+MISSING = Name(f"{SIGN}new")  # a plus-minus that is put in
 
 
 @dataclass(frozen=True)
 class InverseRepair:
-    """What makes a line right.
+    """What makes a line right."""
 
-    Attributes:
-        line: The line that is changed: the one that is wrong, or a quantity that it needs.
-        formula: Which of its formulas.
-        edits: The changes.
-        solution: The solution with them made.
-    """
-
-    line: Line
-    formula: Formula
-    edits: tuple[Edit, ...]
-    solution: PrintedInverse
+    line: Line  # the line that is changed: the one that is wrong, or a quantity that it needs
+    formula: Formula  # which of its formulas
+    edits: tuple[Edit, ...]  # the changes
+    solution: PrintedInverse  # the solution with them made
 
     @property
     def expression(self) -> Expression:
@@ -69,14 +55,7 @@ class InverseRepair:
 
 
 class Repairer:
-    """The search for what repairs some lines.
-
-    Args:
-        printed: The solution.
-        lines: Lines that should become right together.
-        places: Configurations, first of all one at which they are not.
-        known: Names that may stand in a formula.
-    """
+    """The search for what repairs some lines."""
 
     def __init__(
         self, printed: PrintedInverse, lines: Sequence[Line], places: Sequence[Place], known: Sequence[str]
@@ -97,12 +76,7 @@ class Repairer:
         )
 
     def first(self, kinds: Sequence[SlipKind], sites: Sequence[tuple[Line, Formula]]) -> InverseRepair | None:
-        """The first change, of the first kind that has one; then two changes of one kind.
-
-        Args:
-            kinds: In the order in which they are tried.
-            sites: The formulas that may be changed.
-        """
+        """The first change, of the first kind that has one; then two changes of one kind."""
         for kind in kinds:
             for line, formula in sites:
                 found = [(edit,) for edit in self._edits(formula.expression, kind)]
@@ -150,13 +124,7 @@ class Repairer:
 
 
 def places_in(e: Expression, above: Spot | None = None, index: int = 0) -> Iterator[Spot]:
-    """Every place of a formula, from one down, without values.
-
-    Args:
-        e: The formula, or a part of it.
-        above: The place above.
-        index: Which child of the node above it is.
-    """
+    """Every place of a formula, from one down, without values."""
     spot = Spot(e, above, index, depth=above.depth + 1 if above else 0)
     yield spot
     if not is_token(e):

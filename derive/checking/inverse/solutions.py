@@ -19,24 +19,11 @@ from derive.model.quantity_names import parse
 from derive.robot.options.inverse import Task, chosen_task
 from derive.robot.reading.document import Node, YamlMapping, YamlSequence
 
-ORDERS = ("yx", "xy")
-"""Orders of the arguments of atan2: the sine first, or the cosine."""
+ORDERS = ("yx", "xy")  # orders of the arguments of atan2: the sine first, or the cosine
 
 
 def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Refused, ...]]:
-    r"""Compare a printed solution with the arm.
-
-    Args:
-        model: The robot's model.
-        solution: Lines such as ``theta2 = atan2(+-sqrt(1 - D**2), D)``.
-
-    Returns:
-        The verdict on each line that gives a joint or something of it, and on the branches; and the equations of a
-        document that are not understood.
-
-    Raises:
-        CheckError: It cannot be read, or gives no joint.
-    """
+    r"""Compare a printed solution with the arm."""
     robot, signs = model.robot, PlusMinus()
     equations: list[list[Side]] = []
     words: list[str] = []
@@ -74,18 +61,7 @@ def _placed(error: CheckError, part: PrintedText) -> CheckError:
 
 
 def read_inverse(node: Node | None, lines: Sequence[str]) -> Iterator[InverseText]:
-    """The printed solutions of a block ``inverse_kinematics:``, which may be a list of several.
-
-    Args:
-        node: The block, if there is one.
-        lines: The lines of the file.
-
-    Yields:
-        Those that are given by lines or in LaTeX; formulas one by one are none.
-
-    Raises:
-        CheckError: The structure around them cannot be read.
-    """
+    """The printed solutions of a block ``inverse_kinematics:``, which may be a list of several."""
     blocks = node.items if isinstance(node, YamlSequence) else [node] if node is not None else []
     for block in blocks:
         if isinstance(block, YamlMapping) and "formulas" in block.entries:
@@ -126,24 +102,12 @@ def _task(item: YamlMapping) -> Task | None:
 
 
 def inverse_text(text: str, asked: Asked, *, latex: bool = False, document: bool = False) -> InverseText:
-    """A printed solution that stands in no file of its own kind.
-
-    Args:
-        text: Its text.
-        asked: What is said beside it, and where its first character stands.
-        latex: Whether it is LaTeX.
-        document: Whether it is a LaTeX document.
-    """
+    """A printed solution that stands in no file of its own kind."""
     return InverseText((PrintedText(text, asked.location),), asked, latex, document)
 
 
 def names_inverse(model: Model, quantity: str) -> bool:
-    """Whether a quantity that is asked about is the inverse kinematics.
-
-    Args:
-        model: The robot's model.
-        quantity: Its name, in the words of books too.
-    """
+    """Whether a quantity that is asked about is the inverse kinematics."""
     if not quantity:
         return False
     try:

@@ -18,15 +18,11 @@ from derive.robot.expression import Expression
 from derive.robot.parser import FORMULA_FUNCTIONS, place
 from derive.robot.robot import Robot
 
+# Inverse functions of one argument by the names that they have.
 INVERSE = {"acos": "acos", "arccos": "acos", "asin": "asin", "arcsin": "asin", "atan": "atan", "arctan": "atan"}
-"""Inverse functions of one argument by the names that they have."""
-
+# How a two-argument arctangent is called whose order depends on the book: Atan2, A tan, ArcTan.
 COSINE_MAY_BE_FIRST = "Atan2"
-"""How a two-argument arctangent is called whose order depends on the book: Atan2, A tan, ArcTan."""
-
-MAX_LINES = 200
-"""Lines of one solution."""
-
+MAX_LINES = 200  # lines of one solution
 WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TOKEN = re.compile(
     r"(?P<plus>\+/-|\+-|±)|(?P<minus>-/\+|-\+|∓)|(?P<degrees>°)"
@@ -42,20 +38,7 @@ _NEXT = re.compile(
 
 
 def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -> tuple[list[list[Side]], list[str]]:
-    """The equations of a text, one on a line or between semicolons.
-
-    Args:
-        text: The text.
-        robot: Whose solution it is.
-        start: Where its first character stands.
-        signs: Gives plus-minus signs their names.
-
-    Returns:
-        Equations with their sides, and every word.
-
-    Raises:
-        CheckError: A line without an equals sign, or more lines than are read.
-    """
+    """The equations of a text, one on a line or between semicolons."""
     found: list[list[Side]] = []
     text = _COMMENT.sub(lambda match: " " * len(match[0]), text)
     for begin, end in _spans(text):

@@ -28,95 +28,52 @@ from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, is_constant
 from derive.robot.names import robot_symbols
 
-MAX_EQUATIONS = 1_500
-"""Equations of one text; a whole handout of a 6R arm has some 600."""
-
-MAX_SIDES = 20
-"""Sides of one equation."""
-
-MAX_PASSES = 12
-"""How often definitions are gone through that need one that stands behind them."""
-
+MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
+MAX_SIDES = 20  # sides of one equation
+MAX_PASSES = 12  # how often definitions are gone through that need one that stands behind them
+# Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
 _LENT = frozenset("uvwhkexyzfFQ")
-"""Letters that are a quantity's with an index, and just as often a short name for a part of a formula."""
-
-_ANY = frozenset("fFhkKuvwQeVLWS")
-"""Letters for anything: they contradict no quantity that is asked about."""
-
+_ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
 _ROWS = re.compile(r"\\\\|&")
 
+# Transforms side by side.
 _PRODUCT = re.compile(
     r"(?:(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\\(?:mathbf|boldsymbol|bm|mathrm)\s*\{\s*[TAHRJ]\s*\}|\{\s*[TAHRJ]\s*\}|[TAHRJ])"
     r"\s*(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\([^()]*\))?\s*(?:\\cdot|\*)?\s*){2,}"
 )
-"""Transforms side by side."""
-
-
+# A Christoffel symbol with letters for its indices.
 _SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
-"""A Christoffel symbol with letters for its indices."""
-
+# A partial derivative that is subtracted, and the index of its variable.
 _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
-"""A partial derivative that is subtracted, and the index of its variable."""
 
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
-    """An equation that was not compared.
+    """An equation that was not compared."""
 
-    Attributes:
-        location: Where it stands.
-        text: Its beginning.
-        reason: Why not.
-    """
-
-    location: Location
-    text: str
-    reason: str
+    location: Location  # where it stands
+    text: str  # its beginning
+    reason: str  # why not
 
 
 @dataclass(frozen=True, slots=True)
 class LatexReport:
-    """What was compared in a text and what was not.
+    """What was compared in a text and what was not."""
 
-    Attributes:
-        findings: One for each formula and each entry of a matrix, in the order of the text.
-        skipped: Equations about which nothing is said.
-    """
-
-    findings: tuple[Finding, ...]
-    skipped: tuple[Skipped, ...] = ()
+    findings: tuple[Finding, ...]  # one for each formula and each entry of a matrix, in the order of the text
+    skipped: tuple[Skipped, ...] = ()  # equations about which nothing is said
 
     def file_report(self, source: str, robot: str) -> FileReport:
-        """The comparisons as those of a file.
-
-        Args:
-            source: The name of the text.
-            robot: The name of the robot.
-        """
+        """The comparisons as those of a file."""
         return FileReport(source, robot, self.findings, tuple(f"{s.location}: {s.reason}" for s in self.skipped))
 
 
 def check_latex(
     model: Model, text: str, quantity: str = "", start: Location | None = None, *, document: bool = False
 ) -> LatexReport:
-    """Compare the equations of a LaTeX text with what follows from the robot's table.
-
-    Args:
-        model: The robot's model.
-        text: A formula, an equation, a display, or a document.
-        quantity: What it is printed for; may be left out where the left sides say it.
-        start: Where its first character stands.
-        document: Whether prose may stand around the displays, and equations that are not understood are passed over.
-
-    Returns:
-        The comparisons.
-
-    Raises:
-        QuantityError: No such quantity.
-        CheckError: The text cannot be read, names another quantity, or says nothing that can be compared.
-    """
+    """Compare the equations of a LaTeX text with what follows from the robot's table."""
     where = start or Location("<latex>")
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:

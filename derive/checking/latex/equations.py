@@ -26,9 +26,8 @@ _SEPARATOR = re.compile(
     rf"\{{(?:\s*[,;.]?\s*(?:{_WORDS})\s*[:,]?\s*|[^{{}}A-Za-z]*|\s[^{{}}]*|[^{{}}]*\s|[^{{}}]+\s[^{{}}]+)\}}"
     r"|(?P<mark>[,;])"
 )
+# The number of an equation that is typed behind it.
 _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*\)[\s\v.,;]*$")
-"""The number of an equation that is typed behind it."""
-
 _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
 _ENDS_OPEN = re.compile(r"(?:[-+*/=]|\\(?:cdot|times|ast))\s*$")
@@ -43,30 +42,13 @@ _FENCE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """What stands between equals signs; a lone formula has one side.
+    """What stands between equals signs; a lone formula has one side."""
 
-    Attributes:
-        sides: From left to right.
-    """
-
-    sides: tuple[Piece, ...]
+    sides: tuple[Piece, ...]  # from left to right
 
 
 def equations(text: str, start: Location, *, document: bool = False, time: bool = True) -> Iterator[Equation]:
-    """The equations of a text.
-
-    Args:
-        text: LaTeX: a formula, an equation, a display, or a document.
-        start: Where its first character stands, for errors.
-        document: Whether prose and environments of other kinds may stand around the displays.
-        time: Whether t is time, so that q(t) is q.
-
-    Yields:
-        The equations, in their order.
-
-    Raises:
-        CheckError: An environment that is no display and no matrix, or one that does not end.
-    """
+    """The equations of a text."""
     plain = cleaned(text, time)
     for begin, end in _displays(plain, start, document):
         try:

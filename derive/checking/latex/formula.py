@@ -64,36 +64,14 @@ def read_latex(
     location: Location | None = None,
     abbreviations: Mapping[str, Expression] | None = None,
 ) -> Expression:
-    r"""A LaTeX formula as an expression in the robot's own names.
-
-    Args:
-        text: The formula, a right-hand side; dollar signs around it are allowed.
-        robot: Whose formula it is.
-        location: Where its first character stands.
-        abbreviations: Further names and what they stand for, such as h.
-
-    Returns:
-        The tree, in the order in which the formula is printed.
-
-    Raises:
-        CheckError: An unknown macro, an unknown name, or text outside the grammar; placed at it.
-    """
+    r"""A LaTeX formula as an expression in the robot's own names."""
     start = location or Location("<latex>")
     piece = Piece(_without_dollars(cleaned(text)), 0)
     return LatexReader(robot, text, start, abbreviations).formula(piece)
 
 
 class LatexReader:
-    """Reads the pieces of one text.
-
-    Args:
-        robot: Whose formulas they are.
-        text: The text as it was typed.
-        start: Where its first character stands.
-        abbreviations: Further names and what they stand for.
-        entries: Names of entries of quantities such as b12 and what they stand for, looked up last.
-        signs: Gives plus-minus signs their names, where they and inverse functions are allowed.
-    """
+    """Reads the pieces of one text."""
 
     def __init__(
         self,
@@ -109,36 +87,18 @@ class LatexReader:
         self._start = start
 
     def location(self, offset: int) -> Location:
-        """The place of a character.
-
-        Args:
-            offset: Its position in the text, from 0.
-        """
+        """The place of a character."""
         return place(self._text, offset, self._start)
 
     def formula(self, piece: Piece) -> Expression:
-        """What a piece says that is no matrix.
-
-        Args:
-            piece: The piece.
-
-        Raises:
-            CheckError: It cannot be read, or is a matrix; placed at what is not understood.
-        """
+        """What a piece says that is no matrix."""
         found = self.value(piece)
         if isinstance(found, Table):
             raise CheckError("matrix where a formula is expected", location=self.location(piece.start))
         return found
 
     def value(self, piece: Piece) -> Expression | Table:
-        """What a piece says.
-
-        Args:
-            piece: The piece.
-
-        Raises:
-            CheckError: It cannot be read; placed at what is not understood.
-        """
+        """What a piece says."""
         self._check_size(piece)
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
         tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
@@ -237,12 +197,11 @@ class LatexReader:
         return CheckError(f"unexpected {quoted(sign)}", remedy=_REMEDIES.get(sign, "check it"), location=where)
 
 
+# A run of letters that is no macro, no script and no word in roman letters, with its subscript.
 _RUN = re.compile(
     r"\\(?:math[a-z]+|text[a-z]*|operatorname\*?|boldsymbol|bm|pmb|vec|mbox)\s*\{[^{}]*\}|\\[A-Za-z]+|_\s*\{[^{}]*\}"
     r"|(?P<run>[A-Za-z]{2,})(?P<sub>[0-9]*\s*(?:_\s*(?:\{[^{}]*\}|[A-Za-z0-9]))?)"
 )
-"""A run of letters that is no macro, no script and no word in roman letters, with its subscript."""
-
 _BRACKET = re.compile(r"[][(){}]")
 
 

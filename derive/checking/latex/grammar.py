@@ -70,22 +70,7 @@ class MisplacedError(Exception):
 
 
 def parsed(text: str, names: LatexNames, tables: Mapping[int, Expression | Table]) -> Expression | Table:
-    """What a formula says.
-
-    Args:
-        text: The formula, cleaned, each matrix as one character.
-        names: What its names stand for.
-        tables: Its matrices by their offsets in the text.
-
-    Returns:
-        An expression in the order in which it is printed, or a matrix.
-
-    Raises:
-        UnexpectedInput: Lark's error for what the grammar does not know.
-        MisplacedError: What has no meaning where it stands.
-        CheckError: What has none at all.
-        ZeroDivisionError: A division by zero.
-    """
+    """What a formula says."""
     found: Expression | Table = _Builder(names, tables).transform(_parser().parse(text))
     return found
 

@@ -41,58 +41,36 @@ class Turned(StrEnum):
     BOTH = "^-T"
 
 
+# The superscript of a transpose or an inverse, another one before it: that of R^{0T} or of (R^0)^T.
 _TURNED = re.compile(r"(?P<script>.*?)(?:(?P<inverse>-1)|(?P<both>-T|-top|-intercal)|T|top|intercal)")
-"""The superscript of a transpose or an inverse, another one before it: that of R^{0T} or of (R^0)^T."""
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A quantity, or some rows and columns of it.
+    """A quantity, or some rows and columns of it."""
 
-    Attributes:
-        quantity: Its name in the registry.
-        rows: The rows that are meant; none for all.
-        columns: The columns that are meant; none for all.
-        is_determinant: Whether its determinant is meant.
-        turned: Whether the transpose of these rows and columns is meant, their inverse, or both.
-    """
-
-    quantity: str
-    rows: Indices = ()
-    columns: Indices = ()
-    is_determinant: bool = False
-    turned: Turned = Turned.NOT
+    quantity: str  # its name in the registry
+    rows: Indices = ()  # the rows that are meant; none for all
+    columns: Indices = ()  # the columns that are meant; none for all
+    is_determinant: bool = False  # whether its determinant is meant
+    turned: Turned = Turned.NOT  # whether the transpose of these rows and columns is meant, their inverse, or both
 
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """A left side taken apart.
+    """A left side taken apart."""
 
-    Attributes:
-        head: Its letter or word.
-        sub: Its subscript on the line, letters, digits and commas.
-        sup: Its superscript.
-        before: What stands raised before it, as 0 in ``{}^0T_6``.
-        before_sub: What stands lowered before it.
-        dots: Derivatives with respect to time.
-        primes: Primes.
-        arguments: What follows in brackets, such as q.
-        is_determinant: Whether a determinant is meant.
-        factor: A vector that it is multiplied with, as in C(q, qd) qd.
-        turned: Whether its transpose or its inverse is meant.
-    """
-
-    head: str
-    sub: str = ""
-    sup: str = ""
-    before: str = ""
-    before_sub: str = ""
-    dots: int = 0
-    primes: int = 0
-    arguments: str = ""
-    is_determinant: bool = False
-    factor: str = ""
-    turned: Turned = Turned.NOT
+    head: str  # its letter or word
+    sub: str = ""  # its subscript on the line, letters, digits and commas
+    sup: str = ""  # its superscript
+    before: str = ""  # what stands raised before it, as 0 in ``{}^0T_6``
+    before_sub: str = ""  # what stands lowered before it
+    dots: int = 0  # derivatives with respect to time
+    primes: int = 0  # primes
+    arguments: str = ""  # what follows in brackets, such as q
+    is_determinant: bool = False  # whether a determinant is meant
+    factor: str = ""  # a vector that it is multiplied with, as in C(q, qd) qd
+    turned: Turned = Turned.NOT  # whether its transpose or its inverse is meant
 
     @property
     def is_plain(self) -> bool:
@@ -108,9 +86,6 @@ class Left:
 
 def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots.
-
-    Args:
-        text: The side, with blanks for what only moves ink.
 
     Returns:
         Its parts; None where it is no single symbol.
@@ -194,13 +169,7 @@ def _scripts(text: str) -> tuple[dict[str, str], str]:
 
 
 def candidates(left: Left, n: int, first: int = 1) -> tuple[Target, ...]:
-    """What a left side may mean, the likeliest first.
-
-    Args:
-        left: The left side.
-        n: Joints of the robot.
-        first: Label of the first joint; frames of a wrist with q4, q5, q6 are 3 to 6.
-    """
+    """What a left side may mean, the likeliest first."""
     others = _kinematics(left, n, first) if first != 1 else ()
     found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
     if left.is_determinant:
@@ -214,11 +183,7 @@ _SCALARS = ("christoffel", "kinetic", "potential", "detJ", "singularities")
 
 
 def is_scalar(target: Target) -> bool:
-    """Whether a target is one formula.
-
-    Args:
-        target: A quantity, or rows and columns of it.
-    """
+    """Whether a target is one formula."""
     entry = len(target.rows) == 1 and (len(target.columns) == 1 or target.quantity in _VECTORS)
     return entry or target.is_determinant or target.quantity.startswith(_SCALARS)
 
@@ -240,6 +205,7 @@ def _named(left: Left) -> Iterator[Target]:
         yield Target("euler_zyz")
 
 
+# Letters that books use for dynamics.
 _DYNAMIC = {
     "B": ("B",), "M": ("B",), "D": ("B",), "H": ("B",), "I": ("B",), "C": ("C",), "N": ("N",), "S": ("C",),
     "g": ("g",), "G": ("g",), "tau": ("tau",), "Q": ("tau",), "u": ("tau",), "Gamma": ("tau",),
@@ -247,8 +213,6 @@ _DYNAMIC = {
     "n": ("N",), "b": ("B",), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("Cqd",),
     "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
-"""Letters that books use for dynamics."""
-
 _ENERGIES = {
     **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin", "L"), "kinetic"),
     **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),

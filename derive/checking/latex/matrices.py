@@ -13,36 +13,24 @@ from itertools import chain
 from derive.errors import CheckError, UnknownNameError
 from derive.robot.expression import Expression, add, multiply, negate
 
-LARGEST_DETERMINANT = 4
-"""Rows of a determinant that is expanded; larger ones nobody prints."""
+LARGEST_DETERMINANT = 4  # rows of a determinant that is expanded; larger ones nobody prints
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One entry.
+    """One entry."""
 
-    Attributes:
-        formula: What it says; zero where a name is unknown.
-        text: As it is printed; empty where it is computed from what is printed.
-        offset: Where it stands in the whole text.
-        unknown: The name that the robot does not know, if there is one.
-    """
-
-    formula: Expression
-    text: str = ""
-    offset: int = 0
-    unknown: UnknownNameError | None = None
+    formula: Expression  # what it says; zero where a name is unknown
+    text: str = ""  # as it is printed; empty where it is computed from what is printed
+    offset: int = 0  # where it stands in the whole text
+    unknown: UnknownNameError | None = None  # the name that the robot does not know, if there is one
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A matrix.
+    """A matrix."""
 
-    Attributes:
-        rows: Its entries, in rows of equal length.
-    """
-
-    rows: tuple[tuple[Entry, ...], ...]
+    rows: tuple[tuple[Entry, ...], ...]  # its entries, in rows of equal length
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -55,36 +43,18 @@ class Table:
         return Table(tuple(zip(*self.rows, strict=True)))
 
     def changed(self, change: Callable[[Expression], Expression]) -> Table:
-        """The same function of every entry.
-
-        Args:
-            change: The function.
-        """
+        """The same function of every entry."""
         return Table(tuple(tuple(_computed(change(e.formula), e) for e in row) for row in self.rows))
 
     def plus(self, other: Table) -> Table:
-        """The sum.
-
-        Args:
-            other: A matrix of the same shape.
-
-        Raises:
-            CheckError: Another shape.
-        """
+        """The sum."""
         if self.shape != other.shape:
             raise CheckError(f"sum of matrices {_size(self)} and {_size(other)}", allowed="matrices of one shape")
         pairs = (zip(a, b, strict=True) for a, b in zip(self.rows, other.rows, strict=True))
         return Table(tuple(tuple(_computed(add(a.formula, b.formula), a, b) for a, b in row) for row in pairs))
 
     def times(self, other: Table) -> Table:
-        """The product.
-
-        Args:
-            other: A matrix with as many rows as this one has columns.
-
-        Raises:
-            CheckError: Shapes that do not fit.
-        """
+        """The product."""
         if self.shape[1] != other.shape[0]:
             raise CheckError(f"product of matrices {_size(self)} and {_size(other)}", allowed="shapes that fit")
         columns = tuple(zip(*other.rows, strict=True))
@@ -92,11 +62,7 @@ class Table:
 
     @property
     def determinant(self) -> Entry:
-        """Its determinant, expanded along the first row.
-
-        Raises:
-            CheckError: No square matrix, or a large one.
-        """
+        """Its determinant, expanded along the first row."""
         size = self.shape[0]
         if size != self.shape[1] or size > LARGEST_DETERMINANT:
             allowed = f"square matrices of up to {LARGEST_DETERMINANT} rows"

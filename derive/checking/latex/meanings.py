@@ -20,45 +20,27 @@ from derive.model.quantity_names import parse
 from derive.robot.expression import Expression
 from derive.robot.names import joint_label
 
+# Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
-"""Entries that may stand in formulas."""
-
-
-LARGEST_INVERSE = 3
-"""Rows of a matrix that is inverted; transforms are inverted whatever their size."""
+LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
 
 @dataclass(frozen=True, slots=True)
 class Right:
-    """A derived quantity, or the part of it that is meant.
+    """A derived quantity, or the part of it that is meant."""
 
-    Attributes:
-        quantity: Its name.
-        value: The part.
-        rows: Its rows counted in the whole, 0 where that has none.
-        columns: Its columns likewise.
-    """
-
-    quantity: str
-    value: Matrix
-    rows: tuple[int, ...]
-    columns: tuple[int, ...]
+    quantity: str  # its name
+    value: Matrix  # the part
+    rows: tuple[int, ...]  # its rows counted in the whole, 0 where that has none
+    columns: tuple[int, ...]  # its columns likewise
 
     def fitting(self, table: Table) -> Table | None:
-        """The printed table in this shape, a vector as it stands or turned; None where it does not fit.
-
-        Args:
-            table: What is printed.
-        """
+        """The printed table in this shape, a vector as it stands or turned; None where it does not fit."""
         turned = table.transposed if 1 in table.shape else table
         return next((t for t in (table, turned) if t.shape == self.value.shape), None)
 
     def agrees(self, asked: Right) -> bool:
-        """Whether it is what is asked about, or that is an entry or a part of it.
-
-        Args:
-            asked: What is asked about.
-        """
+        """Whether it is what is asked about, or that is an entry or a part of it."""
         if self.value.shape == asked.value.shape:
             return bool(self.value == asked.value)
         return self.quantity == asked.quantity and asked.rows != (0,)
@@ -71,12 +53,7 @@ class Right:
 
 
 class Meanings:
-    """The quantities of one robot, as left sides name them.
-
-    Args:
-        model: The robot's model.
-        torque: Which of the three indices of a Christoffel symbol is that of the torque, from 0; Spong's is the last.
-    """
+    """The quantities of one robot, as left sides name them."""
 
     def __init__(self, model: Model, torque: int = 0) -> None:
         self._model, self._robot, self._torque = model, model.robot, torque
@@ -85,11 +62,7 @@ class Meanings:
         self._rights: dict[Target, Right | None] = {}
 
     def targets(self, left: Left) -> tuple[Target, ...]:
-        """The quantities that a left side may mean; without links there is no dynamics.
-
-        Args:
-            left: The left side.
-        """
+        """The quantities that a left side may mean; without links there is no dynamics."""
         found = [self._in_our_order(target) for target in candidates(left, self._robot.n, self._first)]
         return tuple(target for target in found if REGISTRY[target.quantity.partition("[")[0]].is_of(self._robot))
 
@@ -101,11 +74,7 @@ class Meanings:
         return replace(target, quantity=f"christoffel[{','.join([indices.pop(self._torque), *indices])}]")
 
     def right(self, target: Target) -> Right | None:
-        """What a target stands for, derived once; None where the robot has no such quantity or entry.
-
-        Args:
-            target: A quantity, or the part of one.
-        """
+        """What a target stands for, derived once; None where the robot has no such quantity or entry."""
         if target not in self._rights:
             self._rights[target] = None
             with suppress(QuantityError, IndexError):
@@ -133,11 +102,7 @@ class Meanings:
         return Right(target.quantity + target.turned, self._turned(target, part), rows, columns)
 
     def _turned(self, target: Target, part: Matrix) -> Matrix:
-        """The transpose or inverse of a matrix.
-
-        Raises:
-            QuantityError: It has no inverse, or a long one.
-        """
+        """The transpose or inverse of a matrix."""
         if target.turned in (Turned.TRANSPOSED, Turned.BOTH):
             part = part.T
         if target.turned not in (Turned.INVERTED, Turned.BOTH):
@@ -160,14 +125,7 @@ class Meanings:
         return self._model.form.determinant(domain.constant(expression_from_sympy(expression)))
 
     def asked(self, quantity: str) -> Iterator[Right]:
-        """What is asked about: an entry, or a quantity as a whole, or parts of it.
-
-        Args:
-            quantity: Its name.
-
-        Yields:
-            Its meanings, the likeliest first.
-        """
+        """What is asked about: an entry, or a quantity as a whole, or parts of it."""
         with suppress(QuantityError):
             yield Right(quantity, sympy.ImmutableMatrix([[scalar_quantity(self._model, quantity)]]), (0,), (0,))
         value = self._model.quantity(quantity)
@@ -179,11 +137,7 @@ class Meanings:
 
 
 class EntryNames(Mapping[str, Expression]):
-    """Entries of quantities by the names that they have in print, such as b12 and c1,22.
-
-    Args:
-        meanings: What they stand for.
-    """
+    """Entries of quantities by the names that they have in print, such as b12 and c1,22."""
 
     def __init__(self, meanings: Meanings) -> None:
         self._meanings = meanings

@@ -31,15 +31,12 @@ _GREEK = (
     ),
     *("omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega"),
 )
+# Macros and signs that are another way to draw a letter.
 FLAT = {
     **{chr(ord("\u03b1") + i): name for i, name in enumerate(_GREEK)},
     **{"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"},
 }
-"""Macros and signs that are another way to draw a letter."""
-
-SIGN = "±"
-"""First letter of the name of a plus-minus."""
-
+SIGN = "±"  # first letter of the name of a plus-minus
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
 _CIRCULAR = re.compile(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)")
@@ -63,17 +60,11 @@ class PlusMinus:
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A printed name.
+    """A printed name."""
 
-    Attributes:
-        text: Its letters, digits and commas, scripts set on the line.
-        offset: Where it begins.
-        dots: Derivatives with respect to time.
-    """
-
-    text: str
-    offset: int
-    dots: int = 0
+    text: str  # its letters, digits and commas, scripts set on the line
+    offset: int  # where it begins
+    dots: int = 0  # derivatives with respect to time
 
 
 class LatexNames:
@@ -81,12 +72,6 @@ class LatexNames:
 
     An exact name of the robot comes first, then joint variables and tokens such as c_{12}; then names that differ only
     in underscores, in the place of the digits, or in case, if there is exactly one.
-
-    Args:
-        robot: Its symbols and joints.
-        abbreviations: Further names and what they stand for.
-        entries: Names of entries of quantities such as b12, looked up last.
-        signs: Gives plus-minus signs their names; they and inverse functions are refused without it.
     """
 
     def __init__(
@@ -105,36 +90,21 @@ class LatexNames:
         self._known: dict[tuple[str, int], Expression] = {}
 
     def sign(self, word: str) -> str:
-        """One character that stands for a word in a text; the same for the same word.
-
-        Args:
-            word: Letters that are one name.
-        """
+        """One character that stands for a word in a text; the same for the same word."""
         known = {meaning: sign for sign, meaning in self.words.items()}
         sign = known.get(word, chr(0xE100 + len(self.words)))
         self.words[sign] = word
         return sign
 
     def meaning(self, symbol: Symbol) -> Expression:
-        """The expression that a printed name stands for.
-
-        Args:
-            symbol: The name.
-
-        Raises:
-            CheckError: An unknown name, or one that can be read in two ways.
-        """
+        """The expression that a printed name stands for."""
         key = symbol.text, symbol.dots
         if key not in self._known:
             self._known[key] = self._meaning(symbol)
         return self._known[key]
 
     def knows(self, text: str) -> bool:
-        """Whether a printed name without dots stands for something, and for one thing only.
-
-        Args:
-            text: The name, scripts set on the line.
-        """
+        """Whether a printed name without dots stands for something, and for one thing only."""
         try:
             self.meaning(Symbol(text, 0))
         except CheckError:
@@ -184,11 +154,7 @@ class LatexNames:
         return angle.terms if isinstance(angle, Sum) else ()
 
     def circular(self, symbol: Symbol) -> str:
-        r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty.
-
-        Args:
-            symbol: The name.
-        """
+        r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty."""
         plain = symbol.text.lower() in _ANGLE and not symbol.dots and symbol.text not in self.own
         return _ANGLE[symbol.text.lower()] if plain else ""
 

@@ -9,23 +9,16 @@ from dataclasses import dataclass, field
 from derive.errors import CheckError, Location, listed, quoted
 from derive.robot.parser import place
 
-MATRIX_MARK = "\ue000"
-"""Stands for a matrix in the text of a side."""
-
+MATRIX_MARK = "\ue000"  # stands for a matrix in the text of a side
+# Environments of matrices; with a star too.
 MATRICES = ("bmatrix", "pmatrix", "matrix", "Bmatrix", "vmatrix", "Vmatrix", "array", "smallmatrix", "psmallmatrix")
-"""Environments of matrices; with a star too."""
-
-MAX_NESTED = 12
-"""Environments inside each other, the text counted."""
-
+MAX_NESTED = 12  # environments inside each other, the text counted
+# Environments of equations that a message names; `EQUATION_ENVIRONMENTS` has all of them.
 DISPLAYS = ("equation", "align", "aligned", "gather", "gathered", "split", "multline", "alignat", "flalign", "eqnarray")
-"""Environments of equations that a message names; `EQUATION_ENVIRONMENTS` has all of them."""
-
+# All environments that hold equations.
 EQUATION_ENVIRONMENTS = frozenset(
     (*DISPLAYS, "alignedat", "multlined", "displaymath", "math", "dmath", "IEEEeqnarray", "subequations")
 )
-"""All environments that hold equations."""
-
 _GRIDS = frozenset((*MATRICES, "bsmallmatrix", "Bsmallmatrix", "vsmallmatrix", "tabular", "cases", "dcases", "rcases"))
 _LENGTH = r"(?:\s*\[\s*-?[0-9.]*\s*(?:pt|em|ex|mm|cm|in|\\[a-z]+)\s*\])?"
 _BRACES = r"\{(?:[^{}]|\{[^{}]*\})*\}"
@@ -36,25 +29,19 @@ _STRUCTURE = re.compile(
     r"|(?P<cell>(?<!\\)&)"
 )
 _WITH_COLUMNS = ("array", "alignat", "alignedat", "IEEEeqnarray", "tabular")
+# Signs between the sides of an equation.
 RELATION = re.compile(
     r":\s*=|=\s*:|=|\\(?:coloneqq?|triangleq|equiv|doteq|stackrel\s*\{[^{}]*\}\s*\{\s*=\s*\}|overset\s*\{[^{}]*\}\s*\{\s*=\s*\})(?![A-Za-z])"
 )
-"""Signs between the sides of an equation."""
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A part of the text, a side of an equation or an entry of a matrix.
+    """A part of the text, a side of an equation or an entry of a matrix."""
 
-    Attributes:
-        text: What stands there, each matrix as one character.
-        offset: Where it begins in the whole text.
-        matrices: Its matrices, in their order.
-    """
-
-    text: str
-    offset: int
-    matrices: tuple[PrintedMatrix, ...] = ()
+    text: str  # what stands there, each matrix as one character
+    offset: int  # where it begins in the whole text
+    matrices: tuple[PrintedMatrix, ...] = ()  # its matrices, in their order
 
     @property
     def start(self) -> int:
@@ -76,12 +63,7 @@ class Piece:
                     yield from cell.texts
 
     def part(self, begin: int, end: int) -> Piece:
-        """A part of it.
-
-        Args:
-            begin: Where it begins in this one.
-            end: Where it ends.
-        """
+        """A part of it."""
         first = self.text.count(MATRIX_MARK, 0, begin)
         text = self.text[begin:end]
         return Piece(text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)])
@@ -89,15 +71,10 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class PrintedMatrix:
-    """A matrix in the text.
+    """A matrix in the text."""
 
-    Attributes:
-        rows: Its entries.
-        is_determinant: Whether it stands between bars, or behind ``det``.
-    """
-
-    rows: tuple[tuple[Piece, ...], ...]
-    is_determinant: bool = False
+    rows: tuple[tuple[Piece, ...], ...]  # its entries
+    is_determinant: bool = False  # whether it stands between bars, or behind ``det``
 
 
 @dataclass(slots=True)
@@ -112,18 +89,7 @@ class _Environment:
 
 
 def display_piece(plain: str, begin: int, end: int, typed: str, start: Location) -> Piece:
-    """A display as one piece, in which row ends and cell marks of its own are form feeds and vertical tabs.
-
-    Args:
-        plain: The text, cleaned.
-        begin: Where the display begins in it.
-        end: Where it ends.
-        typed: The text as it was typed, for errors.
-        start: Where its first character stands.
-
-    Raises:
-        CheckError: An environment that is no display and no matrix, one that does not end, or too many nested ones.
-    """
+    """A display as one piece, in which row ends and cell marks of its own are form feeds and vertical tabs."""
     root = _Environment("", (begin, begin))
     open_now = [root]
     for match in _STRUCTURE.finditer(plain, begin, end):

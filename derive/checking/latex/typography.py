@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import re
 
-PRIMED = {1: "\ue001", 2: "\ue002"}
-"""What stands for one and two primes of a function of time, ``q_1'(t)``."""
-
+PRIMED = {1: "\ue001", 2: "\ue002"}  # what stands for one and two primes of a function of time, ``q_1'(t)``
 _GROUP = r"\{(?:[^{}]|\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\})*\}"
 _END = r"(?![A-Za-z])"
 _SIZES = "|".join(
@@ -61,15 +59,7 @@ _SAME = str.maketrans(
 
 
 def cleaned(text: str, time: bool = True) -> str:
-    r"""The text with blanks for everything that only moves ink; as long as before, line by line.
-
-    Args:
-        text: LaTeX as it was typed.
-        time: Whether t is time, so that q(t) is q.
-
-    Returns:
-        The text in which row ends, ``&``, environments, ``\quad`` and everything that means something are left.
-    """
+    r"""The text with blanks for everything that only moves ink; as long as before, line by line."""
     text = _COMMENT.sub(lambda m: m[0] if m[0].startswith("\\") else _blank(m[0]), text.translate(_SAME))
     while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
         text = braced

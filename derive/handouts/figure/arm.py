@@ -25,31 +25,17 @@ from derive.robot.description import Convention
 from derive.robot.expression import Name, Number, Product, Sum, names
 from derive.robot.robot import Robot
 
-WIDTH = 380.0
-"""Largest width of a drawing [pt]."""
-
-HEIGHT = 300.0
-"""Largest height of a drawing [pt]."""
-
-LONGEST_LINK = 130.0
-"""A link is drawn no longer than this [pt]."""
-
-LONGEST_LABEL = 70.0
-"""A wider length is labelled by its symbol of the table, such as a_2 [pt]."""
-
+WIDTH = 380.0  # largest width of a drawing [pt]
+HEIGHT = 300.0  # largest height of a drawing [pt]
+LONGEST_LINK = 130.0  # a link is drawn no longer than this [pt]
+LONGEST_LABEL = 70.0  # a wider length is labelled by its symbol of the table, such as a_2 [pt]
 _MARGIN = 3.0
-_ROOM = 36.0
-"""Room for axes and labels at each side of the arm, as a first guess [pt]."""
-
+_ROOM = 36.0  # room for axes and labels at each side of the arm, as a first guess [pt]
 _TRIES = 6
-_SHORT = 15.0
-"""A shorter length has its name beside it and no dimension line [pt]."""
-
+_SHORT = 15.0  # a shorter length has its name beside it and no dimension line [pt]
+# Distances of a dimension line from what it measures, the best first [pt].
 _OFFSETS = (14.0, -14.0, 20.0, -20.0, 28.0, -28.0, 38.0, -38.0)
-"""Distances of a dimension line from what it measures, the best first [pt]."""
-
-_MOST_NAMES = 8
-"""Joints up to which every joint variable is written beside its joint."""
+_MOST_NAMES = 8  # joints up to which every joint variable is written beside its joint
 
 
 def arm_drawing(
@@ -62,11 +48,7 @@ def arm_drawing(
     """The drawing of a robot whose frames are known.
 
     Args:
-        robot: The robot.
-        data: Prints the lengths of its table.
         frames: Frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
-        title: What the drawing shows.
-        view: From where it is seen; chosen if not given.
     """
     scene = arm_scene(robot, frames)
     view = view or arm_view(scene)
@@ -87,11 +69,7 @@ def arm_drawing(
 
 
 def arm_view(scene: Scene) -> View:
-    """From where an arm is best seen.
-
-    Args:
-        scene: The arm.
-    """
+    """From where an arm is best seen."""
     stars = []
     for place in scene.places:
         directions: list[Array] = []

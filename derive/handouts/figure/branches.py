@@ -21,6 +21,7 @@ from derive.handouts.figure.projection import View
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.robot.robot import Robot
 
+# Told apart by readers who see few colours; after them lines are dashed, too.
 COLORS: tuple[Color, ...] = (
     (0.00, 0.32, 0.62),
     (0.80, 0.33, 0.00),
@@ -29,24 +30,13 @@ COLORS: tuple[Color, ...] = (
     (0.45, 0.36, 0.00),
     (0.25, 0.25, 0.28),
 )
-"""Told apart by readers who see few colours; after them lines are dashed, too."""
-
-_MOST = 4
-"""Lines over each other; more are two drawings side by side."""
-
-_WIDTH, _HALF = 300.0, 210.0
-"""Width of one drawing, and of each of two [pt]."""
-
+_MOST = 4  # lines over each other; more are two drawings side by side
+_WIDTH, _HALF = 300.0, 210.0  # width of one drawing, and of each of two [pt]
 _TALLEST = min(HEIGHT, 230.0)
-_ROOM = 40.0
-"""Room for arrows and numbers at both sides [pt]."""
-
-_JOINT = 2.4
-"""Radius of the dot of a joint [pt]."""
-
+_ROOM = 40.0  # room for arrows and numbers at both sides [pt]
+_JOINT = 2.4  # radius of the dot of a joint [pt]
 _ARROW = 24.0
-_SAME = 1e-6
-"""Lines closer to each other than this part of the arm's size are one."""
+_SAME = 1e-6  # lines closer to each other than this part of the arm's size are one
 
 
 def branches_drawing(
@@ -55,10 +45,7 @@ def branches_drawing(
     """The drawing of an arm in several configurations.
 
     Args:
-        robot: The robot.
         frames: For each configuration frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
-        names: What stands beside each.
-        title: What the drawing shows.
 
     Returns:
         The drawing; None for an arm whose links cover each other in all of them.

@@ -27,11 +27,7 @@ _VIEW = View(math.radians(-58), math.radians(24))
 
 
 def convention_drawing(convention: Convention) -> Drawing:
-    """Frames i-1 and i with a, alpha, d and theta of row i.
-
-    Args:
-        convention: Standard or modified.
-    """
+    """Frames i-1 and i with a, alpha, d and theta of row i."""
     paper = Paper()
     if convention is Convention.STANDARD:
         _standard(paper)

@@ -13,20 +13,13 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 Point: TypeAlias = tuple[float, float]
-Color: TypeAlias = tuple[float, float, float]
-"""Red, green and blue from 0 to 1."""
-
+Color: TypeAlias = tuple[float, float, float]  # red, green and blue from 0 to 1
 BLACK: Color = (0.0, 0.0, 0.0)
 
-LABEL_SIZE = 9.0
-"""Size of the letters of a label [pt]."""
-
-SCRIPT_SIZE = 6.5
-"""Size of subscripts and superscripts [pt]."""
-
-LABEL_HEIGHT = 9.0
-"""Height of a label with a subscript [pt]."""
-
+LABEL_SIZE = 9.0  # size of the letters of a label [pt]
+SCRIPT_SIZE = 6.5  # size of subscripts and superscripts [pt]
+LABEL_HEIGHT = 9.0  # height of a label with a subscript [pt]
+# LaTeX command without its backslash -> letter.
 GREEK = {
     "alpha": "\N{GREEK SMALL LETTER ALPHA}", "beta": "β", "gamma": "\N{GREEK SMALL LETTER GAMMA}", "delta": "δ",
     "epsilon": "ϵ", "varepsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ", "vartheta": "ϑ",
@@ -36,8 +29,6 @@ GREEK = {
     "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ",
     "Upsilon": "\N{GREEK CAPITAL LETTER UPSILON}", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
 }  # fmt: skip
-"""LaTeX command without its backslash -> letter."""
-
 _SYMBOLS = {"cdot": "·", "ldots": "…", "circ": "°", "equiv": "≡", "times": "\N{MULTIPLICATION SIGN}", "sqrt": "√"}
 _SPACES = {",": "\N{THIN SPACE}", ";": " ", " ": " ", "quad": "  ", "!": ""}
 _STYLES = {"mathrm": "upright", "text": "upright", "mathtt": "mono", "operatorname": "upright"}
@@ -47,40 +38,25 @@ _TOKEN = re.compile(r"\\[A-Za-z]+ ?|\\.|.", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A line or an area.
+    """A line or an area."""
 
-    Attributes:
-        points: Corners.
-        closed: Whether the last corner is joined to the first.
-        stroke: Colour of the line, None for no line.
-        fill: Colour of the area, None for no area.
-        width: Width of the line [pt].
-        dashed: Whether the line is dashed.
-    """
-
-    points: tuple[Point, ...]
-    closed: bool = False
-    stroke: Color | None = BLACK
-    fill: Color | None = None
-    width: float = 0.6
-    dashed: bool = False
+    points: tuple[Point, ...]  # corners
+    closed: bool = False  # whether the last corner is joined to the first
+    stroke: Color | None = BLACK  # colour of the line, None for no line
+    fill: Color | None = None  # colour of the area, None for no area
+    width: float = 0.6  # width of the line [pt]
+    dashed: bool = False  # whether the line is dashed
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A short text.
+    """A short text."""
 
-    Attributes:
-        at: Where it stands.
-        latex: LaTeX in mathematics mode.
-        anchor: Which corner of the text stands there: a pair of -1, 0 or 1 (left, middle, right; bottom, middle, top).
-        color: Colour of the text.
-    """
-
-    at: Point
-    latex: str
+    at: Point  # where it stands
+    latex: str  # LaTeX in mathematics mode
+    # Which corner of the text stands there: a pair of -1, 0 or 1 (left, middle, right; bottom, middle, top).
     anchor: tuple[int, int] = (0, 0)
-    color: Color = BLACK
+    color: Color = BLACK  # colour of the text
 
 
 Item: TypeAlias = Path | Label
@@ -88,42 +64,25 @@ Item: TypeAlias = Path | Label
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Items from back to front on a canvas from (0, 0) to (width, height).
+    """Items from back to front on a canvas from (0, 0) to (width, height)."""
 
-    Attributes:
-        width: Width of the canvas [pt].
-        height: Height of the canvas [pt].
-        items: What is drawn.
-        title: What it shows, for readers who cannot see it.
-    """
-
-    width: float
-    height: float
-    items: tuple[Item, ...]
-    title: str = ""
+    width: float  # width of the canvas [pt]
+    height: float  # height of the canvas [pt]
+    items: tuple[Item, ...]  # what is drawn
+    title: str = ""  # what it shows, for readers who cannot see it
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Characters of one style.
+    """Characters of one style."""
 
-    Attributes:
-        text: The characters.
-        style: ``italic``, ``upright`` or ``mono``.
-        shift: -1 for a subscript, 1 for a superscript, 0 on the line.
-    """
-
-    text: str
-    style: str = "italic"
-    shift: int = 0
+    text: str  # the characters
+    style: str = "italic"  # ``italic``, ``upright`` or ``mono``
+    shift: int = 0  # -1 for a subscript, 1 for a superscript, 0 on the line
 
 
 def label_runs(latex: str) -> tuple[Run, ...]:
-    """The LaTeX of a label as runs of plain characters, neighbours of one style joined.
-
-    Args:
-        latex: LaTeX in mathematics mode, as the printers of this package write it; the rest is left out.
-    """
+    """The LaTeX of a label as runs of plain characters, neighbours of one style joined."""
     tokens = (token.rstrip() if token.startswith("\\") and len(token) > 2 else token for token in _TOKEN.findall(latex))
     joined: list[Run] = []
     for run in _runs(tokens, Run("")):
@@ -135,11 +94,7 @@ def label_runs(latex: str) -> tuple[Run, ...]:
 
 
 def label_width(latex: str) -> float:
-    """Width of a label on the page, estimated [pt].
-
-    Args:
-        latex: LaTeX in mathematics mode.
-    """
+    """Width of a label on the page, estimated [pt]."""
     width = 0.0
     for run in label_runs(latex):
         size = SCRIPT_SIZE if run.shift else LABEL_SIZE

@@ -11,64 +11,40 @@ import numpy as np
 from derive.arrays import Array
 from derive.handouts.figure.drawing import Color, Drawing, Item, Label, Path, Point, label_width
 
-HEIGHT = 74.0
-"""Height of a panel [pt]."""
-
-WIDTHS = {1: 330.0, 2: 185.0}
-"""Width of a panel by the number of panels beside each other [pt]."""
-
+HEIGHT = 74.0  # height of a panel [pt]
+WIDTHS = {1: 330.0, 2: 185.0}  # width of a panel by the number of panels beside each other [pt]
+# Room for numbers on the left of a panel, on its right, above and below all, and between two [pt].
 LEFT, RIGHT, TOP, BOTTOM, GAP = 34.0, 8.0, 16.0, 46.0, 16.0
-"""Room for numbers on the left of a panel, on its right, above and below all, and between two [pt]."""
-
 PALE: Color = (0.82, 0.82, 0.82)
 
+# Of curves, told apart with colour-blind eyes and on grey paper.
 COLORS: tuple[Color, ...] = (
     (0.11, 0.31, 0.61), (0.76, 0.34, 0.10), (0.18, 0.49, 0.26), (0.54, 0.23, 0.56), (0.66, 0.53, 0.10),
     (0.30, 0.33, 0.38), (0.69, 0.19, 0.29), (0.13, 0.50, 0.56),
 )  # fmt: skip
-"""Of curves, told apart with colour-blind eyes and on grey paper."""
-
-STEPS = (1.0, 2.0, 5.0, 10.0)
-"""Between numbers at an axis, times a power of ten."""
+STEPS = (1.0, 2.0, 5.0, 10.0)  # between numbers at an axis, times a power of ten
 
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Some curves over time with one unit.
+    """Some curves over time with one unit."""
 
-    Attributes:
-        latex: What they are, with the unit.
-        curves: Numbers of their colours, and their values at the common times, (k,) each.
-    """
-
-    latex: str
-    curves: tuple[tuple[int, Array], ...]
+    latex: str  # what they are, with the unit
+    curves: tuple[tuple[int, Array], ...]  # numbers of their colours, and their values at the common times, (k,) each
 
 
 @dataclass(frozen=True)
 class Panels:
-    """Panels with one axis of time.
+    """Panels with one axis of time."""
 
-    Attributes:
-        times: At which all curves are known, (k,).
-        rows: Panels beside each other, row by row; as many in each.
-        corners: Times at which something begins, marked by dashed lines.
-        names: LaTeX of what each colour means.
-        write: Writes a number as LaTeX.
-    """
-
-    times: Array
-    rows: tuple[tuple[Panel, ...], ...]
-    corners: tuple[float, ...]
-    names: tuple[str, ...]
-    write: Callable[[float], str]
+    times: Array  # at which all curves are known, (k,)
+    rows: tuple[tuple[Panel, ...], ...]  # panels beside each other, row by row; as many in each
+    corners: tuple[float, ...]  # times at which something begins, marked by dashed lines
+    names: tuple[str, ...]  # LaTeX of what each colour means
+    write: Callable[[float], str]  # writes a number as LaTeX
 
     def drawing(self, title: str) -> Drawing:
-        """The drawing.
-
-        Args:
-            title: What it shows, for readers who cannot see it.
-        """
+        """The drawing."""
         across = len(self.rows[0])
         width = across * (LEFT + WIDTHS[across] + RIGHT)
         height = TOP + len(self.rows) * (HEIGHT + GAP) + BOTTOM

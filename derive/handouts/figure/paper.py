@@ -16,22 +16,13 @@ import numpy as np
 from derive.arrays import Array
 from derive.handouts.figure.drawing import BLACK, LABEL_HEIGHT, Color, Drawing, Item, Label, Path, Point, label_width
 
-AXIS_COLORS: tuple[Color, Color, Color] = ((0.78, 0.10, 0.10), (0.08, 0.50, 0.15), (0.10, 0.22, 0.78))
-"""Of x, y and z."""
-
-DIMENSION: Color = (0.35, 0.35, 0.35)
-"""Of the lines and names of lengths."""
-
-_STEP = 2.5
-"""Distance of the points of a line that count as taken [pt]."""
-
+AXIS_COLORS: tuple[Color, Color, Color] = ((0.78, 0.10, 0.10), (0.08, 0.50, 0.15), (0.10, 0.22, 0.78))  # of x, y and z
+DIMENSION: Color = (0.35, 0.35, 0.35)  # of the lines and names of lengths
+_STEP = 2.5  # distance of the points of a line that count as taken [pt]
 _LABEL_COST = 14.0
 
-LETTER_WIDTH = 9.0
-"""Of a letter with its index [pt]."""
-
-_Box = tuple[float, float, float, float]
-"""Left, bottom, right and top [pt]."""
+LETTER_WIDTH = 9.0  # of a letter with its index [pt]
+_Box = tuple[float, float, float, float]  # left, bottom, right and top [pt]
 
 
 class Paper:
@@ -47,36 +38,18 @@ class Paper:
         self._boxes: list[_Box] = []
 
     def line(self, points: Sequence[Point], weight: float = 1.0) -> None:
-        """Marks a line as taken without drawing it.
-
-        Args:
-            points: Its corners [pt].
-            weight: How bad it is to cover it.
-        """
+        """Marks a line as taken without drawing it."""
         for start, end in pairwise(points):
             samples = _samples(start, end)
             self._ink.append(np.hstack([samples, np.full((len(samples), 1), weight)]))
 
     def draw(self, path: Path, weight: float = 1.0) -> None:
-        """Puts a path on top and marks it as taken.
-
-        Args:
-            path: The path.
-            weight: How bad it is to cover it.
-        """
+        """Puts a path on top and marks it as taken."""
         self.items.append(path)
         self.line((*path.points, path.points[0]) if path.closed else path.points, weight)
 
     def arrow(self, start: Point, tip: Point, color: Color, width: float, both: bool = False) -> None:
-        """Draws a line with a filled head, or one at each end.
-
-        Args:
-            start: Where it starts [pt].
-            tip: Where it points to [pt].
-            color: Of line and heads.
-            width: Of the line [pt].
-            both: Whether it has a head at its start, too.
-        """
+        """Draws a line with a filled head, or one at each end."""
         self.draw(Path((start, tip), stroke=color, width=width))
         if math.dist(start, tip) < 1.0:
             return
@@ -85,25 +58,14 @@ class Paper:
             self.draw(arrow_head(tip, start, color, width))
 
     def crossing(self, start: Point, end: Point) -> float:
-        """How much a line would run over what is there.
-
-        Args:
-            start: Its first end [pt].
-            end: Its other end [pt].
-        """
+        """How much a line would run over what is there."""
         samples, ink = _samples(start, end), self._all_ink()
         near = np.abs(samples[:, None, :] - ink[None, :, :2]).max(axis=2) < 4.0
         over = sum(_shared_area((x - 1, y - 1, x + 1, y + 1), box) for x, y in samples for box in self._boxes)
         return float((near * ink[:, 2]).max(axis=1, initial=0.0).sum()) + 3.0 * over
 
     def label(self, latex: str, candidates: Iterable[Point], color: Color = BLACK) -> None:
-        """Puts a label at the best of its candidates; the first ones are liked better.
-
-        Args:
-            latex: LaTeX in mathematics mode.
-            candidates: Where its centre may be [pt].
-            color: Of its letters.
-        """
+        """Puts a label at the best of its candidates; the first ones are liked better."""
         w, h = label_width(latex) / 2 + 1.0, LABEL_HEIGHT / 2 + 0.5
         places = list(candidates)
         ink = self._all_ink()
@@ -124,14 +86,7 @@ class Paper:
 
 
 def arrow_head(start: Point, tip: Point, color: Color, width: float) -> Path:
-    """The head of an arrow.
-
-    Args:
-        start: Where the arrow starts [pt].
-        tip: Where it ends, at least a point away [pt].
-        color: Of the head.
-        width: Of the arrow's line [pt].
-    """
+    """The head of an arrow."""
     length = math.hypot(tip[0] - start[0], tip[1] - start[1])
     head = min(5.5 if width > 0.7 else 4.0, 0.6 * length)
     dx, dy = (tip[0] - start[0]) / length, (tip[1] - start[1]) / length
@@ -142,14 +97,7 @@ def arrow_head(start: Point, tip: Point, color: Color, width: float) -> Path:
 
 
 def around(place: Point, direction: Point, reach: float, width: float = 0.0) -> list[Point]:
-    """Candidates for a label: beyond the tip of an arrow, then beside it, then farther away.
-
-    Args:
-        place: The tip [pt].
-        direction: Of the arrow, of any length.
-        reach: Distance of the nearest candidates [pt].
-        width: Of the label, where it is more than a letter: it stands so much farther to the side [pt].
-    """
+    """Candidates for a label: beyond the tip of an arrow, then beside it, then farther away."""
     size = float(np.hypot(*direction))
     dx, dy = (direction[0] / size, direction[1] / size) if size > 1e-9 else (0.0, 1.0)
     found = []
@@ -162,11 +110,7 @@ def around(place: Point, direction: Point, reach: float, width: float = 0.0) -> 
 
 
 def bounds(items: Iterable[Item]) -> _Box:
-    """Left, bottom, right and top of all that is drawn [pt].
-
-    Args:
-        items: Paths and labels, one at least.
-    """
+    """Left, bottom, right and top of all that is drawn [pt]."""
     points: list[Point] = []
     for item in items:
         if isinstance(item, Path):
@@ -181,13 +125,7 @@ def bounds(items: Iterable[Item]) -> _Box:
 
 
 def moved(items: Sequence[Item], margin: float, title: str) -> Drawing:
-    """A drawing of items, shifted so that they lie on its canvas.
-
-    Args:
-        items: Paths and labels from back to front.
-        margin: Room around them [pt].
-        title: What the drawing shows, for readers who cannot see it.
-    """
+    """A drawing of items, shifted so that they lie on its canvas."""
     left, bottom, right, top = bounds(items)
     dx, dy = margin - left, margin - bottom
     shifted = tuple(_mapped(item, 1.0, dx, dy) for item in items)
@@ -195,12 +133,7 @@ def moved(items: Sequence[Item], margin: float, title: str) -> Drawing:
 
 
 def resized(items: Sequence[Item], factor: float) -> list[Item]:
-    """Items nearer to each other; letters keep their size.
-
-    Args:
-        items: Paths and labels.
-        factor: New distance over old distance.
-    """
+    """Items nearer to each other; letters keep their size."""
     return [_mapped(item, factor, 0.0, 0.0) for item in items]
 
 

@@ -11,23 +11,15 @@ from derive.arrays import Array
 from derive.handouts.figure.projection import View
 from derive.handouts.figure.scene import Scene
 
-_SAME = 1e-6
-"""Difference of two unit vectors below which they are one, and of heights relative to the arm's size."""
-
-_TOP = 89.999
-"""Elevation from which an arm in a horizontal plane is seen, x to the right [degrees]."""
+_SAME = 1e-6  # difference of two unit vectors below which they are one, and of heights relative to the arm's size
+_TOP = 89.999  # elevation from which an arm in a horizontal plane is seen, x to the right [degrees]
 
 
 def plane_normal(scenes: Sequence[Scene]) -> Array | None:
     """The direction in which an arm does not move.
 
-    Args:
-        scenes: The arm in some configurations; of one whose base stands a single one is enough.
-
     Returns:
-        A unit vector: all revolute joints turn about it, no prismatic one has a part along it, and all origins and
         corners of links have one height along it in all scenes; None where there is no such direction, or more than
-        one.
     """
     normals = [normal for normal in map(_normal, scenes) if normal is not None]
     if len(normals) < len(scenes) or any(np.linalg.norm(np.cross(normals[0], other)) > _SAME for other in normals):
@@ -51,12 +43,7 @@ def _normal(scene: Scene) -> Array | None:
 
 
 def view_along(normal: Array, up: tuple[float, float, float]) -> View:
-    """A plane as it is.
-
-    Args:
-        normal: Of the plane, towards the viewer.
-        up: What points up; where it is normal to the plane, the plane is seen from above, x to the right.
-    """
+    """A plane as it is."""
     above = np.array(up)
     height = float(normal @ above)
     if abs(height) > 0.99:

@@ -16,34 +16,21 @@ from derive.arrays import Array
 from derive.handouts.figure.drawing import Color, Path, Point
 from derive.handouts.figure.solids import OUTLINE, Faces, shade
 
-ELEVATIONS = (20, 28, 36)
-"""Candidate heights of the viewer above the horizon [degrees]."""
-
-AZIMUTHS = tuple(range(-170, 190, 10))
-"""Candidate directions of the viewer around the vertical [degrees]."""
-
+ELEVATIONS = (20, 28, 36)  # candidate heights of the viewer above the horizon [degrees]
+AZIMUTHS = tuple(range(-170, 190, 10))  # candidate directions of the viewer around the vertical [degrees]
 _LIKED_AZIMUTHS = ((-75, -30), (20, 65))
 _LIKED_ELEVATION = 24
-_NARROW = math.radians(16.0)
-"""Axes nearer to each other on the page are hard to tell apart."""
-
-_GRAZING = 1e-6
-"""A face whose normal points less towards the viewer is not seen."""
+_NARROW = math.radians(16.0)  # axes nearer to each other on the page are hard to tell apart
+_GRAZING = 1e-6  # a face whose normal points less towards the viewer is not seen
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A direction to look from; parallel lines stay parallel.
+    """A direction to look from; parallel lines stay parallel."""
 
-    Attributes:
-        azimuth: Of the viewer around ``up``, from the world's x axis [rad].
-        elevation: Of the viewer above the plane normal to ``up`` [rad].
-        up: Unit vector that points up on the page.
-    """
-
-    azimuth: float
-    elevation: float
-    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    azimuth: float  # of the viewer around ``up``, from the world's x axis [rad]
+    elevation: float  # of the viewer above the plane normal to ``up`` [rad]
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)  # unit vector that points up on the page
 
     @cached_property
     def rows(self) -> Array:
@@ -60,23 +47,12 @@ class View:
         return np.stack([right, np.cross(toward, right), toward])
 
     def project(self, points: Any) -> Array:
-        """Right, up and depth (larger is nearer) of points or directions.
-
-        Args:
-            points: (..., 3) in the world.
-
-        Returns:
-            (..., 3) in the unit of the points.
-        """
+        """Right, up and depth (larger is nearer) of points or directions."""
         projected: Array = np.asarray(points, dtype=float) @ self.rows.T
         return projected
 
     def flat(self, point: Array) -> Point:
-        """Where a point is on the page.
-
-        Args:
-            point: (3,) in the world.
-        """
+        """Where a point is on the page."""
         x, y, _ = self.project(point)
         return float(x), float(y)
 
@@ -87,10 +63,8 @@ def best_view(
     """The view in which axes, links and origins are told apart best; ties go to the usual directions.
 
     Args:
-        origins: (k, 3) distinct origins.
         stars: For each place, (m, 3) the distinct unit vectors of axes that start there.
         segments: (2, 3) each, the links with a length.
-        up: What points up on the page.
     """
     views = [View(math.radians(a), math.radians(e), up) for e in ELEVATIONS for a in AZIMUTHS]
     return min(views, key=lambda view: round(_badness(view, origins, stars, segments), 6))
@@ -125,16 +99,14 @@ def _crowding(star: Array) -> float:
     return short + close
 
 
+# x and y of the corners on the page one after the other, the colour in between, and the faces of which it is one.
 Area = tuple[list[float], Color, Faces]
-"""x and y of the corners on the page one after the other, the colour in between, and the faces of which it is one."""
 
 
 def seen(solids: Sequence[Faces], view: View, page: Array | None = None) -> list[Area]:
     """Faces on the page from back to front, those seen from behind left out.
 
     Args:
-        solids: In points.
-        view: From where they are seen.
         page: What is done with places, (2, 3): a linear map and a shift; None for nothing.
     """
     found: list[tuple[float, Area]] = []
@@ -153,12 +125,7 @@ def seen(solids: Sequence[Faces], view: View, page: Array | None = None) -> list
 
 
 def paint(solids: Sequence[Faces], view: View) -> Iterator[Path]:
-    """Faces as areas from back to front, those seen from behind left out.
-
-    Args:
-        solids: In points.
-        view: From where they are seen.
-    """
+    """Faces as areas from back to front, those seen from behind left out."""
     for places, color, faces in seen(solids, view):
         edge, width = (OUTLINE, 0.5) if faces.edge else (color, 0.3)
         points = tuple(zip(places[::2], places[1::2], strict=True))

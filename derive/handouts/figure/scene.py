@@ -15,44 +15,28 @@ from derive.robot.robot import Robot
 
 LETTERS = "xyz"
 
-SAME_PLACE = 1e-3
-"""Origins nearer to each other than this part of the arm's size are one place."""
-
+SAME_PLACE = 1e-3  # origins nearer to each other than this part of the arm's size are one place
 _SAME_DIRECTION = 0.9998
 
 
 @dataclass(frozen=True, eq=False)
 class FrameAxis:
-    """Axes of frames that start at one place, with one direction and one letter.
+    """Axes of frames that start at one place, with one direction and one letter."""
 
-    Attributes:
-        origin: Where they start.
-        direction: Unit vector.
-        letter: 0, 1 or 2 for x, y or z.
-        frames: Indices of the frames; -1 for an end effector with a frame of its own.
-    """
-
-    origin: Array
-    direction: Array
-    letter: int
-    frames: tuple[int, ...]
+    origin: Array  # where they start
+    direction: Array  # unit vector
+    letter: int  # 0, 1 or 2 for x, y or z
+    frames: tuple[int, ...]  # indices of the frames; -1 for an end effector with a frame of its own
 
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A straight part of a link.
+    """A straight part of a link."""
 
-    Attributes:
-        start: Its first point.
-        end: Its last point.
-        row: Row of the table, from 0; n for the tool.
-        cell: ``d``, ``a`` or ``tool``.
-    """
-
-    start: Array
-    end: Array
-    row: int
-    cell: str
+    start: Array  # its first point
+    end: Array  # its last point
+    row: int  # row of the table, from 0; n for the tool
+    cell: str  # ``d``, ``a`` or ``tool``
 
     @property
     def length(self) -> float:
@@ -62,46 +46,27 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class JointAxis:
-    """Where a joint is.
+    """Where a joint is."""
 
-    Attributes:
-        anchor: A point on its axis: o_{i-1} (standard) or the foot of the common normal (modified).
-        offset_end: The other end of its offset d.
-        direction: Unit vector of z.
-        revolute: Whether it turns.
-    """
-
-    anchor: Array
-    offset_end: Array
-    direction: Array
-    revolute: bool
+    anchor: Array  # a point on its axis: o_{i-1} (standard) or the foot of the common normal (modified)
+    offset_end: Array  # the other end of its offset d
+    direction: Array  # unit vector of z
+    revolute: bool  # whether it turns
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """An arm in space.
+    """An arm in space."""
 
-    Attributes:
-        axes: Axes of all frames.
-        joints: The joints from the base outwards.
-        segments: Links with a length.
-        places: (k, 3) distinct origins and corners of links.
-        up: What points up.
-        approach: Direction in which the hand points.
-        opening: Direction in which the hand opens.
-        end: Where the hand is.
-        base_axis: Direction of z of frame 0, along which the pedestal stands.
-    """
-
-    axes: tuple[FrameAxis, ...]
-    joints: tuple[JointAxis, ...]
-    segments: tuple[Segment, ...]
-    places: Array
-    up: tuple[float, float, float]
-    approach: Array
-    opening: Array
-    end: Array
-    base_axis: Array
+    axes: tuple[FrameAxis, ...]  # axes of all frames
+    joints: tuple[JointAxis, ...]  # the joints from the base outwards
+    segments: tuple[Segment, ...]  # links with a length
+    places: Array  # (k, 3) distinct origins and corners of links
+    up: tuple[float, float, float]  # what points up
+    approach: Array  # direction in which the hand points
+    opening: Array  # direction in which the hand opens
+    end: Array  # where the hand is
+    base_axis: Array  # direction of z of frame 0, along which the pedestal stands
 
     @property
     def size(self) -> float:
@@ -110,12 +75,7 @@ class Scene:
 
 
 def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scene:
-    """The scene of a robot whose frames are known.
-
-    Args:
-        robot: The robot.
-        frames: Frame 0, frames 1 to n and the end effector in the world, 4x4 each.
-    """
+    """The scene of a robot whose frames are known."""
     poses = np.array(frames, dtype=float)
     joints, parts = _links(robot, poses)
     points = np.concatenate([poses[:, :3, 3], np.stack([joint.offset_end for joint in joints])])
@@ -140,15 +100,7 @@ def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scen
 
 
 def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[float, float, float]:
-    """Against gravity where it has a direction, else the world's z axis.
-
-    Args:
-        robot: The robot.
-        values: Numbers of symbols; 1 for one that has none here and none in the robot file.
-
-    Returns:
-        A unit vector in the world.
-    """
+    """Against gravity where it has a direction, else the world's z axis."""
     vertical = (0.0, 0.0, 1.0)
     cells = robot.gravity or ()
     known = {name: 1.0 for cell in cells for name in names(cell)}

@@ -13,9 +13,7 @@ from derive.arrays import Array
 from derive.handouts.figure.drawing import Color
 from derive.handouts.figure.scene import JointAxis, Scene
 
-LIGHT = np.array((-0.35, 0.75, 0.56))
-"""Direction of the light: right, up, towards the viewer."""
-
+LIGHT = np.array((-0.35, 0.75, 0.56))  # direction of the light: right, up, towards the viewer
 OUTLINE: Color = (0.25, 0.25, 0.28)
 REVOLUTE: Color = (0.62, 0.72, 0.86)
 PRISMATIC: Color = (0.93, 0.80, 0.58)
@@ -23,15 +21,11 @@ LINK: Color = (0.86, 0.86, 0.84)
 BASE: Color = (0.66, 0.66, 0.66)
 HAND: Color = (0.45, 0.45, 0.48)
 
-_SHIFTS = (1.25, -1.25, 2.5, -2.5, 3.75)
-"""Places of a joint along its axis, in lengths of a cylinder."""
+_SHIFTS = (1.25, -1.25, 2.5, -2.5, 3.75)  # places of a joint along its axis, in lengths of a cylinder
 
 
 class Sizes:
     """How large things are drawn [pt].
-
-    Args:
-        factor: 1, or less where places are close.
 
     Attributes:
         factor: As given.
@@ -51,48 +45,22 @@ class Sizes:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Flat faces of one solid with as many corners each.
+    """Flat faces of one solid with as many corners each."""
 
-    Attributes:
-        corners: (faces, k, 3).
-        normals: Unit vectors out of the solid, (faces, 3); None for faces that are seen from both sides.
-        color: Before shading.
-        edge: Whether borders are drawn as lines; else a border has the colour of its face.
-    """
-
-    corners: Array
-    normals: Array | None
-    color: Color
-    edge: bool = False
+    corners: Array  # (faces, k, 3)
+    normals: Array | None  # unit vectors out of the solid, (faces, 3); None for faces that are seen from both sides
+    color: Color  # before shading
+    edge: bool = False  # whether borders are drawn as lines; else a border has the colour of its face
 
 
 def shade(color: Color, normals: Array) -> list[Color]:
-    """A colour as light falls on faces.
-
-    Args:
-        color: Of the material.
-        normals: In the axes of the view, (faces, 3): right, up, towards the viewer.
-
-    Returns:
-        The colour of each face.
-    """
+    """A colour as light falls on faces."""
     light = 0.62 + 0.45 * np.maximum(0.0, normals @ LIGHT)
     return list(map(tuple, np.minimum(1.0, np.round(light[:, None] * color, 3)).tolist()))
 
 
 def prism(start: Array, end: Array, radius: float, color: Color, sides: int = 20) -> list[Faces]:
-    """A prism with a regular base, round enough to be a cylinder.
-
-    Args:
-        start: Centre of one end.
-        end: Centre of the other end.
-        radius: Of the circle around the base.
-        color: Of all its faces.
-        sides: Corners of the base.
-
-    Returns:
-        Its sides, and its two ends.
-    """
+    """A prism with a regular base, round enough to be a cylinder."""
     axis = (end - start) / _length(end - start)
     ring = _ring(axis, radius, sides)
     ends = Faces(np.stack([start + ring, end + ring]), np.stack([-axis, axis]), color, edge=True)
@@ -127,11 +95,6 @@ def _barrel(stops: Array, ring: Array) -> tuple[Array, Array]:
 def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], list[Array]]:
     """All faces of an arm, and the lines that labels should keep off.
 
-    Args:
-        scene: The arm.
-        scale: Points per metre.
-        sizes: How large things are drawn.
-
     Returns:
         Faces, and lines (k, 3) along the parts, in points.
     """
@@ -156,11 +119,6 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
 
 def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
     """Where each joint is drawn on its axis: at its origin, else on its offset, else beside; off the others.
-
-    Args:
-        scene: The arm.
-        scale: Points per metre.
-        sizes: How large things are drawn.
 
     Returns:
         The centre of each joint, (3,) in points.

@@ -13,12 +13,10 @@ from derive.workspace.point import Picture
 from derive.workspace.region import Region, shapely
 from derive.workspace.views import WorkspaceView
 
-WIDTH = 380.0
-"""Width of the plot [pt]."""
-
+WIDTH = 380.0  # width of the plot [pt]
 _REACHABLE = (0.80, 0.86, 0.94)
+# For parts that are reached in different numbers of postures, the fewest first.
 _MORE = ((0.72, 0.88, 0.76), (0.98, 0.90, 0.66), (0.95, 0.78, 0.72), (0.85, 0.77, 0.90))
-"""For parts that are reached in different numbers of postures, the fewest first."""
 _DEXTEROUS = (0.56, 0.69, 0.88)
 _EDGE = (0.10, 0.22, 0.55)
 _INNER_EDGE = (0.20, 0.36, 0.68)
@@ -30,22 +28,11 @@ _AXES = {
 }
 
 _MARGIN = 0.06
-_ONE_POINT = 1e-9
-"""A workspace smaller than this is a point, which gives a plot no scale; a metre is shown then [m]."""
+_ONE_POINT = 1e-9  # a workspace smaller than this is a point, which gives a plot no scale; a metre is shown then [m]
 
 
 def workspace_bytes(views: Sequence[WorkspaceView], suffix: str, title: str, scale: float = 1.0) -> bytes:
-    """The plot as the contents of a file.
-
-    Args:
-        views: What is drawn, side by side.
-        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
-        title: What the plot shows.
-        scale: How much larger than a page needs.
-
-    Raises:
-        DeriveError: Matplotlib is not installed.
-    """
+    """The plot as the contents of a file."""
     matplotlib = require_matplotlib()
     with matplotlib.rc_context({**STYLE, **_SETTINGS}):
         from matplotlib.figure import Figure

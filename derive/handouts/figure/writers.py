@@ -20,6 +20,7 @@ from typing import Any
 from derive.errors import DeriveError, install_extra
 from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Item, Label, Path, label_runs
 
+# Definitions that the drawings need; no package.
 PREAMBLE = r"""\ifdefined\pdfextension
   \providecommand{\derivepath}[1]{\pdfextension literal {#1}}
 \else\ifdefined\pdfliteral
@@ -33,8 +34,6 @@ PREAMBLE = r"""\ifdefined\pdfextension
   \providecommand{\derivelabel}[2]{\derivepath{#1 rg}#2\derivepath{0 g}}
 \fi
 """
-"""Definitions that the drawings need; no package."""
-
 LABEL_FONT = r"\fontsize{9}{11}\selectfont"
 
 _PDF_POINT = 72.0 / 72.27
@@ -43,22 +42,14 @@ _HORIZONTAL = {-1: "l", 0: "", 1: "r"}
 _VERTICAL = {-1: "b", 0: "", 1: "t"}
 
 _ANCHORS = {-1: "start", 0: "middle", 1: "end"}
-_RISE = {-1: 0.0, 0: 0.32, 1: 0.72}
-"""Baseline below the anchor, in letter sizes."""
-
-_SHIFT = {0: 0.0, -1: 2.2, 1: -3.2}
-"""Baseline of a subscript and a superscript below that of the line [pt]."""
-
+_RISE = {-1: 0.0, 0: 0.32, 1: 0.72}  # baseline below the anchor, in letter sizes
+_SHIFT = {0: 0.0, -1: 2.2, 1: -3.2}  # baseline of a subscript and a superscript below that of the line [pt]
 _SERIF = "KaTeX_Main, 'Latin Modern Math', 'Times New Roman', serif"
 _FONTS = {"italic": ' font-style="italic"', "upright": "", "mono": ' font-family="monospace"'}
 
 
 def latex_drawing(drawing: Drawing) -> str:
-    """A ``picture`` environment as large as the canvas.
-
-    Args:
-        drawing: What to draw.
-    """
+    """A ``picture`` environment as large as the canvas."""
     lines: list[str] = []
     line: list[str] = []
     # neighbouring paths go into one literal as long as a line allows, which keeps their order among the labels
@@ -103,12 +94,7 @@ def _pdf_color(color: Color) -> str:
 
 
 def svg_drawing(drawing: Drawing, scale: float = 1.5) -> str:
-    """One ``<svg>`` element.
-
-    Args:
-        drawing: What to draw.
-        scale: Pixels per point; the element shrinks with a narrow page.
-    """
+    """One ``<svg>`` element."""
     width, height = _number(drawing.width), _number(drawing.height)
     title = f"<title>{_xml_text(drawing.title)}</title>" if drawing.title else ""
     role = f'role="img" aria-label="{_xml_text(drawing.title)}"' if drawing.title else 'aria-hidden="true"'
@@ -170,9 +156,7 @@ SUFFIXES = (".pdf", ".png", ".svg")
 
 POINTS_PER_INCH = 72.27
 
-RESOLUTION = 300
-"""Of a PNG [dots per inch]."""
-
+RESOLUTION = 300  # of a PNG [dots per inch]
 CREATOR = "derive"
 
 STYLE = {
@@ -189,11 +173,7 @@ _ALIGN_Y = {-1: "bottom", 0: "center", 1: "top"}
 
 
 def require_matplotlib() -> Any:
-    """The module matplotlib, set to draw into files.
-
-    Raises:
-        DeriveError: It is not installed.
-    """
+    """The module matplotlib, set to draw into files."""
     try:
         import matplotlib
     except ImportError:
@@ -203,16 +183,7 @@ def require_matplotlib() -> Any:
 
 
 def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
-    """A drawing as the contents of a file.
-
-    Args:
-        drawing: What to draw.
-        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
-        scale: How much larger than in the drawing.
-
-    Raises:
-        DeriveError: matplotlib is not installed.
-    """
+    """A drawing as the contents of a file."""
     matplotlib = require_matplotlib()
     with matplotlib.rc_context(STYLE):
         from matplotlib.figure import Figure
@@ -253,13 +224,7 @@ def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
 
 
 def figure_bytes(figure: Any, suffix: str, title: str) -> bytes:
-    """A figure of matplotlib as the contents of a file, without date or version in it.
-
-    Args:
-        figure: A ``matplotlib.figure.Figure``.
-        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
-        title: What it shows, for readers who cannot see it.
-    """
+    """A figure of matplotlib as the contents of a file, without date or version in it."""
     form = suffix.removeprefix(".")
     metadata = {
         "svg": {"Date": None, "Creator": CREATOR, "Title": title},

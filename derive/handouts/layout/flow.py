@@ -14,12 +14,8 @@ from enum import Enum, auto
 
 from derive.handouts.layout.lines import INDENTS
 
-_DEEPEST = 3
-"""Levels of brackets that are told apart."""
-
-_FACTORS = 6
-"""Factors that always fit on a line: only behind so many one may be broken off."""
-
+_DEEPEST = 3  # levels of brackets that are told apart
+_FACTORS = 6  # factors that always fit on a line: only behind so many one may be broken off
 _TOKEN = re.compile(
     r"\\begin\{bmatrix\}.*?\\end\{bmatrix\}|\\[bB]ig[lr]\\?.|\\[A-Za-z]+ ?|\\.|\s+|[0-9](?:[0-9.]|\{,\})*|.", re.DOTALL
 )
@@ -59,21 +55,12 @@ _KINDS = {
 }
 
 
-_WIDE = ("\\ ", "\\quad ")
-"""Spaces at which a line may end."""
-
+_WIDE = ("\\ ", "\\quad ")  # spaces at which a line may end
 _FACTOR = (_Kind.ATOM, _Kind.NAME, _Kind.OPERATOR, _Kind.CLOSING)
 
 
 def whole_equations(lines: Iterable[str]) -> list[str]:
-    """Equations as they were before they were broken over lines or put side by side.
-
-    Args:
-        lines: Lines of `break_lines`, `pack` or `equation_lines`.
-
-    Returns:
-        LaTeX of each equation, on one line.
-    """
+    """Equations as they were before they were broken over lines or put side by side."""
     joined: list[str] = []
     for line in lines:
         indent = next((box.tex for box in reversed(INDENTS) if joined and line.startswith(box.tex)), None)
@@ -103,14 +90,7 @@ def _side_by_side(line: str) -> Iterator[str]:
 
 
 def breakable(equation: str) -> str:
-    """An equation with marks where a line may end.
-
-    Args:
-        equation: Its LaTeX on one line.
-
-    Returns:
-        The same LaTeX with marks, brackets of fixed size in place of those that TeX would keep on one line.
-    """
+    """An equation with marks where a line may end."""
     size = "Big" if "\\frac" in equation else "big"
     equation = equation.replace("\\left", f"\\{size}l").replace("\\right", f"\\{size}r")
     written: list[str] = []
@@ -171,15 +151,10 @@ def _kind(atom: str) -> _Kind:
 
 @dataclass(frozen=True, slots=True)
 class MatrixEquation:
-    """A symbol and the matrix that it stands for.
+    """A symbol and the matrix that it stands for."""
 
-    Attributes:
-        symbol: LaTeX of the symbol.
-        cells: LaTeX of the entries, row by row.
-    """
-
-    symbol: str
-    cells: tuple[tuple[str, ...], ...]
+    symbol: str  # LaTeX of the symbol
+    cells: tuple[tuple[str, ...], ...]  # LaTeX of the entries, row by row
 
     @property
     def is_symmetric(self) -> bool:
@@ -205,9 +180,6 @@ class MatrixEquation:
 
 def matrix_equation(equation: str) -> MatrixEquation | None:
     """An equation whose right side is one matrix.
-
-    Args:
-        equation: Its LaTeX on one line.
 
     Returns:
         Symbol and entries; None for any other equation.

@@ -13,53 +13,30 @@ from itertools import pairwise
 
 from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, Piece, concatenate
 
+# Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve.
 LINE_WIDTH = 455.0
-"""Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve."""
-
-LANDSCAPE_WIDTH = 710.0
-"""Width of a line on a page turned on its side [pt]."""
-
-DEPTH_COST = 0.25
-"""Part of the line that may stay empty to break one bracket further out."""
-
-FACTOR_COST = 0.45
-"""Part of the line that may stay empty to break at a sum rather than between two factors."""
-
-TALLEST_MATRIX = 40
-"""Rows of a matrix that a page can hold."""
-
-BREAK_AFTER = 250
-"""Rows in one display; TeX sets a display as a whole, and its memory is finite."""
-
-KEPT_TOGETHER = 14
-"""Rows of a display that is not broken over pages; a matrix that is printed as one counts as four."""
-
-FRACTION_ROOM = "0.6ex"
-"""Added between two rows of a matrix that both hold fractions."""
-
-GAP = Box(" \\qquad ", 20.0)
-"""Between two equations on one line."""
-
+LANDSCAPE_WIDTH = 710.0  # width of a line on a page turned on its side [pt]
+DEPTH_COST = 0.25  # part of the line that may stay empty to break one bracket further out
+FACTOR_COST = 0.45  # part of the line that may stay empty to break at a sum rather than between two factors
+TALLEST_MATRIX = 40  # rows of a matrix that a page can hold
+BREAK_AFTER = 250  # rows in one display; TeX sets a display as a whole, and its memory is finite
+KEPT_TOGETHER = 14  # rows of a display that is not broken over pages; a matrix that is printed as one counts as four
+FRACTION_ROOM = "0.6ex"  # added between two rows of a matrix that both hold fractions
+GAP = Box(" \\qquad ", 20.0)  # between two equations on one line
 EQUALS = Box(" = ", RELATION_WIDTH)
 
+# In front of a line that continues another, by the brackets in which it starts; no equation begins like that.
 INDENTS = (Box("\\quad ", 10.0), Box("\\qquad ", 20.0), Box("\\qquad\\quad ", 30.0))
-"""In front of a line that continues another, by the brackets in which it starts; no equation begins like that."""
-
 _COLUMN_GAP = 10.0
 _DELIMITERS = 15.0
 
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """``left = right``.
+    """``left = right``."""
 
-    Attributes:
-        left: The symbol that is defined.
-        right: The expression.
-    """
-
-    left: Box
-    right: tuple[Piece, ...]
+    left: Box  # the symbol that is defined
+    right: tuple[Piece, ...]  # the expression
 
     @property
     def width(self) -> float:
@@ -68,16 +45,7 @@ class Equation:
 
 
 def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -> list[str]:
-    """The expression on as many lines as it needs.
-
-    Args:
-        head: What stands on the first line before the expression, such as ``b_{11} =``.
-        pieces: The expression.
-        width: Room on a line [pt].
-
-    Returns:
-        LaTeX of each line, without alignment marks.
-    """
+    """The expression on as many lines as it needs."""
     lines: list[str] = []
     start, lead = 0, head
     while True:
@@ -116,15 +84,7 @@ def _continued(piece: Piece) -> Box:
 
 
 def displays(lines: Sequence[str], *, kept: bool = True) -> list[str]:
-    """Rows of displayed mathematics, a few dozen in each display.
-
-    Args:
-        lines: LaTeX of each row.
-        kept: Whether a short display is kept on one page; one with room for answers is not short.
-
-    Returns:
-        ``align*`` environments of amsmath.
-    """
+    """Rows of displayed mathematics, a few dozen in each display."""
     parts = [lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER)]
     ends = [_row_end(part) if kept else " \\\\\n" for part in parts]
     bodies = (end.join(f"& {line.rstrip()}" for line in part) for end, part in zip(ends, parts, strict=True))
@@ -138,15 +98,7 @@ def _row_end(lines: Sequence[str]) -> str:
 
 
 def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> list[str]:
-    """Equations in their order; neighbours that fit share a line.
-
-    Args:
-        equations: The equations.
-        width: Room on a line [pt].
-
-    Returns:
-        LaTeX of each line.
-    """
+    """Equations in their order; neighbours that fit share a line."""
     lines: list[str] = []
     row: list[Box] = []
     for equation in equations:
@@ -160,15 +112,7 @@ def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> 
 
 
 def pack(boxes: Iterable[Box], width: float = LINE_WIDTH) -> list[str]:
-    """As many boxes on each line as fit; a box is never broken.
-
-    Args:
-        boxes: The boxes in their order.
-        width: Room on a line [pt].
-
-    Returns:
-        LaTeX of each line.
-    """
+    """As many boxes on each line as fit; a box is never broken."""
     lines: list[str] = []
     row: list[Box] = []
     for box in boxes:
@@ -180,11 +124,7 @@ def pack(boxes: Iterable[Box], width: float = LINE_WIDTH) -> list[str]:
 
 
 def matrix(rows: Sequence[Sequence[Box]]) -> Box:
-    """A matrix in brackets, with the width that it takes.
-
-    Args:
-        rows: Its cells, row by row.
-    """
+    """A matrix in brackets, with the width that it takes."""
     columns = zip(*rows, strict=True)
     width = sum(max(cell.width for cell in column) for column in columns)
     width += _COLUMN_GAP * (len(rows[0]) - 1) + _DELIMITERS
@@ -193,14 +133,7 @@ def matrix(rows: Sequence[Sequence[Box]]) -> Box:
 
 
 def matrix_rows(cells: Sequence[Sequence[str]]) -> list[str]:
-    """The rows of a matrix with what parts them; fractions in one would touch those in the next without some room.
-
-    Args:
-        cells: LaTeX of its cells, row by row.
-
-    Returns:
-        LaTeX of each row, all but the last with an end.
-    """
+    """The rows of a matrix with what parts them; fractions in one would touch those in the next without some room."""
     rows = [" & ".join(row) for row in cells]
     are_tall = ["frac{" in row for row in rows]
     ends = [f" \\\\[{FRACTION_ROOM}]" if all(pair) else " \\\\" for pair in pairwise(are_tall)]
@@ -208,11 +141,5 @@ def matrix_rows(cells: Sequence[Sequence[str]]) -> list[str]:
 
 
 def fits(box: Box, rows: int, width: float = LINE_WIDTH) -> bool:
-    """Whether a matrix can be printed as a whole.
-
-    Args:
-        box: The matrix, with its name.
-        rows: Number of its rows.
-        width: Room on a line [pt].
-    """
+    """Whether a matrix can be printed as a whole."""
     return box.width <= width and rows <= TALLEST_MATRIX

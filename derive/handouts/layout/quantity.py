@@ -25,118 +25,69 @@ from derive.model.entries import Entries
 
 @dataclass(frozen=True, slots=True)
 class SheetPolicy:
-    """Budgets of the sheet. Terms are those of the multiplied-out polynomial, lines those on paper.
+    """Budgets of the sheet. Terms are those of the multiplied-out polynomial, lines those on paper."""
 
-    Attributes:
-        flat_terms: Longest entry of kinematics that is written at all: a line holds eight terms or so.
-        grouped_terms: Longest entry of dynamics; grouped by inertial parameters a line holds some thirty.
-        quantity_entries: So many of the longest entries make the longest quantity that is written, shortest first.
-        entry_lines: Longest entry that is printed: a third of a page is as much as anybody reads.
-        quantity_lines: Longest quantity that is printed, shortest entries first: four pages.
-        landscape_lines: Longest entry that is printed on a page turned on its side.
-        landscape_total: Longest such part of a quantity: two pages.
-        matrix_terms: Longest quantity that can be a matrix: no page is wide enough for more.
-        compact_terms: Longest quantity that is printed multiplied out where a form in named terms exists.
-        factor_terms: Longest entry of a partial product of transforms, where T itself is too long.
-        closed_form_joints: Most joints for which the closed form of the dynamics is derived for the sheet. It grows
-            about fivefold with each joint, and of eight joints hardly an entry would be printed.
-        named_products: Most velocity products per equation of motion written out in named terms.
-    """
-
-    flat_terms: int = 200
-    grouped_terms: int = 500
+    flat_terms: int = 200  # longest entry of kinematics that is written at all: a line holds eight terms or so
+    grouped_terms: int = 500  # longest entry of dynamics; grouped by inertial parameters a line holds some thirty
+    # So many of the longest entries make the longest quantity that is written, shortest first.
     quantity_entries: int = 10
-    entry_lines: int = 16
-    quantity_lines: int = 190
-    landscape_lines: int = 18
-    landscape_total: int = 60
-    matrix_terms: int = 300
-    compact_terms: int = 60
-    factor_terms: int = 8
+    entry_lines: int = 16  # longest entry that is printed: a third of a page is as much as anybody reads
+    quantity_lines: int = 190  # longest quantity that is printed, shortest entries first: four pages
+    landscape_lines: int = 18  # longest entry that is printed on a page turned on its side
+    landscape_total: int = 60  # longest such part of a quantity: two pages
+    matrix_terms: int = 300  # longest quantity that can be a matrix: no page is wide enough for more
+    compact_terms: int = 60  # longest quantity that is printed multiplied out where a form in named terms exists
+    factor_terms: int = 8  # longest entry of a partial product of transforms, where T itself is too long
+    # Most joints for which the closed form of the dynamics is derived for the sheet. It grows about fivefold with
+    # each joint, and of eight joints hardly an entry would be printed.
     closed_form_joints: int = 7
-    named_products: int = 60
+    named_products: int = 60  # most velocity products per equation of motion written out in named terms
 
 
 POLICY = SheetPolicy()
 
 
-SHORTEST = 3
-"""Terms of a bracket that gets a name when it occurs twice."""
-
-OFTEN = 4
-"""Uses after which a bracket of two products gets one too."""
-
-MANY = 10**9
-"""Numbers of terms from which on two digits say enough."""
-
-ZERO = italic("0")
-
-"""Row and column, from 1."""
-
-Namer = Callable[[int, int], Box]
-"""(row, column) -> name of an entry."""
-
-Definition = tuple[Any, Any]
-"""A symbol and the expression that it stands for."""
+SHORTEST = 3  # terms of a bracket that gets a name when it occurs twice
+OFTEN = 4  # uses after which a bracket of two products gets one too
+MANY = 10**9  # numbers of terms from which on two digits say enough
+ZERO = italic("0")  # row and column, from 1
+Namer = Callable[[int, int], Box]  # (row, column) -> name of an entry
+Definition = tuple[Any, Any]  # a symbol and the expression that it stands for
 
 
 @dataclass(frozen=True, slots=True)
 class LaidOut:
-    """A quantity on the sheet, as lines of LaTeX.
+    """A quantity on the sheet, as lines of LaTeX."""
 
-    Attributes:
-        lines: The matrix, or the entries one by one.
-        named: Definitions of intermediate terms that the entries use.
-        omitted: Entries left to the code, with their numbers of terms.
-        by_entry: Whether only the entries that are not zero are printed.
-        has_zeros: Whether entries were left out because they are zero.
-        symmetric: Whether entries below the diagonal were left out.
-        landscape: Entries that are too long for an upright page, for one turned on its side.
-        values: Names and expressions of the printed entries.
-        blanks: Left sides without their values, for an exercise; none where something is too long to print.
-    """
-
-    lines: tuple[str, ...]
-    named: tuple[str, ...] = ()
-    omitted: tuple[str, ...] = ()
-    by_entry: bool = False
-    has_zeros: bool = False
-    symmetric: bool = False
-    landscape: tuple[str, ...] = ()
-    values: tuple[tuple[Box, Any], ...] = ()
+    lines: tuple[str, ...]  # the matrix, or the entries one by one
+    named: tuple[str, ...] = ()  # definitions of intermediate terms that the entries use
+    omitted: tuple[str, ...] = ()  # entries left to the code, with their numbers of terms
+    by_entry: bool = False  # whether only the entries that are not zero are printed
+    has_zeros: bool = False  # whether entries were left out because they are zero
+    symmetric: bool = False  # whether entries below the diagonal were left out
+    landscape: tuple[str, ...] = ()  # entries that are too long for an upright page, for one turned on its side
+    values: tuple[tuple[Box, Any], ...] = ()  # names and expressions of the printed entries
+    # Left sides without their values, for an exercise; none where something is too long to print.
     blanks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One entry on its way to the page.
+    """One entry on its way to the page."""
 
-    Attributes:
-        name: Its symbol.
-        terms: Number of terms when multiplied out.
-        write: Makes the expression; called only for entries within the budget.
-    """
-
-    name: Box
-    terms: int
-    write: Callable[[], Any]
+    name: Box  # its symbol
+    terms: int  # number of terms when multiplied out
+    write: Callable[[], Any]  # makes the expression; called only for entries within the budget
 
 
 @dataclass(frozen=True)
 class Layouter:
-    """Lays out the quantities of one robot.
+    """Lays out the quantities of one robot."""
 
-    Attributes:
-        printer: The robot's printer.
-        policy: What is printed.
-        term_symbol: (group, index) -> name of an intermediate term.
-        terms_word: What terms are called in the language of the page.
-    """
-
-    printer: LatexPrinter
-    policy: SheetPolicy
-    term_symbol: Callable[[int, int], Box]
-    terms_word: str = "terms"
+    printer: LatexPrinter  # the robot's printer
+    policy: SheetPolicy  # what is printed
+    term_symbol: Callable[[int, int], Box]  # (group, index) -> name of an intermediate term
+    terms_word: str = "terms"  # what terms are called in the language of the page
 
     def lay_out(
         self,
@@ -148,16 +99,7 @@ class Layouter:
         symmetric: bool = False,
         limit: int = 0,
     ) -> LaidOut:
-        """One matrix: in brackets if it fits, else entry by entry.
-
-        Args:
-            symbol: Name of the matrix.
-            name: (row, column) -> name of an entry.
-            quantity: The matrix.
-            group: Which letter its intermediate terms have.
-            symmetric: Whether the entries below the diagonal may be left out.
-            limit: Most terms of an entry that is written; 0 for that of the policy.
-        """
+        """One matrix: in brackets if it fits, else entry by entry."""
         items = {
             (i, j): Item(name(i, j), quantity.terms(i, j), partial(quantity.entry, i, j))
             for i, j in quantity.places
@@ -176,14 +118,7 @@ class Layouter:
         return replace(laid_out, blanks=(symbol.tex,) if laid_out.blanks else ())
 
     def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> LaidOut:
-        """Entries one by one, brackets that they share as named terms.
-
-        Args:
-            items: The entries.
-            group: Which letter the intermediate terms have.
-            symmetric: Whether entries below the diagonal were left out.
-            limit: Most terms of an entry that is written; 0 for that of the policy.
-        """
+        """Entries one by one, brackets that they share as named terms."""
         limit = limit or self.policy.flat_terms
         chosen = _within([item.terms for item in items], limit, limit * self.policy.quantity_entries)
         written = {index: items[index].write() for index in chosen}
@@ -232,13 +167,7 @@ class Layouter:
 
 
 def omitted(item: Item, word: str, *, comma: bool = False) -> Box:
-    """An entry that is left to the code: its name and its number of terms.
-
-    Args:
-        item: The entry.
-        word: What terms are called in the language of the page.
-        comma: Whether decimals stand behind a comma.
-    """
+    """An entry that is left to the code: its name and its number of terms."""
     count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2, comma=comma)
     unit = Box(f"\\text{{ {word}}}", 6.0 + 5.0 * len(word))
     return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, unit)

@@ -11,16 +11,13 @@ from derive.handouts.notation.text import PlainPrinter
 from derive.model.singularities.aspects import Aspects
 from derive.robot.names import robot_symbols
 
-_MANY = 16
-"""Solutions that are listed one by one."""
+_MANY = 16  # solutions that are listed one by one
 
 
 def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None = None) -> list[str]:
     """The aspects as plain text.
 
     Args:
-        found: The aspects.
-        write: Writes an expression.
         digits: Significant digits of the joint variables on a path; None for all.
     """
     if found.why_not:
@@ -89,11 +86,7 @@ def _crossing(found: Aspects, joints: list[str], digits: int | None) -> list[str
 
 
 def aspects_parts(found: Aspects) -> dict[str, Any]:
-    """What there is to know of the aspects, for JSON.
-
-    Args:
-        found: The aspects.
-    """
+    """What there is to know of the aspects, for JSON."""
     write = PlainPrinter().doprint
     crossing = found.crossing
     signs = found.signs or (None,) * len(found.inverse.solutions)

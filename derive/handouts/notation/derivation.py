@@ -25,18 +25,11 @@ from derive.robot.robot import Robot
 
 Print = Callable[[Any], str]
 
-LONGEST_PAIR = 12
-"""Operations of two arcs half a turn apart that are both written."""
+LONGEST_PAIR = 12  # operations of two arcs half a turn apart that are both written
 
 
 def derivation_lines(found: InverseKinematics, form: str, notation: Notation) -> list[str]:
-    """The derivation as lines.
-
-    Args:
-        found: The inverse kinematics.
-        form: ``text``, ``latex`` or ``python``.
-        notation: The robot's notation.
-    """
+    """The derivation as lines."""
     notation = with_names(notation, found)
     if form == "latex":
         return derivation_latex(found, SignLatexPrinter(notation, found).latex)
@@ -46,11 +39,7 @@ def derivation_lines(found: InverseKinematics, form: str, notation: Notation) ->
 
 
 def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
-    """What there is to know of the derivation, as text that Python reads, for JSON.
-
-    Args:
-        found: The inverse kinematics.
-    """
+    """What there is to know of the derivation, as text that Python reads, for JSON."""
     write = PlainPrinter().doprint
     steps = [
         {
@@ -86,12 +75,7 @@ def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
 
 
 def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
-    """The derivation as plain text.
-
-    Args:
-        found: The inverse kinematics.
-        write: Writes an expression, see `SignPrinter`.
-    """
+    """The derivation as plain text."""
     lines = [headline(found)]
     if found.conditions:
         lines.append(f"a pose can be reached only if {', '.join(_equation(c, write) for c in found.conditions)}")
@@ -125,12 +109,7 @@ def _failing(found: InverseKinematics, step: Step, write: Print) -> Iterator[str
 
 
 def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
-    """The formulas as rows of an ``aligned`` environment.
-
-    Args:
-        found: The inverse kinematics.
-        write: Writes an expression, see `SignLatexPrinter`.
-    """
+    """The formulas as rows of an ``aligned`` environment."""
     rows = [_equation(condition, write).replace("=", "&=", 1) for condition in found.conditions]
     rows += [formula(line, write, " &= ", " \\text{ or } ", " + \\pi") for line in found.definitions]
     for step in found.steps:
@@ -144,11 +123,7 @@ def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
 
 
 def derivation_python(found: InverseKinematics) -> list[str]:
-    """The formulas as assignments; the signs are ``epsilon_1``, ..., each 1 or -1.
-
-    Args:
-        found: The inverse kinematics.
-    """
+    """The formulas as assignments; the signs are ``epsilon_1``, ..., each 1 or -1."""
     write = PlainPrinter().doprint
     lines, parts = [], dict[Any, Any]()
     for line in found.named_lines:
@@ -175,11 +150,7 @@ def _script(found: InverseKinematics) -> list[str]:
 
 
 def headline(found: InverseKinematics) -> str:
-    """How many solutions there are, in words.
-
-    Args:
-        found: The inverse kinematics.
-    """
+    """How many solutions there are, in words."""
     if not found.graph.is_closed:
         return f"no closed form: {found.graph.why_not}"
     if not found.complete:
@@ -193,12 +164,7 @@ def headline(found: InverseKinematics) -> str:
 
 
 def reason(found: InverseKinematics, step: Step) -> str:
-    """Where the equations of a step come from, in words.
-
-    Args:
-        found: The inverse kinematics.
-        step: The step.
-    """
+    """Where the equations of a step come from, in words."""
     match step.kind:
         case Kind.GIVEN:
             return "given"
@@ -268,12 +234,7 @@ def _place(robot: Robot, origin: Origin) -> tuple[str, str]:
 
 
 def product_text(robot: Robot, origin: Origin) -> str:
-    """``A_1^-1 T A_6^-1``: what holds the joints first..last alone.
-
-    Args:
-        robot: The robot.
-        origin: Which joints.
-    """
+    """``A_1^-1 T A_6^-1``: what holds the joints first..last alone."""
     before = [f"A_{i}^-1" for i in range(origin.first - 1, 0, -1)]
     after = [f"A_{i}^-1" for i in range(robot.n, origin.last, -1)]
     base = [] if origin.has_base or robot.base == IDENTITY else ["base^-1"]
@@ -285,15 +246,7 @@ def product_text(robot: Robot, origin: Origin) -> str:
 
 
 def formula(line: Line, write: Print, equals: str = " = ", or_: str = " or ", half_turn: str = " + pi") -> str:
-    """``theta2 = atan2(+-sqrt(1 - D**2), D)``; both values where a sign stands in it twice.
-
-    Args:
-        line: The line.
-        write: Writes an expression.
-        equals: What stands between both sides.
-        or_: What stands between two values.
-        half_turn: What makes the first value the second one.
-    """
+    """``theta2 = atan2(+-sqrt(1 - D**2), D)``; both values where a sign stands in it twice."""
     left = write(line.symbol)
     first, *others = map(write, line.alternatives)
     if not others:

@@ -31,38 +31,26 @@ from derive.robot.rounding import DIGITS, is_given_in_decimals
 
 @dataclass(frozen=True)
 class Notation:
-    """How the symbols of a robot are written.
+    """How the symbols of a robot are written."""
 
-    Attributes:
-        glyphs: The symbol of every name, velocities and accelerations included.
-        positions: Place of every name in the order of factors: parameters, joint variables, velocities, accelerations.
-        labels: Joint variable of a revolute joint -> its label; a joint without a unique label is missing.
-        inertial: Masses, inertias and ratios, in the order of the links.
-        decimals: Whether rationals are printed as decimals.
-        digits: Significant digits of a number in print; None for all of them.
-        comma: Whether decimals stand behind a comma.
-        degrees: Whether multiples of pi in angles are written in degrees.
-        options: What the robot file or the reader chose.
-    """
-
-    glyphs: Mapping[str, Glyph]
+    glyphs: Mapping[str, Glyph]  # the symbol of every name, velocities and accelerations included
+    # Place of every name in the order of factors: parameters, joint variables, velocities, accelerations.
     positions: Mapping[str, tuple[int, int]]
+    # Joint variable of a revolute joint -> its label; a joint without a unique label is missing.
     labels: Mapping[str, str]
-    inertial: Mapping[str, int]
-    decimals: bool
-    digits: int | None = DIGITS
-    comma: bool = False
-    degrees: bool = False
-    options: NotationOptions = field(default_factory=NotationOptions)
+    inertial: Mapping[str, int]  # masses, inertias and ratios, in the order of the links
+    decimals: bool  # whether rationals are printed as decimals
+    digits: int | None = DIGITS  # significant digits of a number in print; None for all of them
+    comma: bool = False  # whether decimals stand behind a comma
+    degrees: bool = False  # whether multiples of pi in angles are written in degrees
+    options: NotationOptions = field(default_factory=NotationOptions)  # what the robot file or the reader chose
 
     @classmethod
     def of(cls, robot: Robot, options: NotationOptions | None = None, *, comma: bool = False) -> Notation:
         """The notation of a robot.
 
         Args:
-            robot: The robot.
             options: How variables are written; None for as in the robot file.
-            comma: Whether decimals stand behind a comma, as the reader's language has it.
         """
         options = options or NotationOptions()
         labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
@@ -83,19 +71,11 @@ class Notation:
         )
 
     def glyph(self, name: str) -> Glyph:
-        """The symbol of a name.
-
-        Args:
-            name: As in the robot file, or any other name, which is then written in its natural way.
-        """
+        """The symbol of a name."""
         return self.glyphs.get(name) or natural(name)
 
     def with_terms(self, terms: Mapping[str, Glyph]) -> Notation:
-        """The same notation with further symbols, for named intermediate terms.
-
-        Args:
-            terms: Name -> symbol.
-        """
+        """The same notation with further symbols, for named intermediate terms."""
         return replace(self, glyphs={**self.glyphs, **terms})
 
     @property
@@ -114,13 +94,7 @@ class Notation:
         return "," if any(len(label) > 1 for label in self.labels.values()) else ""
 
     def abbreviation(self, letter: str, variables: tuple[str, ...], exponent: Box) -> Box:
-        """The abbreviated cosine or sine of a sum of joint angles, raised to a power.
-
-        Args:
-            letter: ``c`` or ``s``.
-            variables: The joint variables that are added, in the order of their labels.
-            exponent: The power; empty for 1.
-        """
+        """The abbreviated cosine or sine of a sum of joint angles, raised to a power."""
         text = self.separator.join(self.labels[variable] for variable in variables)
         return script(italic(letter), italic(text), exponent)
 
@@ -161,11 +135,7 @@ _NO_POSITION = (0, 0)
 
 
 class Order:
-    """Sort keys for the expressions of one robot.
-
-    Args:
-        notation: The robot's notation.
-    """
+    """Sort keys for the expressions of one robot."""
 
     def __init__(self, notation: Notation) -> None:
         self._positions = notation.positions
@@ -176,11 +146,7 @@ class Order:
         self._terms: dict[Any, TermKey] = {}
 
     def factor(self, factor: Any) -> FactorKey:
-        """Sort key of a factor of a product.
-
-        Args:
-            factor: A SymPy expression.
-        """
+        """Sort key of a factor of a product."""
         known = self._factors.get(factor)
         if known is None:
             base, exponent = factor.as_base_exp()
@@ -190,11 +156,7 @@ class Order:
         return known
 
     def term(self, term: Any) -> TermKey:
-        """Sort key of a term of a sum.
-
-        Args:
-            term: A SymPy expression.
-        """
+        """Sort key of a term of a sum."""
         if term in self._terms:
             return self._terms[term]
         rest = term.as_coeff_Mul()[1]
@@ -236,9 +198,5 @@ class Order:
 
 
 def is_below(exponent: Any) -> bool:
-    """Whether a power belongs into a denominator.
-
-    Args:
-        exponent: The SymPy exponent.
-    """
+    """Whether a power belongs into a denominator."""
     return bool(exponent.is_Rational and exponent < 0)

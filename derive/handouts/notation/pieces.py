@@ -18,33 +18,15 @@ from typing import NamedTuple
 
 from derive.robot.rounding import DIGITS, shown
 
-SCRIPT = 0.85
-"""Width at script size (7 pt) over width at 10 pt; the largest ratio of any letter."""
-
-SCRIPT_SPACE = 0.5
-"""Space that plain TeX and LaTeX put after a subscript or superscript [pt]."""
-
-ITALIC_SLACK = 0.5
-"""More than the italic correction of any lower-case letter [pt]."""
-
-BINARY_WIDTH = 12.3
-"""A binary plus or minus with its spaces [pt]."""
-
-RELATION_WIDTH = 13.4
-"""An equals sign with its spaces [pt]."""
-
-MINUS_WIDTH = 7.8
-"""A minus sign in front of a term [pt]."""
-
-DOT_WIDTH = 7.3
-"""A centred dot between factors with its spaces [pt]."""
-
-BRACKET_WIDTH = 5.0
-"""Any bracket of normal size [pt]."""
-
-MONOSPACE_WIDTH = 5.3
-"""Any character of cmtt10 [pt]."""
-
+SCRIPT = 0.85  # width at script size (7 pt) over width at 10 pt; the largest ratio of any letter
+SCRIPT_SPACE = 0.5  # space that plain TeX and LaTeX put after a subscript or superscript [pt]
+ITALIC_SLACK = 0.5  # more than the italic correction of any lower-case letter [pt]
+BINARY_WIDTH = 12.3  # a binary plus or minus with its spaces [pt]
+RELATION_WIDTH = 13.4  # an equals sign with its spaces [pt]
+MINUS_WIDTH = 7.8  # a minus sign in front of a term [pt]
+DOT_WIDTH = 7.3  # a centred dot between factors with its spaces [pt]
+BRACKET_WIDTH = 5.0  # any bracket of normal size [pt]
+MONOSPACE_WIDTH = 5.3  # any character of cmtt10 [pt]
 _ITALIC = {
     "A": 750, "B": 759, "C": 715, "D": 828, "E": 738, "F": 643, "G": 786, "H": 831, "I": 440, "J": 555, "K": 849,
     "L": 681, "M": 970, "N": 803, "O": 763, "P": 642, "Q": 791, "R": 759, "S": 613, "T": 584, "U": 683, "V": 583,
@@ -59,6 +41,7 @@ _UPRIGHT = {
     "h": 556, "i": 278, "j": 306, "k": 528, "l": 278, "m": 833, "n": 556, "o": 500, "p": 556, "q": 528, "r": 392,
     "s": 394, "t": 389, "u": 556, "v": 528, "w": 722, "x": 528, "y": 528, "z": 444, ",": 444, ".": 278,
 }  # fmt: skip
+# Greek letters that LaTeX has as commands, with their widths in thousandths of the font size.
 GREEK = {
     "alpha": 640, "beta": 566, "gamma": 518, "delta": 444, "epsilon": 406, "varepsilon": 466, "zeta": 438, "eta": 497,
     "theta": 469, "vartheta": 591, "iota": 354, "kappa": 576, "lambda": 583, "mu": 603, "nu": 494, "xi": 438,
@@ -66,19 +49,13 @@ GREEK = {
     "omega": 622, "Gamma": 625, "Delta": 833, "Theta": 778, "Lambda": 694, "Xi": 667, "Sigma": 722, "Upsilon": 778,
     "Phi": 722, "Psi": 778, "Omega": 722, "pi": 570, "Pi": 750,
 }  # fmt: skip
-"""Greek letters that LaTeX has as commands, with their widths in thousandths of the font size."""
 
 
 class Box(NamedTuple):
-    """A piece of LaTeX in mathematics mode.
+    """A piece of LaTeX in mathematics mode."""
 
-    Attributes:
-        tex: The LaTeX source.
-        width: Width at 10 pt [pt], rounded up.
-    """
-
-    tex: str
-    width: float
+    tex: str  # the LaTeX source
+    width: float  # width at 10 pt [pt], rounded up
 
 
 EMPTY = Box("", 0.0)
@@ -86,63 +63,37 @@ EMPTY = Box("", 0.0)
 
 @cache
 def italic(text: str) -> Box:
-    """Letters and digits as mathematics sets them.
-
-    Args:
-        text: The letters.
-    """
+    """Letters and digits as mathematics sets them."""
     return Box(text, sum(_ITALIC.get(char, 500) / 100 for char in text) + ITALIC_SLACK)
 
 
 @cache
 def upright(text: str) -> Box:
-    """A word in roman letters.
-
-    Args:
-        text: The word.
-    """
+    """A word in roman letters."""
     return Box(f"\\mathrm{{{text}}}", sum(_UPRIGHT.get(char, 500) / 100 for char in text))
 
 
 @cache
 def greek(name: str) -> Box:
-    """A Greek letter.
-
-    Args:
-        name: Its command without the backslash, such as ``vartheta``.
-    """
+    """A Greek letter."""
     return Box(f"\\{name} ", GREEK[name] / 100 + ITALIC_SLACK)
 
 
 @cache
 def monospace(text: str) -> Box:
-    """Any name, character by character.
-
-    Args:
-        text: The name; it may hold underscores.
-    """
+    """Any name, character by character."""
     return Box("\\mathtt{" + text.replace("_", "\\_") + "}", MONOSPACE_WIDTH * len(text))
 
 
 def operator(name: str) -> Box:
-    """A function's name such as cos, with the thin space that follows.
-
-    Args:
-        name: The name.
-    """
+    """A function's name such as cos, with the thin space that follows."""
     known = name in {"cos", "sin", "tan"}
     tex = f"\\{name} " if known else f"\\operatorname{{{name}}}"
     return Box(tex, upright(name).width + 2 * 1.7)
 
 
 def script(nucleus: Box, sub: Box = EMPTY, sup: Box = EMPTY) -> Box:
-    """A nucleus with a subscript, a superscript or both, one above the other.
-
-    Args:
-        nucleus: What bears them.
-        sub: The subscript, empty for none.
-        sup: The superscript, empty for none.
-    """
+    """A nucleus with a subscript, a superscript or both, one above the other."""
     if not (sub.tex or sup.tex):
         return nucleus
     tex = nucleus.tex.rstrip()
@@ -154,24 +105,14 @@ def script(nucleus: Box, sub: Box = EMPTY, sup: Box = EMPTY) -> Box:
 
 
 def fraction(numerator: Box, denominator: Box, small: bool = False) -> Box:
-    """A fraction.
-
-    Args:
-        numerator: Above the line.
-        denominator: Below the line.
-        small: Whether both are set at script size.
-    """
+    """A fraction."""
     command, scale = ("tfrac", SCRIPT) if small else ("frac", 1.0)
     width = max(numerator.width, denominator.width) * scale + 2.5
     return Box(f"\\{command}{{{numerator.tex.rstrip()}}}{{{denominator.tex.rstrip()}}}", width)
 
 
 def concatenate(*boxes: Box) -> Box:
-    """Boxes side by side.
-
-    Args:
-        boxes: From left to right.
-    """
+    """Boxes side by side."""
     return Box("".join(box.tex for box in boxes), sum(box.width for box in boxes))
 
 
@@ -185,52 +126,31 @@ class Break(IntEnum):
 
 
 class Piece(NamedTuple):
-    """A part of an expression that stays on one line.
+    """A part of an expression that stays on one line."""
 
-    Attributes:
-        box: Its LaTeX.
-        before: Whether a line may be broken before it.
-        depth: How many brackets it stands in.
-        nest: Height of the bracket that it opens or closes, 0 for other pieces.
-    """
-
-    box: Box
-    before: Break = Break.NEVER
-    depth: int = 0
-    nest: int = 0
+    box: Box  # its LaTeX
+    before: Break = Break.NEVER  # whether a line may be broken before it
+    depth: int = 0  # how many brackets it stands in
+    nest: int = 0  # height of the bracket that it opens or closes, 0 for other pieces
 
 
 def binary(sign: str, depth: int) -> Piece:
-    """Plus or minus between two terms.
-
-    Args:
-        sign: ``+`` or ``-``.
-        depth: How many brackets it stands in.
-    """
+    """Plus or minus between two terms."""
     return Piece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
 
 
 def joined(pieces: Iterable[Piece]) -> Box:
-    """All pieces on one line.
-
-    Args:
-        pieces: From left to right.
-    """
+    """All pieces on one line."""
     return concatenate(*(piece.box for piece in pieces))
 
 
 # -- numbers
 
-DECIMAL_COMMA = "{,}"
-"""In braces, so that no space follows it."""
+DECIMAL_COMMA = "{,}"  # in braces, so that no space follows it
 
 
 def list_separator(pieces: Iterable[Piece]) -> Box:
-    """What stands between the members of a list: a comma, or a semicolon where a number has one inside.
-
-    Args:
-        pieces: All members.
-    """
+    """What stands between the members of a list: a comma, or a semicolon where a number has one inside."""
     return Box(";\\, " if any(DECIMAL_COMMA in piece.box.tex for piece in pieces) else ",\\, ", 6.0)
 
 
@@ -244,11 +164,7 @@ def magnitude(
     """The absolute value of a rational number in print.
 
     Args:
-        value: The number.
-        decimals: Whether to prefer 0.5 to one half.
         digits: Significant digits to print; None for all of them.
-        small: Whether a fraction is set at script size, as in a coefficient.
-        comma: Whether decimals stand behind a comma.
     """
     found, mark = shown(abs(value), decimals=decimals, digits=digits), DECIMAL_COMMA if comma else "."
     if isinstance(found, Fraction):

@@ -40,28 +40,20 @@ from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 from derive.robot.units import Unit, in_file_units, symbol_unit
 
+# Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken.
 WIDEST_FRACTION = 120.0
-"""Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken."""
-
 MINUS = Piece(Box("-", MINUS_WIDTH))
 
 _HALF, _ONE = S.Half, S.One
 _CIRCULAR = ("cos", "sin", "tan")
 _FUNCTIONS = {"sign": "sgn", "atan2": "atan2", "acos": "arccos", "asin": "arcsin", "atan": "arctan"}
-_BRACKETS = (("(", ")"), ("[", "]"), ("\\{", "\\}"))
-"""By the levels of brackets inside; deeper ones begin again."""
-
+_BRACKETS = (("(", ")"), ("[", "]"), ("\\{", "\\}"))  # by the levels of brackets inside; deeper ones begin again
 Pieces = list[Piece]
-Power = tuple[Any, Any]
-"""Base and exponent."""
+Power = tuple[Any, Any]  # base and exponent
 
 
 class LatexPrinter:
-    """Prints the expressions of one robot.
-
-    Args:
-        notation: The robot's notation.
-    """
+    """Prints the expressions of one robot."""
 
     def __init__(self, notation: Notation) -> None:
         self.notation = notation
@@ -69,39 +61,17 @@ class LatexPrinter:
         self._written: dict[tuple[Any, int], tuple[Piece, ...]] = {}
 
     def latex(self, expression: Any) -> str:
-        """One line of LaTeX, for mathematics mode.
-
-        Args:
-            expression: A SymPy expression in the robot's symbols.
-
-        Raises:
-            TargetError: It holds something that the grammar of robot files has no word for.
-        """
+        """One line of LaTeX, for mathematics mode."""
         return joined(self.pieces(expression)).tex
 
     def pieces(self, expression: Any) -> Pieces:
-        """The expression as pieces, from left to right.
-
-        Args:
-            expression: A SymPy expression in the robot's symbols.
-
-        Raises:
-            TargetError: It holds something that the grammar of robot files has no word for.
-        """
+        """The expression as pieces, from left to right."""
         terms = expression.args if expression.is_Add else ()
         is_angle = any(term.is_Symbol and term.name in self.notation.labels for term in terms)
         return self.angle(expression) if is_angle else self._sum(expression, 0)
 
     def angle(self, expression: Any, depth: int = 0) -> Pieces:
-        """An angle as pieces; where the robot file has degrees, a multiple of pi that is added is written in degrees.
-
-        Args:
-            expression: A SymPy expression in the robot's symbols.
-            depth: How many brackets it stands in.
-
-        Raises:
-            TargetError: It holds something that the grammar of robot files has no word for.
-        """
+        """An angle as pieces; an added multiple of pi is in degrees where the robot file is."""
         turn = expression.coeff(pi)
         rest = expression - turn * pi
         if not (self.notation.degrees and turn.is_Rational and turn) or rest.has(pi):
@@ -262,69 +232,32 @@ def _nested(pieces: Pieces) -> int:
 
 # -- cells of the robot file
 
-DATA_DIGITS = 15
-"""Significant digits of the numbers in tables, which are the user's."""
-
+DATA_DIGITS = 15  # significant digits of the numbers in tables, which are the user's
 _CIRCLE = "^{\\circ}"
-Cell = tuple[Piece, ...]
-"""A cell in print."""
+Cell = tuple[Piece, ...]  # a cell in print
 
 
 class DataPrinter:
-    """Prints cells of the robot file.
-
-    Args:
-        robot: The robot.
-        notation: Its notation.
-    """
+    """Prints cells of the robot file."""
 
     def __init__(self, robot: Robot, notation: Notation) -> None:
         self.robot = robot
         self.notation = replace(notation, decimals=True, digits=DATA_DIGITS, degrees=robot.units.degrees)
 
     def value(self, cell: Expression | Expr) -> Cell:
-        """A length, mass or other number.
-
-        Args:
-            cell: The cell, or a SymPy expression of cells.
-
-        Returns:
-            Its pieces.
-        """
+        """A length, mass or other number."""
         return tuple(LatexPrinter(self.notation).pieces(_sympy(cell)))
 
     def angle(self, cell: Expression | Expr) -> Cell:
-        """An angle, its multiples of pi as the robot file has them: with pi, or in degrees.
-
-        Args:
-            cell: The cell, or a SymPy expression of cells.
-
-        Returns:
-            Its pieces.
-        """
+        """An angle, its multiples of pi as the robot file has them: with pi, or in degrees."""
         return tuple(LatexPrinter(self.notation).angle(_sympy(cell)))
 
     def length(self, cell: Expression) -> Cell:
-        """A length, its numbers in the units of the robot file.
-
-        Args:
-            cell: The cell.
-
-        Returns:
-            Its pieces, without a unit.
-        """
+        """A length, its numbers in the units of the robot file."""
         return self.value(in_file_units(cell, Unit.LENGTH, self.robot.units))
 
     def symbol(self, name: str, number: Expression) -> Cell:
-        """The number of a symbol as the robot file has it, with its unit where that is not the SI unit.
-
-        Args:
-            name: The symbol.
-            number: Its number.
-
-        Returns:
-            Its pieces.
-        """
+        """The number of a symbol as the robot file has it, with its unit where that is not the SI unit."""
         unit = symbol_unit(self.robot, name) if self.robot.units.parameters else Unit.SI
         if unit is Unit.LENGTH:
             return (*self.length(number), Piece(self._metres))
@@ -336,29 +269,14 @@ class DataPrinter:
         return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else Box("\\,\\mathrm{m}", 11.0)
 
     def position(self, joint: Joint, cell: Expression) -> Cell:
-        """A value of a joint variable with its unit.
-
-        Args:
-            joint: The joint.
-            cell: The value.
-
-        Returns:
-            Its pieces.
-        """
+        """A value of a joint variable with its unit."""
         pieces, unit = self._position(joint, cell)
         if unit.tex and any(piece.before is Break.BINARY and not piece.depth for piece in pieces):
             pieces = tuple(_bracket(list(pieces), EMPTY, 0))  # the unit is that of all terms
         return (*pieces, Piece(unit)) if unit.tex else pieces
 
     def limits(self, joint: Joint) -> Cell:
-        """Both limits of a joint with their unit.
-
-        Args:
-            joint: The joint.
-
-        Returns:
-            Pieces of an interval, or of a dash where there are no limits.
-        """
+        """Both limits of a joint with their unit."""
         if joint.limits is None:
             return (Piece(Box("\\text{--}", 6.0)),)
         (lower, _), (upper, unit) = (self._position(joint, limit) for limit in joint.limits)

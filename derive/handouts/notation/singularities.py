@@ -11,14 +11,7 @@ Write = Callable[[Any], Any]
 
 
 def singularities_lines(found: Singularities, name: str, form: str, write: Write) -> list[str]:
-    """The singularities in words, in LaTeX, or as a Python assignment under comments.
-
-    Args:
-        found: The singularities.
-        name: What stands before the equals sign.
-        form: ``text``, ``latex`` or ``python``.
-        write: Writes an expression.
-    """
+    """The singularities in words, in LaTeX, or as a Python assignment under comments."""
     if form == "latex":
         return found.latex_lines(write)
     first, *lines = [*([f"{name} = {write(found.determinant)}"] if found.blocks else []), *statement(found, write)]
@@ -31,12 +24,7 @@ def singularities_lines(found: Singularities, name: str, form: str, write: Write
 
 
 def singularities_parts(found: Singularities, write: Write) -> dict[str, Any]:
-    """The same for JSON.
-
-    Args:
-        found: The singularities.
-        write: Writes an expression.
-    """
+    """The same for JSON."""
     families = [
         [{"zero": write(c.expression), "values": list(map(write, c.values)), "certain": c.is_certain} for c in family]
         for family in found.families

@@ -18,18 +18,11 @@ from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.options.handout import PoseEntries
 from derive.robot.robot import Robot
 
-WIDEST_QUOTIENT = 380.0
-"""Widest sum above a divisor [pt]."""
+WIDEST_QUOTIENT = 380.0  # widest sum above a divisor [pt]
 
 
 class SignPrinter(TextPrinter):
-    """Text in which a choice of sign is ``+-``.
-
-    Args:
-        robot: The robot.
-        notation: Its notation, see `with_names`.
-        pose: Names of the entries of the pose.
-    """
+    """Text in which a choice of sign is ``+-``."""
 
     def __init__(self, robot: Robot, notation: Notation, pose: frozenset[str]) -> None:
         super().__init__(robot, notation)
@@ -55,23 +48,14 @@ class SignPrinter(TextPrinter):
 
 
 class SolutionOrder(Order):
-    """The order in which solutions are written: what is added before what is subtracted, the pose before the arm.
-
-    Args:
-        notation: The robot's notation, see `with_names`.
-        pose: Names of the entries of the pose.
-    """
+    """The order in which solutions are written: what is added before what is subtracted, the pose before the arm."""
 
     def __init__(self, notation: Notation, pose: frozenset[str]) -> None:
         super().__init__(notation)
         self._pose = pose
 
     def term(self, term: Any) -> Any:
-        """Sort key of a term of a sum.
-
-        Args:
-            term: A SymPy expression.
-        """
+        """Sort key of a term of a sum."""
         symbols = term.free_symbols
         has_sign = any(isinstance(symbol, Sign) for symbol in symbols)
         is_negative = bool(term.as_coeff_Mul()[0] < 0)
@@ -79,22 +63,13 @@ class SolutionOrder(Order):
 
 
 def pose_names(found: InverseKinematics) -> frozenset[str]:
-    """Names of the entries of the pose, and of the pose within the arm.
-
-    Args:
-        found: The inverse kinematics.
-    """
+    """Names of the entries of the pose, and of the pose within the arm."""
     within = (line.symbol for line in found.definitions)
     return frozenset(symbol.name for symbol in (*found.pose.free_symbols, *within))
 
 
 def with_names(notation: Notation, found: InverseKinematics) -> Notation:
-    """The notation in which the entries of the pose, then named quantities stand behind the parameters of the arm.
-
-    Args:
-        notation: The robot's notation.
-        found: Its inverse kinematics.
-    """
+    """The notation in which the entries of the pose, then named quantities stand behind the parameters of the arm."""
     pose = [symbol.name for symbol in found.pose[:3, :].T] + [line.symbol.name for line in found.definitions]
     named = [line.symbol.name for line in found.lines if line.symbol.is_Symbol]
     last = len(notation.positions)
@@ -113,13 +88,7 @@ def _columns(notation: Notation, found: InverseKinematics) -> dict[str, Glyph]:
 
 
 class SignLatexPrinter(LatexPrinter):
-    """LaTeX in which a choice of sign is a plus-minus, and a quotient on its own a fraction.
-
-    Args:
-        notation: The robot's notation, see `with_names`.
-        found: Its inverse kinematics.
-        widest: The widest sum above a divisor [pt].
-    """
+    """LaTeX in which a choice of sign is a plus-minus, and a quotient on its own a fraction."""
 
     def __init__(self, notation: Notation, found: InverseKinematics, widest: float = WIDEST_QUOTIENT) -> None:
         self._widest = widest
@@ -130,19 +99,11 @@ class SignLatexPrinter(LatexPrinter):
         self._order = SolutionOrder(notation, pose_names(found))
 
     def latex(self, expression: Any) -> str:
-        """One line of LaTeX, for mathematics mode.
-
-        Args:
-            expression: A SymPy expression in the robot's symbols, those of the pose, named quantities and signs.
-        """
+        """One line of LaTeX, for mathematics mode."""
         return with_signs(super().latex(expression))
 
     def pieces(self, expression: Any) -> Pieces:
-        """The expression as pieces; a quotient with a sum above as a fraction, where it is not too wide.
-
-        Args:
-            expression: A SymPy expression in the robot's symbols, those of the pose, named quantities and signs.
-        """
+        """The expression as pieces; a quotient with a sum above as a fraction, where it is not too wide."""
         above, below = sympy.fraction(expression) if expression.is_Mul else (expression, sympy.S.One)
         if above.is_Add and not below.is_Integer:
             top, bottom = joined(super().pieces(above)), joined(super().pieces(below))
@@ -161,9 +122,5 @@ def _subscripted(name: str, notation: Notation) -> Glyph:
 
 
 def with_signs(text: str) -> str:
-    """LaTeX without a plus or minus before a plus-minus sign.
-
-    Args:
-        text: The LaTeX.
-    """
+    """LaTeX without a plus or minus before a plus-minus sign."""
     return re.sub(r"\+\s*\\pm", r"\\pm", re.sub(r"-\s*\\pm", r"\\mp", text))

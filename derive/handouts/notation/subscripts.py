@@ -20,13 +20,9 @@ from derive.robot.names import joint_label
 from derive.robot.options.handout import AngleLetter, NotationOptions, SliderLetter
 from derive.robot.robot import Robot
 
-LONGEST_SUFFIX = 2
-"""Letters after the first that still read as a subscript: Ixx, cx, ml; longer names are words."""
-
+LONGEST_SUFFIX = 2  # letters after the first that still read as a subscript: Ixx, cx, ml; longer names are words
 _COMMA = Box(",", 3.0)
-_ABBREVIATION = re.compile(r"[cs]_\{[0-9,]+\}")
-"""What is read as the cosine or sine of a joint angle, such as c_{12}."""
-
+_ABBREVIATION = re.compile(r"[cs]_\{[0-9,]+\}")  # what is read as the cosine or sine of a joint angle, such as c_{12}
 _REVOLUTE_LETTERS: Mapping[AngleLetter, Box] = {
     AngleLetter.THETA: greek("theta"),
     AngleLetter.VARTHETA: greek("vartheta"),
@@ -37,17 +33,11 @@ _PRISMATIC_LETTERS: Mapping[SliderLetter, Box] = {SliderLetter.D: italic("d"), S
 
 @dataclass(frozen=True, slots=True)
 class Glyph:
-    r"""A symbol.
+    r"""A symbol."""
 
-    Attributes:
-        head: The letter or word.
-        sub: The subscript, empty if there is none.
-        accent: ``\dot``, ``\ddot`` or empty.
-    """
-
-    head: Box
-    sub: Box = EMPTY
-    accent: str = ""
+    head: Box  # the letter or word
+    sub: Box = EMPTY  # the subscript, empty if there is none
+    accent: str = ""  # ``\dot``, ``\ddot`` or empty
 
     @property
     def box(self) -> Box:
@@ -55,40 +45,24 @@ class Glyph:
         return self.power(EMPTY)
 
     def power(self, exponent: Box) -> Box:
-        """The symbol raised to a power.
-
-        Args:
-            exponent: What stands above the subscript; empty for the symbol itself.
-        """
+        """The symbol raised to a power."""
         head = self.head
         if self.accent:
             head = Box(f"{self.accent}{{{head.tex.rstrip()}}}", head.width)
         return script(head, self.sub, exponent)
 
     def dotted(self, accent: str) -> Glyph:
-        r"""The same symbol under dots: a velocity or an acceleration.
-
-        Args:
-            accent: ``\dot`` or ``\ddot``.
-        """
+        r"""The same symbol under dots: a velocity or an acceleration."""
         return replace(self, accent=accent)
 
 
 def literal(name: str) -> Glyph:
-    """A name in monospace letters, as the user typed it.
-
-    Args:
-        name: As in the robot file.
-    """
+    """A name in monospace letters, as the user typed it."""
     return Glyph(monospace(name))
 
 
 def natural(name: str) -> Glyph:
-    """A name as a textbook would print it, else in monospace letters.
-
-    Args:
-        name: As in the robot file.
-    """
+    """A name as a textbook would print it, else in monospace letters."""
     parts = name.split("_")
     match = re.fullmatch(r"([A-Za-z]+)([0-9][A-Za-z0-9]*)?", parts[0])
     if match is None or not all(parts):
@@ -117,15 +91,7 @@ def natural(name: str) -> Glyph:
 
 
 def distinct(names: Iterable[str], chosen: Mapping[str, Glyph] | None = None) -> Iterator[tuple[str, Glyph]]:
-    """A glyph for each name; an earlier name keeps its own one where two would look the same.
-
-    Args:
-        names: The names, as in the robot file.
-        chosen: Glyphs to write instead of the natural ones.
-
-    Yields:
-        Each name with its glyph; no two glyphs look alike, and none like an abbreviated cosine or sine.
-    """
+    """A glyph for each name; an earlier name keeps its own one where two would look the same."""
     taken: set[str] = set()
     for name in names:
         glyph = (chosen or {}).get(name) or natural(name)
@@ -136,16 +102,7 @@ def distinct(names: Iterable[str], chosen: Mapping[str, Glyph] | None = None) ->
 
 
 def variable_glyphs(robot: Robot, names: Iterable[str], options: NotationOptions) -> dict[str, Glyph]:
-    """The joint variables that are written with another letter than in the robot file.
-
-    Args:
-        robot: The robot.
-        names: Every name that is printed, joint variables included.
-        options: Which letters.
-
-    Returns:
-        Joint variable -> glyph; variables that keep their own letter are missing.
-    """
+    """The joint variables that are written with another letter than in the robot file."""
     names = tuple(names)
     chosen: dict[str, Glyph] = {}
     for joint in robot.joints:

@@ -14,21 +14,12 @@ _TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
 
 
 def bold(letter: str) -> Box:
-    """A matrix or vector.
-
-    Args:
-        letter: Its letter.
-    """
+    """A matrix or vector."""
     return Box(f"\\mathbf{{{letter}}}", 10.0)
 
 
 class Symbols:
-    """Names of entries for one robot.
-
-    Args:
-        notation: The robot's notation.
-        n: Number of joints.
-    """
+    """Names of entries for one robot."""
 
     def __init__(self, notation: Notation, n: int) -> None:
         self.options = notation.options
@@ -42,66 +33,34 @@ class Symbols:
         return self.options.inertia.value
 
     def frame(self, letter: str, frame: int | str, reference: int | str) -> Box:
-        r"""A matrix of one frame in another: \mathbf{A}_{1}^{0}, or {}^{0}\mathbf{A}_{1} with the frames on the left.
-
-        Args:
-            letter: The matrix.
-            frame: Index of the frame that is described.
-            reference: Index of the frame in which it is described.
-        """
+        r"""A matrix of one frame in another: \mathbf{A}_{1}^{0}, or {}^{0}\mathbf{A}_{1} with frames on the left."""
         lower, upper = italic(str(frame)), italic(str(reference))
         if self.options.frames is FrameIndices.RIGHT:
             return script(bold(letter), lower, upper)
         return concatenate(script(Box("{}", 0.0), sup=upper), script(bold(letter), lower))
 
     def entry(self, letter: str, row: int, column: int) -> Box:
-        """Entry of a matrix.
-
-        Args:
-            letter: Letter of the entries, such as ``b``.
-            row: Its row, from 1.
-            column: Its column, from 1.
-        """
+        """Entry of a matrix."""
         return self._free(letter, f"{row}{self._comma}{column}")
 
     def component(self, letter: str, row: int) -> Box:
-        """Entry of a vector.
-
-        Args:
-            letter: Letter of the entries, such as ``g``.
-            row: Its place, from 1.
-        """
+        """Entry of a vector."""
         return self._free(letter, str(row))
 
     def torque(self, row: int) -> Box:
-        """Force or torque of a joint.
-
-        Args:
-            row: The joint, from 1.
-        """
+        """Force or torque of a joint."""
         tau = script(greek("tau"), italic(str(row)))
         return script(upright("tau"), italic(str(row))) if tau.tex in self._taken else tau
 
     def christoffel(self, i: int | str, j: int | str, k: int | str) -> Box:
-        """The Christoffel symbol c_{i,jk} of the first kind.
-
-        Args:
-            i: The joint whose force it gives, from 1, or a letter that stands for it.
-            j: One of the two joints that move.
-            k: The other one.
-        """
+        """The Christoffel symbol c_{i,jk} of the first kind."""
         indices = f"{i},{j}{self._comma}{k}"
         if self._gamma:
             return script(greek("Gamma"), italic(indices))
         return self._free("c", indices)
 
     def term(self, group: int, index: int) -> Box:
-        """A named intermediate term.
-
-        Args:
-            group: Number of the quantity; each has a letter of its own.
-            index: Number of the term, from 1.
-        """
+        """A named intermediate term."""
         letters = [letter for letter in _TERM_LETTERS if not any(tex.startswith(letter) for tex in self._taken)]
         letters = letters or ["\\Lambda "]
         letter = letters[group % len(letters)]
@@ -122,84 +81,41 @@ class Group:
     Small numbers get a letter of their own, larger ones a letter with two indices, see `Symbols.term`.
     """
 
+    # The quantities; g and tau have the same, for they stand in different parts.
     T, J, B, CHRISTOFFEL, C, N, TORQUE, POTENTIAL = range(8)
-    """The quantities; g and tau have the same, for they stand in different parts."""
-
     _FIRST_FRAME = 8
     _PER_FRAME = 3
 
-    SINGULARITY_BLOCKS = 60
-    """The one or two blocks of J whose determinants are taken."""
-
+    SINGULARITY_BLOCKS = 60  # the one or two blocks of J whose determinants are taken
     DETERMINANT = 62
     _FIRST_AXES = 90
 
-    _FIRST_BODY = 1000
-    """From here on single bodies; before them the quantities and the transforms."""
-
+    _FIRST_BODY = 1000  # from here on single bodies; before them the quantities and the transforms
     _PER_BODY = 5
     KINETIC = _FIRST_BODY - 1
     DERIVATIVE = _FIRST_BODY - 2
 
     @staticmethod
     def row(i: int) -> int:
-        """The transform A_i.
-
-        Args:
-            i: Row of the table, from 1; n + 1 is the position of the end effector.
-
-        Returns:
-            Its group.
-        """
+        """The transform A_i."""
         return Group._FIRST_FRAME + Group._PER_FRAME * (i - 1)
 
     @staticmethod
     def factor(start: int) -> int:
-        """A product of some rows in the middle of the arm.
-
-        Args:
-            start: The frame it starts from, from 0.
-
-        Returns:
-            Its group.
-        """
+        """A product of some rows in the middle of the arm."""
         return Group.row(start + 1) + 1
 
     @staticmethod
     def product(i: int) -> int:
-        """The product of the first rows, T_i^0.
-
-        Args:
-            i: The frame it leads to, from 0.
-
-        Returns:
-            Its group.
-        """
+        """The product of the first rows, T_i^0."""
         return Group.row(i + 1) + 2
 
     @staticmethod
     def axis(n: int, frame: int, column: int) -> int:
-        """The axis or the origin of a frame; above all transforms.
-
-        Args:
-            n: Number of joints.
-            frame: The frame, from 0.
-            column: 3 for the axis, 4 for the origin.
-
-        Returns:
-            Its group.
-        """
+        """The axis or the origin of a frame; above all transforms."""
         return max(Group._FIRST_AXES, Group.row(n + 3)) + 2 * frame + column - 3
 
     @staticmethod
     def body(index: int, quantity: int) -> int:
-        """A quantity of a link or rotor.
-
-        Args:
-            index: Place of the body among all bodies, from 0.
-            quantity: 0 for its part of B, 1 and 2 for its Jacobians, 3 for its place.
-
-        Returns:
-            Its group.
-        """
+        """A quantity of a link or rotor."""
         return Group._FIRST_BODY + Group._PER_BODY * index + quantity

@@ -44,12 +44,7 @@ class PlainPrinter(StrPrinter):  # type: ignore[misc]
 
 
 class TextPrinter(PlainPrinter):
-    """Prints the expressions of one robot.
-
-    Args:
-        robot: Its joints give the labels, its parameters the order of factors.
-        rounded: A notation whose digits and decimals numbers have; by default each is the fraction that it is.
-    """
+    """Prints the expressions of one robot."""
 
     def __init__(self, robot: Robot, rounded: Notation | None = None) -> None:
         super().__init__()
@@ -100,13 +95,7 @@ class TextPrinter(PlainPrinter):
 
 
 def loses_digits(expressions: Iterable[Any], *, decimals: bool, digits: int) -> bool:
-    """Whether a number is not what is printed of it.
-
-    Args:
-        expressions: SymPy expressions.
-        decimals: Whether the robot is given by decimals.
-        digits: Significant digits that are printed.
-    """
+    """Whether a number is not what is printed of it."""
     stack, seen = list(expressions), set()
     while stack:
         expression = stack.pop()

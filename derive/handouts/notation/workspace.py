@@ -13,18 +13,11 @@ from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrin
 from derive.handouts.notation.text import PlainPrinter
 from derive.inverse.words.reach import Bound, Reach
 
-_POSE = 6
-"""Coordinates of a pose: arms of fewer joints reach it under conditions only."""
+_POSE = 6  # coordinates of a pose: arms of fewer joints reach it under conditions only
 
 
 def workspace_lines(reach: Reach, form: str, notation: Notation) -> list[str]:
-    """The workspace as lines.
-
-    Args:
-        reach: The workspace.
-        form: ``text``, ``latex`` or ``python``.
-        notation: The robot's notation.
-    """
+    """The workspace as lines."""
     found = reach.inverse
     if notation.digits is not None:
         reach = replace(reach, bounds=tuple(map(_in_decimals, reach.bounds)))
@@ -43,12 +36,7 @@ def workspace_lines(reach: Reach, form: str, notation: Notation) -> list[str]:
 
 
 def workspace_text(reach: Reach, write: Print) -> list[str]:
-    """The workspace as plain text.
-
-    Args:
-        reach: The workspace.
-        write: Writes an expression, see `SignPrinter`.
-    """
+    """The workspace as plain text."""
     found = reach.inverse
     count = f"{found.count} solution{'s' if found.count != 1 else ''}"
     variables = " and ".join(map(write, reach.others))
@@ -78,11 +66,7 @@ def workspace_text(reach: Reach, write: Print) -> list[str]:
 
 
 def workspace_parts(reach: Reach) -> dict[str, Any]:
-    """What there is to know of a workspace, as text that Python reads, for JSON.
-
-    Args:
-        reach: The workspace.
-    """
+    """What there is to know of a workspace, as text that Python reads, for JSON."""
     write = PlainPrinter().doprint
     bounds = [
         {
@@ -109,25 +93,14 @@ def _in_decimals(bound: Bound) -> Bound:
 
 
 def comparison(bound: Bound, write: Print, at_most: str) -> str:
-    """``abs(a1 - a2) <= sqrt(x**2 + y**2) <= a1 + a2``.
-
-    Args:
-        bound: The bound.
-        write: Writes an expression.
-        at_most: What stands between two sides.
-    """
+    """``abs(a1 - a2) <= sqrt(x**2 + y**2) <= a1 + a2``."""
     least, most = bound.radii or (bound.least, bound.most)
     middle = bound.quantity if bound.radii is None else sympy.sqrt(bound.quantity)
     return at_most.join(write(e) for e in (least, middle, most) if e is not None)
 
 
 def shape(reach: Reach, bound: Bound) -> str:
-    """What a bound leaves, in words: ``between two spheres``.
-
-    Args:
-        reach: The workspace.
-        bound: The bound.
-    """
+    """What a bound leaves, in words: ``between two spheres``."""
     if bound.radii is None:
         return "on one side of a surface" if None in (bound.least, bound.most) else "between two surfaces"
     around = {line.symbol for line in reach.names if line.signs}

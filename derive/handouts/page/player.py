@@ -16,153 +16,95 @@ from derive.robot.robot import Robot
 from derive.targets.escape import html_text
 from derive.targets.javascript import camel_case
 
-Formula = float | str | list[Any]
-"""A number, the letter ``t``, or an operation and its operands."""
-
+Formula = float | str | list[Any]  # a number, the letter ``t``, or an operation and its operands
 SQUARED = "\N{SUPERSCRIPT TWO}"
 
-SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
-"""How fast a motion is played."""
-
-CURVES = 8
-"""Colours and dashes of curves; further joints begin anew."""
-
-QUANTITIES = ("position", "speed", "acceleration", "torque")
-"""What is shown of each joint of a motion as it is wanted."""
-
-FEWEST = 4
-"""Polynomials that follow each other and are told to the script together."""
-
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # how fast a motion is played
+CURVES = 8  # colours and dashes of curves; further joints begin anew
+QUANTITIES = ("position", "speed", "acceleration", "torque")  # what is shown of each joint of a motion as it is wanted
+FEWEST = 4  # polynomials that follow each other and are told to the script together
+# Generated functions that torques need; the second one where the tool carries something.
 TORQUE, REGRESSOR = "inverse_dynamics", "regressor"
-"""Generated functions that torques need; the second one where the tool carries something."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlayedPiece:
-    """A joint on an interval of time.
+    """A joint on an interval of time."""
 
-    Attributes:
-        kind: ``hermite``, ``cosine`` or ``curve``.
-        start: Time of its first end [s].
-        duration: Its length [s].
-        values: Position, velocity, ... at the first end, then at the second; nothing of a curve.
-        formulas: Position, velocity and acceleration of a curve as trees in t; else nothing.
-    """
-
-    kind: str
-    start: float
-    duration: float
-    values: tuple[float, ...] = ()
-    formulas: tuple[Formula, ...] = ()
+    kind: str  # ``hermite``, ``cosine`` or ``curve``
+    start: float  # time of its first end [s]
+    duration: float  # its length [s]
+    values: tuple[float, ...] = ()  # position, velocity, ... at the first end, then at the second; nothing of a curve
+    formulas: tuple[Formula, ...] = ()  # position, velocity and acceleration of a curve as trees in t; else nothing
 
 
 @dataclass(frozen=True, slots=True)
 class PlayedSegment:
-    """The way from one point to the next.
+    """The way from one point to the next."""
 
-    Attributes:
-        name: ``rest -> A``.
-        start: When it begins [s].
-        payload: Columns of the regressor, and the parameters of the payload that belong to them.
-        load: Which of `Playback.base_torques` is what a base that moves adds.
-    """
-
-    name: str
-    start: float
+    name: str  # ``rest -> A``
+    start: float  # when it begins [s]
+    # Columns of the regressor, and the parameters of the payload that belong to them.
     payload: tuple[tuple[int, float], ...] = ()
-    load: int = 0
+    load: int = 0  # which of `Playback.base_torques` is what a base that moves adds
 
 
 @dataclass(frozen=True, slots=True)
 class BaseTorquesText:
-    """What the motion of the base adds to the torques, with something that the tool carries, as JavaScript.
+    """What the motion of the base adds to the torques, with something that the tool carries, as JavaScript."""
 
-    Attributes:
-        body: Statements in ``q``, ``qd`` and ``base``: the upper three rows of the transform of the base, of its rate
-            and of its second derivative.
-        results: One for each joint.
-    """
-
+    # Statements in ``q``, ``qd`` and ``base``: the upper three rows of the transform of the base, of its rate and of
+    # its second derivative.
     body: tuple[str, ...]
-    results: tuple[str, ...]
+    results: tuple[str, ...]  # one for each joint
 
 
 @dataclass(frozen=True, slots=True)
 class PlayedRun:
-    """A simulation, which the page plays instead of what is wanted.
+    """A simulation, which the page plays instead of what is wanted."""
 
-    Attributes:
-        times: Of its rows [s].
-        q: Positions, (rows, n).
-        qd: Velocities, (rows, n).
-        tau: Torques of the motors, (rows, n).
-        law: Of the control.
-        friction: How friction is simulated.
-        reached: Whether it reached the end of the motion.
-    """
-
-    times: tuple[float, ...]
-    q: tuple[tuple[float, ...], ...]
-    qd: tuple[tuple[float, ...], ...]
-    tau: tuple[tuple[float, ...], ...]
-    law: str
-    friction: str
-    reached: bool
+    times: tuple[float, ...]  # of its rows [s]
+    q: tuple[tuple[float, ...], ...]  # positions, (rows, n)
+    qd: tuple[tuple[float, ...], ...]  # velocities, (rows, n)
+    tau: tuple[tuple[float, ...], ...]  # torques of the motors, (rows, n)
+    law: str  # of the control
+    friction: str  # how friction is simulated
+    reached: bool  # whether it reached the end of the motion
 
 
 @dataclass(frozen=True, slots=True)
 class Exceeded:
-    """A limit that is exceeded, where it is so most.
+    """A limit that is exceeded, where it is so most."""
 
-    Attributes:
-        quantity: One of `QUANTITIES`.
-        joint: Index of the joint.
-        time: When [s].
-        value: What it is then [rad or m, per s, per s^2, N m or N].
-    """
-
-    quantity: str
-    joint: int
-    time: float
-    value: float
+    quantity: str  # one of `QUANTITIES`
+    joint: int  # index of the joint
+    time: float  # when [s]
+    value: float  # what it is then [rad or m, per s, per s^2, N m or N]
 
 
 @dataclass(frozen=True, slots=True)
 class Playback:
-    """A motion as the page plays it.
+    """A motion as the page plays it."""
 
-    Attributes:
-        tracks: The pieces of each joint.
-        segments: One after the other.
-        basis: By the number of values at each end, the coefficients of the polynomials that `PlayedPiece.values`
-            weigh, from the constant on.
-        duration: How long it lasts [s].
-        sample: Time between two rows of its table [s].
-        ranges: Lowest and highest value of each joint [rad or m].
-        functions: What of the robot's program it needs besides what the figure needs.
-        base: Transform of a base that moves, 4 x 4 formulas; nothing where it stands.
-        base_rates: Its first and its second derivative, where torques are known.
-        base_torques: What its motion adds to the torques.
-        bounds: By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
-        exceeded: Limits that are exceeded.
-        run: A simulation, which is played instead; None for the motion as it is wanted.
-        places: Of a motion that is too long for a page, how many of its places the pieces join; 0 for all.
-    """
-
-    tracks: tuple[tuple[PlayedPiece, ...], ...]
-    segments: tuple[PlayedSegment, ...]
+    tracks: tuple[tuple[PlayedPiece, ...], ...]  # the pieces of each joint
+    segments: tuple[PlayedSegment, ...]  # one after the other
+    # By the number of values at each end, the coefficients of the polynomials that `PlayedPiece.values` weigh, from
+    # the constant on.
     basis: Mapping[int, Sequence[Sequence[int]]]
-    duration: float
-    sample: float
-    ranges: tuple[tuple[float, float], ...]
-    functions: tuple[str, ...]
+    duration: float  # how long it lasts [s]
+    sample: float  # time between two rows of its table [s]
+    ranges: tuple[tuple[float, float], ...]  # lowest and highest value of each joint [rad or m]
+    functions: tuple[str, ...]  # what of the robot's program it needs besides what the figure needs
+    # Transform of a base that moves, 4 x 4 formulas; nothing where it stands.
     base: tuple[tuple[Formula, ...], ...] = ()
+    # Its first and its second derivative, where torques are known.
     base_rates: tuple[tuple[tuple[Formula, ...], ...], ...] = ()
-    base_torques: tuple[BaseTorquesText, ...] = ()
+    base_torques: tuple[BaseTorquesText, ...] = ()  # what its motion adds to the torques
+    # By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
     bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
-    exceeded: tuple[Exceeded, ...] = ()
-    run: PlayedRun | None = None
-    places: int = 0
+    exceeded: tuple[Exceeded, ...] = ()  # limits that are exceeded
+    run: PlayedRun | None = None  # a simulation, which is played instead; None for the motion as it is wanted
+    places: int = 0  # of a motion that is too long for a page, how many of its places the pieces join; 0 for all
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -197,16 +139,7 @@ _Grid = tuple[list[float], list[float] | None]
 
 
 def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]:
-    """The pieces of a joint as plain data: polynomials that follow each other without a gap as one entry.
-
-    Args:
-        track: The pieces.
-        grids: Times at which such polynomials meet and end, and their lengths where these are not the differences;
-            those that are not there yet are appended.
-
-    Returns:
-        ``[kind, start, duration, ...]`` of single pieces, ``["chain", grid, values at all its times]`` of others.
-    """
+    """The pieces of a joint as plain data: polynomials that follow each other without a gap as one entry."""
     entries: list[list[Any]] = []
     runs: list[list[PlayedPiece]] = []
     for piece in track:
@@ -237,14 +170,7 @@ def _follows(before: PlayedPiece, piece: PlayedPiece) -> bool:
 
 
 def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, object]], text: Text) -> dict[str, Any]:
-    """Everything that the template of the player asks for.
-
-    Args:
-        playback: The motion.
-        robot: The robot.
-        rows: Label and name of each joint, as the sliders have them.
-        text: Translates messages.
-    """
+    """Everything that the template of the player asks for."""
     kinds = {joint.is_revolute for joint in robot.joints}
     quantities = [_quantities(text)[name] for name in playback.quantities]
     plots = [

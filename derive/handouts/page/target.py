@@ -21,20 +21,15 @@ from derive.mechanics.forward_kinematics import jacobian
 from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 
-_SMALL = 1e-7
-"""Singular values below it, of a matrix whose largest one is 1, are zero."""
+_SMALL = 1e-7  # singular values below it, of a matrix whose largest one is 1, are zero
 
 
 @dataclass(frozen=True, slots=True)
 class Dragging:
-    """What of an arm's end effector is dragged.
+    """What of an arm's end effector is dragged."""
 
-    Attributes:
-        task: What the inverse kinematics is asked for.
-        normal: The direction in which the target cannot go; None where it goes anywhere in space.
-    """
-
-    task: InverseOptions
+    task: InverseOptions  # what the inverse kinematics is asked for
+    # The direction in which the target cannot go; None where it goes anywhere in space.
     normal: tuple[float, float, float] | None
 
 
@@ -42,7 +37,6 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
     """How an end effector can be dragged.
 
     Args:
-        robot: The robot.
         numbers: A number for every symbol [m, rad].
 
     Returns:

@@ -35,57 +35,33 @@ from derive.targets.escape import html_text
 from derive.targets.javascript import javascript_body
 from derive.targets.templating import render
 
-FUNCTIONS = ("forward_kinematics", "link_transforms")
-"""What the figure needs of a robot's program."""
-
-_FALLBACK = 1.0
-"""Drawn for a symbol of which nothing is known."""
-
+FUNCTIONS = ("forward_kinematics", "link_transforms")  # what the figure needs of a robot's program
+_FALLBACK = 1.0  # drawn for a symbol of which nothing is known
 _STYLES = {"italic": "i", "mono": "code"}
 _SHIFTS = {-1: "sub", 1: "sup"}
 
 
 @dataclass(frozen=True, slots=True)
 class Travel:
-    """The way of a joint.
+    """The way of a joint."""
 
-    Attributes:
-        revolute: Whether it turns.
-        lower: Lowest value [rad or m].
-        upper: Highest value [rad or m].
-        start: Value at first [rad or m].
-    """
-
-    revolute: bool
-    lower: float
-    upper: float
-    start: float
+    revolute: bool  # whether it turns
+    lower: float  # lowest value [rad or m]
+    upper: float  # highest value [rad or m]
+    start: float  # value at first [rad or m]
 
     def shown(self, value: float) -> float:
-        """A value in the unit of the slider.
-
-        Args:
-            value: In radians or metres.
-
-        Returns:
-            Degrees or metres.
-        """
+        """A value in the unit of the slider."""
         return math.degrees(value) if self.revolute else value
 
 
 @dataclass(frozen=True, slots=True)
 class Viewer:
-    """The figure, in the three languages of a page.
+    """The figure, in the three languages of a page."""
 
-    Attributes:
-        html: An element.
-        css: Its style sheet; uses the page's colours where there are any.
-        script: A classic script, to run after the element; holds no end of a script element.
-    """
-
-    html: str
-    css: str
-    script: str
+    html: str  # an element
+    css: str  # its style sheet; uses the page's colours where there are any
+    script: str  # a classic script, to run after the element; holds no end of a script element
 
 
 def viewer(
@@ -103,10 +79,7 @@ def viewer(
     """The figure of a robot.
 
     Args:
-        robot: The robot.
-        program: Its functions as tapes.
         values: Numbers to draw for symbols that have none [m, rad]; 1 for those that are missing here, too.
-        text: Translates messages.
         start: Configuration at first [rad, m]; None for the robot's figure configuration, else zero, prismatic joints
             half way out.
         notation: How symbols are written; None for the robot file's way.
@@ -163,8 +136,6 @@ def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, 
     """A number for every symbol: the caller's, else the robot file's, else 1.
 
     Args:
-        robot: The robot.
-        parameters: Further symbols, those of the program.
         values: The caller's numbers [m, rad].
     """
     cells = [cell for joint in robot.joints for cell in (joint.theta, joint.d, joint.a, joint.alpha)]
@@ -179,7 +150,6 @@ def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] |
     """The way of every joint: its limits where they are numbers in order, else a turn, or the longest link.
 
     Args:
-        robot: The robot.
         numbers: A number for every symbol [m, rad].
         start: Configuration at first [rad or m]; None for the robot's own, else zero, prismatic joints half way out.
     """
@@ -212,11 +182,7 @@ def three() -> str:
 
 
 def html_symbol(latex: str) -> str:
-    r"""A symbol as HTML, where a whole formula would be too much: ``\theta_{1}`` is an italic theta with index 1.
-
-    Args:
-        latex: LaTeX of the symbol.
-    """
+    r"""A symbol as HTML, where a whole formula would be too much: ``\theta_{1}`` is an italic theta with index 1."""
     parts = []
     for run in label_runs(latex):
         body = html_text(run.text)

@@ -49,12 +49,7 @@ def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
     """The document as a web page.
 
     Args:
-        document: The handout.
-        text: Translates the words of the page itself.
         viewer: The figure that the reader can move, None for none.
-
-    Returns:
-        HTML that needs no other file.
     """
     return templating.render(
         "page/page.html.jinja",
@@ -122,20 +117,12 @@ def _asset(name: str) -> bytes:
 
 
 def safe_script(script: str) -> str:
-    r"""A script that cannot end its element: in strings ``<\/script`` means the same as ``</script``.
-
-    Args:
-        script: JavaScript in which such text stands in strings only.
-    """
+    r"""A script that cannot end its element: in strings ``<\/script`` means the same as ``</script``."""
     return _SCRIPT_END.sub(lambda found: "<\\", script)
 
 
 def safe_style(css: str) -> str:
-    """A style sheet that cannot end its element.
-
-    Args:
-        css: The style sheet.
-    """
+    """A style sheet that cannot end its element."""
     return _STYLE_END.sub(lambda found: "<\\", css)
 
 
@@ -144,30 +131,17 @@ def safe_style(css: str) -> str:
 _SUBSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _SUPERSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()iTn", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻⁼⁽⁾ⁱᵀⁿ")
 
-_NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'
-"""What SVG needs in a file of its own and not in a page."""
+_NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'  # what SVG needs in a file of its own and not in a page
 
 
 def formula(latex: str, *, display: bool = False) -> str:
-    """A formula: its LaTeX as text, which stays readable where no script runs.
-
-    Args:
-        latex: In mathematics mode.
-        display: Whether it stands on a line of its own.
-
-    Returns:
-        An element of the class ``math``.
-    """
+    """A formula: its LaTeX as text, which stays readable where no script runs."""
     tag = "div" if display else "span"
     return f"<{tag} class=math>{html_text(latex)}</{tag}>"
 
 
 def unicode_name(latex: str) -> str:
-    """A symbol in letters of Unicode, such as b₁₂; an index that has no letters stands behind ``_`` or ``^``.
-
-    Args:
-        latex: LaTeX of the symbol.
-    """
+    """A symbol in letters of Unicode, such as b₁₂; an index that has no letters stands behind ``_`` or ``^``."""
     parts = []
     for run in label_runs(latex):
         text = run.text.replace("\N{THIN SPACE}", "").replace(" ", "")
@@ -181,21 +155,13 @@ def unicode_name(latex: str) -> str:
 
 
 class BlockWriter:
-    """Writes blocks in one language.
-
-    Args:
-        text: Translates the words of the page itself.
-    """
+    """Writes blocks in one language."""
 
     def __init__(self, text: Text) -> None:
         self._text = text
 
     def words(self, text: str) -> str:
-        """A text with its mathematics and its code.
-
-        Args:
-            text: Plain words, mathematics between dollar signs, code between backticks.
-        """
+        """A text with its mathematics and its code."""
         parts = []
         for kind, part in spans(text):
             if kind is Kind.MATHEMATICS:
@@ -205,11 +171,7 @@ class BlockWriter:
         return "".join(parts)
 
     def blocks(self, blocks: Iterable[Block]) -> str:
-        """Several blocks.
-
-        Args:
-            blocks: In their order.
-        """
+        """Several blocks."""
         parts: list[str] = []
         for block in blocks:
             match block:

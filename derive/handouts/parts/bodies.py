@@ -18,41 +18,20 @@ from derive.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A link or a rotor that has mass or inertia.
+    """A link or a rotor that has mass or inertia."""
 
-    Attributes:
-        place: Its place among the bodies, from 0.
-        index: Its link or joint, from 1.
-        is_rotor: Whether it is the rotor of a motor.
-    """
-
-    place: int
-    index: int
-    is_rotor: bool
+    place: int  # its place among the bodies, from 0
+    index: int  # its link or joint, from 1
+    is_rotor: bool  # whether it is the rotor of a motor
 
     def symbol(self, letter: str, sub: str = "") -> Box:
-        """A matrix or vector of the body: B_{l_1}, p_{m_2}, or J_v^{l_1}.
-
-        Args:
-            letter: The matrix or vector.
-            sub: What stands below, if the body stands above.
-
-        Returns:
-            Its name.
-        """
+        """A matrix or vector of the body: B_{l_1}, p_{m_2}, or J_v^{l_1}."""
         body = italic(f"{'m' if self.is_rotor else 'l'}_{{{self.index}}}")
         return script(bold(letter), italic(sub), body) if sub else script(bold(letter), body)
 
 
 def bodies(robot: Robot) -> tuple[Body, ...]:
-    """Links with mass or inertia, each followed by the rotor of its joint.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Its bodies.
-    """
+    """Links with mass or inertia, each followed by the rotor of its joint."""
     found: list[tuple[int, bool]] = []
     for i, link in enumerate(robot.links, 1):
         if link.mass != ZERO or link.inertia != Inertia():
@@ -63,50 +42,22 @@ def bodies(robot: Robot) -> tuple[Body, ...]:
 
 
 def has_rotor(link: Link) -> bool:
-    """Whether the motor of a joint has a rotor with mass or inertia.
-
-    Args:
-        link: The link that the joint moves.
-
-    Returns:
-        True if it has.
-    """
+    """Whether the motor of a joint has a rotor with mass or inertia."""
     return link.motor is not None and (link.motor.mass != ZERO or link.motor.inertia != ZERO)
 
 
 def has_rotors(robot: Robot) -> bool:
-    """Whether any joint has a rotor with mass or inertia.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        True if one has.
-    """
+    """Whether any joint has a rotor with mass or inertia."""
     return any(map(has_rotor, robot.links))
 
 
 def has_motors(robot: Robot) -> bool:
-    """Whether any joint has a rotor or an armature.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        True if one has.
-    """
+    """Whether any joint has a rotor or an armature."""
     return has_rotors(robot) or any(link.armature != ZERO for link in robot.links)
 
 
 def link_jacobians(context: Context) -> Iterator[Block]:
-    """J_v and J_w of every link and rotor.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """J_v and J_w of every link and rotor."""
     _ = context.text
     yield Paragraph(
         _(
@@ -156,14 +107,7 @@ def link_jacobians(context: Context) -> Iterator[Block]:
 
 
 def energies(context: Context) -> Iterator[Block]:
-    """Kinetic and potential energy.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """Kinetic and potential energy."""
     _ = context.text
     rotors, armatures = has_rotors(context.robot), any(link.armature != ZERO for link in context.robot.links)
     yield Paragraph(_("The kinetic energy is the sum of those of the links."))
@@ -203,14 +147,7 @@ def energies(context: Context) -> Iterator[Block]:
 
 
 def inertia(context: Context) -> Iterator[Block]:
-    """B, and the contributions of the bodies to it.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part; of many joints the sentence that B is not derived.
-    """
+    """B, and the contributions of the bodies to it."""
     _ = context.text
     letter = context.symbols.inertia_letter
     if not context.robot.has_dynamics:

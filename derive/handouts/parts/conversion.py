@@ -22,9 +22,7 @@ from derive.robot.robot import Robot
 NEW_BASE = Box("\\mathbf{T}'_{\\mathrm{base}}", 32.0)
 NEW_TOOL = Box("\\mathbf{T}'_{\\mathrm{tool}}", 32.0)
 
-FEW_FACTORS = 7
-"""So many brackets of a product are all written; of more the first two and the last."""
-
+FEW_FACTORS = 7  # so many brackets of a product are all written; of more the first two and the last
 _DEFINITIONS = (
     "\\mathbf{Z}_i = \\mathrm{Rot}_z(\\theta_i)\\,\\mathrm{Trans}_z(d_i)",
     "\\mathbf{X}_i = \\mathrm{Trans}_x(a_i)\\,\\mathrm{Rot}_x(\\alpha_i) "
@@ -33,14 +31,7 @@ _DEFINITIONS = (
 
 
 def conversion(context: Context) -> Iterator[Block]:
-    """Both tables as one product, the new table with its transforms, and the links in its frames.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """Both tables as one product, the new table with its transforms, and the links in its frames."""
     _ = context.text
     found = convert(context.robot)
     other = Robot.of(found.result)

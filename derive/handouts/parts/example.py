@@ -33,24 +33,13 @@ from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.workspace.poses import middle
 
+# Joint angles in sixths of pi, and again from the first: generic, so that few entries vanish.
 ANGLES = (1, 2, -1, 3, -2, 4)
-"""Joint angles in sixths of pi, and again from the first: generic, so that few entries vanish."""
-
-_DISPLACEMENT = Number(Fraction(1, 10))
-"""Of prismatic joints [m]."""
-
-_DIGITS = 5
-"""Significant digits in print."""
-
-_copied = "{:.12g}".format
-"""A number to be copied, with twelve digits: beyond them machines differ."""
-
-_NOISE = 1e-12
-"""Part of the largest entry below which an entry is zero up to rounding."""
-
-_LARGEST = 24
-"""Joints of the largest inertia matrix that is printed in numbers."""
-
+_DISPLACEMENT = Number(Fraction(1, 10))  # of prismatic joints [m]
+_DIGITS = 5  # significant digits in print
+_copied = "{:.12g}".format  # a number to be copied, with twelve digits: beyond them machines differ
+_NOISE = 1e-12  # part of the largest entry below which an entry is zero up to rounding
+_LARGEST = 24  # joints of the largest inertia matrix that is printed in numbers
 _METRE = Box("\\,\\mathrm{m}", 11.0)
 _RADIAN = Box("\\,\\mathrm{rad}", 18.0)
 _NEWTON = Box("\\,\\mathrm{N}", 10.0)
@@ -60,14 +49,7 @@ Values = Sequence[Sequence[float]]
 
 
 def example(context: Context) -> Iterator[Block]:
-    """T, J, B and g at one configuration; lengths and angles without a number have those of the drawing.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part; none where the robot cannot be drawn for lack of numbers.
-    """
+    """T, J, B and g at one configuration; lengths and angles without a number have those of the drawing."""
     _ = context.text
     given = context.robot
     if _unnumbered(replace(given, links=(), gravity=None)) and context.poses is None:
@@ -223,26 +205,14 @@ def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> Formula:
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """Values of the joint variables.
+    """Values of the joint variables."""
 
-    Attributes:
-        cells: Exact.
-        q: In floats [rad or m].
-    """
-
-    cells: tuple[Expression, ...]
-    q: tuple[float, ...]
+    cells: tuple[Expression, ...]  # exact
+    q: tuple[float, ...]  # in floats [rad or m]
 
 
 def numbers_of(robot: Robot) -> dict[str, float]:
-    """Every symbol that has a number, from the parameters or for the figure.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        Symbol -> number, in SI units.
-    """
+    """Every symbol that has a number, from the parameters or for the figure."""
     found: dict[str, float] = {}
     for name, value in (*robot.parameters, *robot.figure.values):
         if name not in found:
@@ -257,14 +227,7 @@ def _unnumbered(robot: Robot) -> tuple[str, ...]:
 
 
 def configuration(robot: Robot) -> Configuration:
-    """Where the example is evaluated.
-
-    Args:
-        robot: A robot whose kinematic symbols all have numbers.
-
-    Returns:
-        The configuration of the figure, or a generic one within the limits.
-    """
+    """Where the example is evaluated."""
     values = numbers_of(robot)
     if robot.figure.q is not None:
         return Configuration(robot.figure.q, tuple(evaluate(cell, values) for cell in robot.figure.q))

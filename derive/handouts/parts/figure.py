@@ -19,19 +19,11 @@ from derive.robot.expression import ZERO, Expression
 from derive.robot.options.handout import Functions
 from derive.workspace.poses import RobotPoses
 
-_DIGITS = 4
-"""Significant digits of a number in a caption."""
+_DIGITS = 4  # significant digits of a number in a caption
 
 
 def arm(context: Context) -> tuple[Block, ...]:
-    """The arm at its zero configuration and at the one that the robot file asks for.
-
-    Args:
-        context: The handout.
-
-    Returns:
-        The figures; nothing where the robot cannot be drawn.
-    """
+    """The arm at its zero configuration and at the one that the robot file asks for."""
     if context.poses is None:
         return ()
     try:
@@ -80,12 +72,7 @@ def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> 
 
 
 def stated_values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
-    """Symbols with the numbers that are drawn and their units: ``$a_1 = 0.5 m$, ...``.
-
-    Args:
-        context: The handout.
-        values: Name, value and unit (``m`` or ``rad``) of each, see `RobotPoses.assumed`.
-    """
+    """Symbols with the numbers that are drawn and their units: ``$a_1 = 0.5 m$, ...``."""
     written = []
     for name, value, unit in values:
         if unit == "rad" and context.notation.degrees:
@@ -98,14 +85,7 @@ def stated_values(context: Context, values: Sequence[tuple[str, float, str]]) ->
 
 
 def convention(context: Context) -> Iterator[Block]:
-    """The general A matrix of the convention, its picture, and how sines and cosines are abbreviated.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """The general A matrix of the convention, its picture, and how sines and cosines are abbreviated."""
     _ = context.text
     symbol = context.symbols.frame("A", "i", "i-1").tex
     yield Paragraph(_("Row $i$ of the table takes frame $i$ into frame $i-1$:"))

@@ -35,25 +35,14 @@ from derive.model.singularities.singularities import SingularFactor
 from derive.robot.expression import ZERO
 from derive.robot.options.inverse import POSE, InverseOptions
 
-LONGEST_SUM = 80.0
-"""Lines of formulas on paper beyond which the part leaves them to the generated code."""
-
+LONGEST_SUM = 80.0  # lines of formulas on paper beyond which the part leaves them to the generated code
+# Of all equations of an arm; longer ones are not even written, which takes longer than a sheet should.
 MOST_TERMS = 200
-"""Of all equations of an arm; longer ones are not even written, which takes longer than a sheet should."""
-
-MOST_BRANCHES = 16
-"""In the table of branches."""
+MOST_BRANCHES = 16  # in the table of branches
 
 
 def inverse(context: Context) -> Iterator[Block]:
-    """How the joint variables follow from the pose.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """How the joint variables follow from the pose."""
     task = usual_task(context.robot)
     if _terms(solve(context.robot, task)) > MOST_TERMS:
         yield _too_long(context)
@@ -91,17 +80,11 @@ def _too_long(context: Context) -> Paragraph:
 
 @dataclass
 class _Part:
-    """One arm's inverse kinematics on its way to the page.
+    """One arm's inverse kinematics on its way to the page."""
 
-    Attributes:
-        context: The handout.
-        found: The inverse kinematics.
-        writer: Writes its formulas.
-    """
-
-    context: Context
-    found: InverseKinematics
-    writer: FormulaWriter = field(init=False)
+    context: Context  # the handout
+    found: InverseKinematics  # the inverse kinematics
+    writer: FormulaWriter = field(init=False)  # writes its formulas
 
     def __post_init__(self) -> None:
         writer = self.writer = FormulaWriter(self.context, self.found)

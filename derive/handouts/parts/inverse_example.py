@@ -33,43 +33,24 @@ from derive.robot.robot import Robot
 from derive.robot.units import position_unit
 from derive.workspace.poses import RobotPoses
 
-_PLACES = 4
-"""Decimals of lengths and radians; two less of degrees."""
-
-_DIGIT = 5.0
-"""Width of a digit [pt]."""
-
+_PLACES = 4  # decimals of lengths and radians; two less of degrees
+_DIGIT = 5.0  # width of a digit [pt]
+# Widths of the unit of a variable, of a number with its gap, and of all numbers of a configuration in a table [pt].
 _UNIT, _CELL, _ROOM = 30.0, 50.0, 400.0
-"""Widths of the unit of a variable, of a number with its gap, and of all numbers of a configuration in a table [pt]."""
-
 _COPIED = "{:.12g}".format
-_LEAST = 1e-9
-"""Two configurations closer to each other than this are one [rad or m]."""
+_LEAST = 1e-9  # two configurations closer to each other than this are one [rad or m]
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """One configuration that reaches the pose.
+    """One configuration that reaches the pose."""
 
-    Attributes:
-        number: That of its branch, from 1.
-        q: Its joint variables [rad or m], angles in (-pi, pi].
-    """
-
-    number: int
-    q: tuple[float, ...]
+    number: int  # that of its branch, from 1
+    q: tuple[float, ...]  # its joint variables [rad or m], angles in (-pi, pi]
 
 
 def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
-    """All solutions at one pose in numbers, each put back, and a drawing of them.
-
-    Args:
-        context: The handout.
-        found: The inverse kinematics.
-
-    Yields:
-        Blocks; none where the robot cannot be drawn for lack of numbers.
-    """
+    """All solutions at one pose in numbers, each put back, and a drawing of them."""
     _, poses = context.text, context.poses
     if poses is None:
         return
@@ -107,8 +88,6 @@ def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[fl
     """Every solution of the pose of a configuration, put back; with fifty digits where there are formulas.
 
     Args:
-        found: The inverse kinematics.
-        numbers: Numbers of the parameters.
         q: The configuration [rad or m].
     """
     if not found.is_explicit:

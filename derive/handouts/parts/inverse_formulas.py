@@ -17,25 +17,13 @@ from derive.handouts.sheet.document import Entry, Formula, Rows
 from derive.inverse.words.elementary import Line
 from derive.inverse.words.solutions import InverseKinematics
 
-WIDEST_QUOTIENT = 170.0
-"""Widest sum above a divisor [pt], which a narrow column holds."""
-
-WIDEST_LEFT = 200.0
-"""Widest left side of an equation whose right side is broken alone [pt]."""
-
-_LETTER_WIDTH = 6.0
-"""Of running text in mathematics [pt]."""
+WIDEST_QUOTIENT = 170.0  # widest sum above a divisor [pt], which a narrow column holds
+WIDEST_LEFT = 200.0  # widest left side of an equation whose right side is broken alone [pt]
+_LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
 
 
 def formulas(context: Context) -> Iterator[Formula]:
-    """The formulas, a block for what the pose is named and one for each unknown.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks.
-    """
+    """The formulas, a block for what the pose is named and one for each unknown."""
     found = context.entries.model.inverse
     writer = FormulaWriter(context, found)
     for lines in (found.definitions, *(step.lines for step in found.steps)):
@@ -46,10 +34,6 @@ def formulas(context: Context) -> Iterator[Formula]:
 class FormulaWriter:
     """Writes the formulas of one arm.
 
-    Args:
-        context: The handout.
-        found: The inverse kinematics.
-
     Attributes:
         printer: Writes expressions with the signs and names of the derivation.
     """
@@ -59,40 +43,22 @@ class FormulaWriter:
         self.printer = SignLatexPrinter(with_names(context.notation, found), found, WIDEST_QUOTIENT)
 
     def tex(self, e: Any) -> str:
-        """An expression on one line.
-
-        Args:
-            e: The expression.
-        """
+        """An expression on one line."""
         return self.printer.latex(e).strip()
 
     def math(self, e: Any) -> str:
-        """An expression in running text.
-
-        Args:
-            e: The expression.
-        """
+        """An expression in running text."""
         return f"${self.tex(e)}$"
 
     def formula(self, lines: Sequence[Line], task: str = "", *, is_each_asked: bool = False) -> Formula:
-        """Lines of a solution as one formula.
-
-        Args:
-            lines: The lines.
-            task: What an exercise asks in their place.
-            is_each_asked: Whether it asks for each of them, not only for the last one.
-        """
+        """Lines of a solution as one formula."""
         rows = tuple(row for line in lines for row in self.rows(line))
         names = tuple(self.tex(line.symbol) for line in lines)
         blanks = names if is_each_asked else names[-1:]
         return Formula((Rows(rows),), entries=_Copied(self, lines), task=task, blanks=blanks if task else ())
 
     def entry(self, line: Line) -> Entry:
-        """A formula to be copied.
-
-        Args:
-            line: The formula.
-        """
+        """A formula to be copied."""
         either = f" \\text{{ {self._context.text('or')} }} "
         left, _, right = formula(line, self.tex, " = ", either, " + \\pi").partition(" = ")
         return Entry(left, right, self._assignments[line])
@@ -103,11 +69,7 @@ class FormulaWriter:
         return dict(zip(self._found.lines, derivation_python(self._found), strict=True))
 
     def rows(self, line: Line) -> list[str]:
-        """A formula on as many lines as it needs; of two values written apart one below the other.
-
-        Args:
-            line: The formula.
-        """
+        """A formula on as many lines as it needs; of two values written apart one below the other."""
         first, *others = line.alternatives
         rows = self.broken(self.printer.pieces(line.symbol), first)
         if others:
@@ -119,12 +81,7 @@ class FormulaWriter:
         return [with_signs(row) for row in rows]
 
     def broken(self, left: Sequence[Piece], right: Any) -> list[str]:
-        """An equation on as many lines as it needs, its left side broken, too, where it is long.
-
-        Args:
-            left: The left side.
-            right: The right side, an expression.
-        """
+        """An equation on as many lines as it needs, its left side broken, too, where it is long."""
         head, pieces = concatenate(joined(left), EQUALS), self.printer.pieces(right)
         if head.width < WIDEST_LEFT:
             rows = break_lines(head, pieces)

@@ -22,15 +22,7 @@ _SIDE_OF_ZERO = re.compile(r"(\w+) ([<>]) 0")
 
 
 def sources(context: Context, equations: Iterable[PrintedEquation]) -> str:
-    """Which entries of which product some equations are.
-
-    Args:
-        context: The handout.
-        equations: The equations of one step.
-
-    Returns:
-        Words with mathematics, without a full stop.
-    """
+    """Which entries of which product some equations are."""
     _ = context.text
     groups: dict[tuple[Form, str], list[Origin]] = {}
     for equation in equations:
@@ -118,35 +110,21 @@ def _inverted(box: Box) -> Box:
 
 
 def and_list(text: Text, words: Sequence[str]) -> str:
-    """Words with commas, the last one behind an *and*.
-
-    Args:
-        text: The language.
-        words: One at least.
-    """
+    """Words with commas, the last one behind an *and*."""
     if len(words) == 1:
         return words[0]
     return text("%(others)s and %(last)s", others=", ".join(words[:-1]), last=words[-1])
 
 
 def or_list(text: Text, words: Sequence[str]) -> str:
-    """Words with commas, the last one behind an *or*.
-
-    Args:
-        text: The language.
-        words: One at least.
-    """
+    """Words with commas, the last one behind an *or*."""
     if len(words) == 1:
         return words[0]
     return text("%(others)s or %(last)s", others=", ".join(words[:-1]), last=words[-1])
 
 
 def words_alone(name: str) -> str:
-    """The name of a branch without its number, which tells it from others where words do not.
-
-    Args:
-        name: As `derive.inverse.words.branch_names` gives it.
-    """
+    """The name of a branch without its number, which tells it from others where words do not."""
     return ", ".join(part for part in name.split(", ") if not _NUMBER.fullmatch(part))
 
 
@@ -154,13 +132,7 @@ def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str]
     """The name of a branch in the reader's language.
 
     Args:
-        text: The language.
-        notation: The robot's notation.
-        name: As `derive.inverse.words.branch_names` gives it; ``#3`` is branch 3.
         plain: How a symbol is written in running text; None for LaTeX between dollar signs.
-
-    Returns:
-        Words; what is on which side of zero as mathematics.
     """
     words = _branch_words(text)
 

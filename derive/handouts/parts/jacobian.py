@@ -28,28 +28,16 @@ _CROSS = Box(" \\times ", BINARY_WIDTH)
 
 @dataclass(frozen=True, slots=True)
 class Vector:
-    """A vector of a step.
+    """A vector of a step."""
 
-    Attributes:
-        box: ``symbol = ...`` without its entries, where these are too long.
-        small: The vector with its entries; None where these are too wide.
-        entries: Its entries one by one, in that case; None where these are too long, or stand elsewhere.
-    """
-
-    box: Box
-    small: Small | None = None
+    box: Box  # ``symbol = ...`` without its entries, where these are too long
+    small: Small | None = None  # the vector with its entries; None where these are too wide
+    # Its entries one by one, in that case; None where these are too long, or stand elsewhere.
     entries: LaidOut | None = None
 
 
 def jacobian(context: Context) -> Iterator[Block]:
-    """J, from axes and origins to its entries, and how the analytic Jacobian follows.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """J, from axes and origins to its entries, and how the analytic Jacobian follows."""
     _ = context.text
     axes = _JointAxes(context)
     yield Paragraph(
@@ -165,14 +153,7 @@ class _JointAxes:
     context: Context
 
     def general(self, *, is_revolute: bool) -> Box:
-        """The column of joint i.
-
-        Args:
-            is_revolute: Whether the joint turns.
-
-        Returns:
-            The equation.
-        """
+        """The column of joint i."""
         upper, lower = _halves("i-1" if self.context.is_standard else "i", is_revolute=is_revolute, is_opposed=False)
         return concatenate(script(bold("J"), italic("i")), EQUALS, matrix([[upper], [lower]]))
 
@@ -182,15 +163,7 @@ class _JointAxes:
         return concatenate(bold("J"), EQUALS, matrix([upper, lower]))
 
     def of_frame(self, letter: str, i: int) -> Vector:
-        """The axis z of a joint, or the origin o on it, in the world.
-
-        Args:
-            letter: z or o.
-            i: The joint.
-
-        Returns:
-            The vector; without entries behind the first frame that is too long.
-        """
+        """The axis z of a joint, or the origin o on it, in the world."""
         frame, column = self._frame(i), 3 if letter == "z" else 4
         symbol = script(bold(letter), italic(str(frame)))
         if frame > self._last_short:
@@ -208,14 +181,7 @@ class _JointAxes:
         return Vector(p, small(self.context, p, self.context.entries.T.part(_UPPER, (4,)), component_namer(p)))
 
     def column(self, i: int) -> Vector:
-        """A column of J.
-
-        Args:
-            i: The joint.
-
-        Returns:
-            J_i, by axis and origin, with its entries where they fit.
-        """
+        """A column of J."""
         symbol = script(bold("J"), italic(str(i)))
         upper, lower = self._halves(i)
         box = concatenate(symbol, EQUALS, matrix([[upper], [lower]]))

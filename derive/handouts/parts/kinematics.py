@@ -17,22 +17,13 @@ from derive.handouts.sheet.formula import Small, entry_namer, formula, side_by_s
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
 
-_FEW_FACTORS = 8
-"""So many factors of a product are all written; of more the first and the last."""
-
+_FEW_FACTORS = 8  # so many factors of a product are all written; of more the first and the last
 _DOTS = Box("\\cdots ", 15.0)
 _END = bold("T")
 
 
 def transforms(context: Context) -> Iterator[Block]:
-    """A_1 ... A_n; those that fit share lines, the others are given entry by entry.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """A_1 ... A_n; those that fit share lines, the others are given entry by entry."""
     yield Paragraph(context.text("The transform of each row of the table, from frame $i$ to frame $i-1$:"))
     task = context.text("Write the transform of each row of the table.")
     fitting: list[Small] = []
@@ -51,14 +42,7 @@ def transforms(context: Context) -> Iterator[Block]:
 
 
 def end_effector(context: Context) -> Iterator[Block]:
-    """T as a product and by its entries, and the names of its columns.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """T as a product and by its entries, and the names of its columns."""
     _ = context.text
     end = context.layouter.lay_out(_END, partial(context.symbols.entry, "t"), context.entries.T, group=Group.T)
     yield Paragraph(_("The end effector in the world:"))

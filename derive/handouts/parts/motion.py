@@ -14,19 +14,11 @@ from derive.handouts.sheet.formula import formula, textbook
 from derive.robot.expression import ZERO
 
 _CORIOLIS = "coriolis_matrix"
-_TORQUE = "inverse_dynamics"
-"""Generated functions."""
+_TORQUE = "inverse_dynamics"  # generated functions
 
 
 def christoffel(context: Context) -> Iterator[Block]:
-    """The Christoffel symbols that are not zero, and the derivatives of B from which they come.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """The Christoffel symbols that are not zero, and the derivatives of B from which they come."""
     _ = context.text
     b, c = context.symbols.inertia_letter.lower(), context.symbols.christoffel("i", "j", "k").tex
     yield Paragraph(
@@ -52,14 +44,7 @@ def christoffel(context: Context) -> Iterator[Block]:
 
 
 def coriolis(context: Context) -> Iterator[Block]:
-    """C, by Christoffel symbols and multiplied out where it is short.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """C, by Christoffel symbols and multiplied out where it is short."""
     _ = context.text
     yield Paragraph(
         _("Centrifugal and Coriolis terms; this choice of $\\mathbf{C}$ makes $\\mathbf{N}$ skew-symmetric.")
@@ -76,14 +61,7 @@ def coriolis(context: Context) -> Iterator[Block]:
 
 
 def skew(context: Context) -> Iterator[Block]:
-    """N = dB/dt - 2C, why it is skew-symmetric for any robot, and the check for this one.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """N = dB/dt - 2C, why it is skew-symmetric for any robot, and the check for this one."""
     _ = context.text
     letter, c = context.symbols.inertia_letter, context.symbols.christoffel
     yield textbook("skew_matrix", B=letter)
@@ -118,14 +96,7 @@ def skew(context: Context) -> Iterator[Block]:
 
 
 def gravity(context: Context) -> Iterator[Block]:
-    """g, the gradient of the potential energy.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """g, the gradient of the potential energy."""
     _ = context.text
     if context.robot.gravity is None:
         yield Paragraph(_("The robot file gives no gravity: $\\mathbf{g} = \\mathbf{0}$."), is_answer=True)
@@ -136,14 +107,7 @@ def gravity(context: Context) -> Iterator[Block]:
 
 
 def equations_of_motion(context: Context) -> Iterator[Block]:
-    """tau = B qdd + C qd + g + friction, term by term and multiplied out where it is short.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """tau = B qdd + C qd + g + friction, term by term and multiplied out where it is short."""
     _ = context.text
     friction = any(link.viscous != ZERO or link.coulomb != ZERO for link in context.robot.links)
     letter, gravity = context.symbols.inertia_letter, context.robot.gravity is not None

@@ -20,14 +20,7 @@ from derive.robot.names import acceleration_name, velocity_name
 
 
 def newton_euler(context: Context) -> Iterator[Block]:
-    """The recursion: equations of the joint types that occur, constants of every link, all of it written out.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """The recursion: equations of the joint types that occur, constants of every link, all of it written out."""
     _ = context.text
     recursion = Recursion(context.is_standard, context.symbols)
     yield Paragraph(_introduction(context))
@@ -132,17 +125,11 @@ def _remarks(context: Context) -> Iterator[Block]:
 
 @dataclass(frozen=True)
 class _Constant:
-    """A matrix, vector or number of a link.
+    """A matrix, vector or number of a link."""
 
-    Attributes:
-        symbol: What it is called.
-        cells: Its entries.
-        printer: What prints them; that of the robot's data prints every digit.
-    """
-
-    symbol: Box
-    cells: Sequence[Sequence[Expr]]
-    printer: LatexPrinter
+    symbol: Box  # what it is called
+    cells: Sequence[Sequence[Expr]]  # its entries
+    printer: LatexPrinter  # what prints them; that of the robot's data prints every digit
 
     @property
     def named(self) -> list[tuple[Box, Expr]]:

@@ -31,29 +31,19 @@ from derive.handouts.sheet.document import Block, Paragraph, Rows
 from derive.handouts.sheet.formula import formula
 from derive.model.entries import Entries
 
+# Most terms of the entries of T from which angles are written out; of more they are given by the entries alone.
 SHORT_ANGLES = 12
-"""Most terms of the entries of T from which angles are written out; of more they are given by the entries alone."""
-
 _END = bold("T").tex
 _COMMA = Piece(Box(",\\, ", 5.0), depth=1)
 _RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
 
-Angles = tuple[tuple[Piece, ...], tuple[Piece, ...], tuple[Piece, ...]]
-"""Each angle by entries of T."""
-
+Angles = tuple[tuple[Piece, ...], tuple[Piece, ...], tuple[Piece, ...]]  # each angle by entries of T
 Names = tuple[Box, Box, Box]
 Place = tuple[int, int]
 
 
 def orientation(context: Context) -> Iterator[Block]:
-    """The position of the end effector, and its orientation by two sets of angles.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """The position of the end effector, and its orientation by two sets of angles."""
     _ = context.text
     yield Paragraph(_("The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END))
     quantity = context.entries.T.part((1, 2, 3), (4,))
@@ -124,14 +114,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
 
 
 def euler_names(context: Context) -> Names:
-    """The Euler angles ZYZ: Greek letters, with an index where the robot has a symbol of that name.
-
-    Args:
-        context: The handout.
-
-    Returns:
-        Names of the three angles.
-    """
+    """The Euler angles ZYZ: Greek letters, with an index where the robot has a symbol of that name."""
     taken = {tex.strip() for tex in context.notation.taken}
     phi, theta, psi = (
         script(letter, upright("e")) if letter.tex.strip() in taken else letter

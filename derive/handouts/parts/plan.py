@@ -17,84 +17,51 @@ from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, Steps, Table
 
-UNIT = Symbol("u")
-"""Time since a piece began, in units of its length."""
-
-HAND_SPLINE = "spline of the hand"
-"""What a spline of the end effector is called among the profiles."""
-
-_DERIVATIVES = ("s", "s'", "s''", "s'''")
-"""The way from 0 to 1 in unit time, and its derivatives by that."""
-
+UNIT = Symbol("u")  # time since a piece began, in units of its length
+HAND_SPLINE = "spline of the hand"  # what a spline of the end effector is called among the profiles
+_DERIVATIVES = ("s", "s'", "s''", "s'''")  # the way from 0 to 1 in unit time, and its derivatives by that
+# What is drawn from the top, with the units of revolute and of prismatic joints.
 _QUANTITIES = (
     ("q", "\\mathrm{rad}", "\\mathrm{m}"),
     ("\\dot{q}", "\\mathrm{rad/s}", "\\mathrm{m/s}"),
     ("\\ddot{q}", "\\mathrm{rad/s}^2", "\\mathrm{m/s}^2"),
     ("\\tau", "\\mathrm{N\\,m}", "\\mathrm{N}"),
 )
-"""What is drawn from the top, with the units of revolute and of prismatic joints."""
-
-_LONGEST_EXACT = 48
-"""Letters of LaTeX of an exact value that stands beside its decimals."""
-
+_LONGEST_EXACT = 48  # letters of LaTeX of an exact value that stands beside its decimals
 _DIGITS = 6
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedPiece:
-    """A formula of a joint.
+    """A formula of a joint."""
 
-    Attributes:
-        start: When it begins, since its segment did [s].
-        end: When it ends [s].
-        value: Position in the time since the segment began, in the symbol ``t``.
-    """
-
-    start: Expr
-    end: Expr
-    value: Expr
+    start: Expr  # when it begins, since its segment did [s]
+    end: Expr  # when it ends [s]
+    value: Expr  # position in the time since the segment began, in the symbol ``t``
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedJoint:
-    """A joint in a segment.
+    """A joint in a segment."""
 
-    Attributes:
-        pieces: Its formulas; none where there are too many to print.
-        count: How many there are.
-        speed: Its largest velocity with its sign, exact where that is known [rad/s or m/s].
-        acceleration: Its largest acceleration.
-        torque: Its largest torque with its sign [N m or N]; None where the robot has no dynamics, as below.
-        rms: Root of the mean of its square.
-        power: Its largest power with its sign [W].
-        work: Its mechanical work [J].
-    """
-
-    pieces: tuple[PlannedPiece, ...]
-    count: int
-    speed: Expr
-    acceleration: Expr
-    torque: float | None
-    rms: float | None = None
-    power: float | None = None
-    work: float | None = None
+    pieces: tuple[PlannedPiece, ...]  # its formulas; none where there are too many to print
+    count: int  # how many there are
+    speed: Expr  # its largest velocity with its sign, exact where that is known [rad/s or m/s]
+    acceleration: Expr  # its largest acceleration
+    torque: float | None  # its largest torque with its sign [N m or N]; None where the robot has no dynamics, as below
+    rms: float | None = None  # root of the mean of its square
+    power: float | None = None  # its largest power with its sign [W]
+    work: float | None = None  # its mechanical work [J]
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedSegment:
-    """The way from one point to the next.
+    """The way from one point to the next."""
 
-    Attributes:
-        name: ``rest -> A``.
-        duration: How long it takes [s].
-        joints: What each joint does.
-        work: Mechanical work of all joints [J]; None where the robot has no dynamics.
-    """
-
-    name: str
-    duration: Expr
-    joints: tuple[PlannedJoint, ...]
-    work: float | None
+    name: str  # ``rest -> A``
+    duration: Expr  # how long it takes [s]
+    joints: tuple[PlannedJoint, ...]  # what each joint does
+    work: float | None  # mechanical work of all joints [J]; None where the robot has no dynamics
 
     @property
     def title(self) -> str:
@@ -104,58 +71,30 @@ class PlannedSegment:
 
 @dataclass(frozen=True, slots=True)
 class PlannedCurves:
-    """What joints do over time.
+    """What joints do over time."""
 
-    Attributes:
-        times: [s], (k,).
-        values: Positions, velocities, accelerations and, where they are known, torques, (k, n) each.
-    """
-
-    times: Array
-    values: tuple[Array, ...]
+    times: Array  # [s], (k,)
+    values: tuple[Array, ...]  # positions, velocities, accelerations and, where they are known, torques, (k, n) each
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedMotion:
-    """A motion in formulas and numbers.
+    """A motion in formulas and numbers."""
 
-    Attributes:
-        segments: One after the other.
-        profiles: Names of the profiles that occur; of those that are polynomials from rest to rest the coefficients in
-            unit time, from the constant on, else nothing.
-        curves: What is drawn; None for nothing.
-    """
-
-    segments: tuple[PlannedSegment, ...]
+    segments: tuple[PlannedSegment, ...]  # one after the other
+    # Names of the profiles that occur; of those that are polynomials from rest to rest the coefficients in unit time,
+    # from the constant on, else nothing.
     profiles: Mapping[str, Sequence[int]]
-    curves: PlannedCurves | None = None
+    curves: PlannedCurves | None = None  # what is drawn; None for nothing
 
 
 def plan_section(context: Context, motion: PlannedMotion) -> Section:
-    """The part.
-
-    Args:
-        context: The handout.
-        motion: The motion.
-
-    Returns:
-        Its section.
-    """
+    """The part."""
     return Section("plan", context.text("Motion plan"), tuple(_blocks(context, motion)))
 
 
 def plan_sheet(context: Context, title: str, digest: str, sections: tuple[Section, ...]) -> Document:
-    """A document about a motion plan.
-
-    Args:
-        context: The handout of its robot.
-        title: The user's text.
-        digest: SHA-256 of the plan.
-        sections: The parts.
-
-    Returns:
-        The document.
-    """
+    """A document about a motion plan."""
     _ = context.text
     return Document(
         title=title,

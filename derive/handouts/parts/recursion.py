@@ -31,85 +31,45 @@ _OPEN, _CLOSE = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
 _TWICE = italic("2")
 _OMEGA = Box("\\boldsymbol{\\omega}", 8.0)
 
+# Sign and absolute value, which may be broken over lines where it is in pieces.
 Term = tuple[int, "Box | tuple[Piece, ...]"]
-"""Sign and absolute value, which may be broken over lines where it is in pieces."""
-
-Sides = tuple[Box, list[Term]]
-"""Left side of an equation, and the terms of the right one."""
+Sides = tuple[Box, list[Term]]  # left side of an equation, and the terms of the right one
 
 
 @dataclass(frozen=True)
 class JointLetters:
-    """How the recursion calls a joint and the links on both sides of it.
+    """How the recursion calls a joint and the links on both sides of it."""
 
-    Attributes:
-        index: Its index: ``i`` or a number.
-        before: The index before.
-        after: The index after.
-        is_revolute: Whether the joint turns.
-        sign: +1 or -1, how its variable counts.
-        rate: Its velocity.
-        acceleration: Its acceleration.
-        torque: Its torque or force.
-        is_last: Whether no link follows.
-    """
-
-    index: str
-    before: str
-    after: str
-    is_revolute: bool
-    sign: int
-    rate: Box
-    acceleration: Box
-    torque: Box
-    is_last: bool = False
+    index: str  # its index: ``i`` or a number
+    before: str  # the index before
+    after: str  # the index after
+    is_revolute: bool  # whether the joint turns
+    sign: int  # +1 or -1, how its variable counts
+    rate: Box  # its velocity
+    acceleration: Box  # its acceleration
+    torque: Box  # its torque or force
+    is_last: bool = False  # whether no link follows
 
     @classmethod
     def any_joint(cls, is_revolute: bool) -> JointLetters:
-        """Joint i.
-
-        Args:
-            is_revolute: Whether it turns.
-
-        Returns:
-            Its letters.
-        """
+        """Joint i."""
         rate, acceleration = (script(Box(f"{dots}{{q}}", 5.5), italic("i")) for dots in ("\\dot", "\\ddot"))
         return cls("i", "i-1", "i+1", is_revolute, 1, rate, acceleration, script(Box("\\tau", 5.0), italic("i")))
 
 
 @dataclass(frozen=True)
 class Recursion:
-    """The equations in one convention.
+    """The equations in one convention."""
 
-    Attributes:
-        is_standard: Whether the convention is the standard one.
-        symbols: Names of matrices.
-    """
-
-    is_standard: bool
-    symbols: Symbols
+    is_standard: bool  # whether the convention is the standard one
+    symbols: Symbols  # names of matrices
 
     def offset(self, index: str) -> Box:
-        """The vector p from o_{i-1} to o_i, with a star in the standard convention.
-
-        Args:
-            index: Index of the link.
-
-        Returns:
-            Its name.
-        """
+        """The vector p from o_{i-1} to o_i, with a star in the standard convention."""
         return script(Box("\\mathbf{p}", 6.5), italic(index), Box("*", 5.0) if self.is_standard else EMPTY)
 
     def outward(self, joint: JointLetters) -> list[str]:
-        """Motion of link i from that of link i-1, and the force and moment that this motion takes.
-
-        Args:
-            joint: The joint.
-
-        Returns:
-            Lines.
-        """
+        """Motion of link i from that of link i-1, and the force and moment that this motion takes."""
         i = joint.index
         w, wd, a = _motion(i)
         center, inertia = vector("a", f"c_{{{i}}}"), vector("I", i)
@@ -124,14 +84,7 @@ class Recursion:
         )
 
     def inward(self, joint: JointLetters) -> list[str]:
-        """Force and moment that link i receives through its joint, and the torque of the joint.
-
-        Args:
-            joint: The joint.
-
-        Returns:
-            Lines.
-        """
+        """Force and moment that link i receives through its joint, and the torque of the joint."""
         i = joint.index
         back = self.symbols.frame("R", joint.after, i)
         force, moment = vector("f", i), vector("n", i)
@@ -189,27 +142,12 @@ class Recursion:
 
 
 def vector(letter: str, index: str) -> Box:
-    """A vector or tensor of a link.
-
-    Args:
-        letter: Its letter.
-        index: Its index.
-
-    Returns:
-        Its name.
-    """
+    """A vector or tensor of a link."""
     return script(Box(f"\\mathbf{{{letter}}}", 9.0), italic(index))
 
 
 def com(index: str) -> Box:
-    """The vector r from o_i to the centre of mass of link i.
-
-    Args:
-        index: Index of the link.
-
-    Returns:
-        Its name.
-    """
+    """The vector r from o_i to the centre of mass of link i."""
     return vector("r", f"c_{{{index}}}")
 
 

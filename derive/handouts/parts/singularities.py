@@ -25,19 +25,11 @@ _IS_ZERO = Piece(Box(" = 0", RELATION_WIDTH + 5.0))
 _IF_AND_ONLY_IF = Piece(Box(" \\iff ", 34.0), Break.BINARY)
 _DETERMINANT = Box("\\det", 16.0)
 
-_LETTER_WIDTH = 6.0
-"""Of running text in mathematics [pt]."""
+_LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
 
 
 def singularities(context: Context) -> Iterator[Block]:
-    """Where J loses rank.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """Where J loses rank."""
     found = context.entries.model.singularities
     if found.shape[1] == 1 and not found.task:
         yield Paragraph(context.text("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero."))

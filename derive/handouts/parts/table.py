@@ -24,30 +24,18 @@ from derive.targets.escape import latex_text
 BASE = Box("\\mathbf{T}_{\\mathrm{base}}", 30.0)
 TOOL = Box("\\mathbf{T}_{\\mathrm{tool}}", 30.0)
 
-_TABLE_WIDTH = 470.0
-"""Room for a table [pt]."""
-
+_TABLE_WIDTH = 470.0  # room for a table [pt]
 _FIRST_COLUMNS = 90.0
 _COLUMN_GAP = 12.0
 
-_LONGEST_TABLE = 30
-"""Rows of a table that is kept on one page; a longer one needs two runs of LaTeX to align."""
-
-_LETTER_WIDTH = 5.2
-"""Of running text in mathematics [pt]."""
+_LONGEST_TABLE = 30  # rows of a table that is kept on one page; a longer one needs two runs of LaTeX to align
+_LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
 
 # -- the DH table
 
 
 def dh_table(context: Context) -> Iterator[Block]:
-    """The convention in words, the DH table, base and tool.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part.
-    """
+    """The convention in words, the DH table, base and tool."""
     _ = context.text
     n = context.robot.n
     if context.is_standard:
@@ -87,16 +75,7 @@ def _units(context: Context) -> str:
 
 
 def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]:
-    """Base and tool as matrices, where they are not the identity.
-
-    Args:
-        context: The handout.
-        base: What the base is called.
-        tool: What the tool is called.
-
-    Returns:
-        LaTeX of each line.
-    """
+    """Base and tool as matrices, where they are not the identity."""
     lines: list[str] = []
     for symbol, frame in ((base, context.robot.base), (tool, context.robot.tool)):
         if frame != IDENTITY:
@@ -110,14 +89,7 @@ def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]
 
 
 def table_rows(context: Context) -> Block:
-    """The table, or its cells joint by joint where it is too wide for the page.
-
-    Args:
-        context: The handout.
-
-    Returns:
-        A table, or displayed mathematics.
-    """
+    """The table, or its cells joint by joint where it is too wide for the page."""
     _ = context.text
     joints = context.robot.joints
     has_limits = any(joint.limits is not None for joint in joints)
@@ -161,14 +133,7 @@ def _named_cells(context: Context, i: int, row: list[Cell]) -> Iterator[Equation
 
 
 def parameters(context: Context) -> Iterator[Block]:
-    """Numbers of the robot file, arguments of the generated functions, inertial data of the links.
-
-    Args:
-        context: The handout.
-
-    Yields:
-        The blocks of the part; none where the robot file has no such data.
-    """
+    """Numbers of the robot file, arguments of the generated functions, inertial data of the links."""
     _ = context.text
     data, glyph = context.data, context.data.notation.glyph
     numbers = equation_lines(
@@ -194,15 +159,7 @@ def parameters(context: Context) -> Iterator[Block]:
 
 
 def link_equations(context: Context, link: Link) -> Iterator[Equation]:
-    """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero.
-
-    Args:
-        context: The handout.
-        link: The link.
-
-    Yields:
-        One equation for each of them.
-    """
+    """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero."""
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
     com: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]

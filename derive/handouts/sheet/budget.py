@@ -26,9 +26,9 @@ from derive.handouts.sheet.document import (
 )
 from derive.handouts.sheet.language import Text
 
+# What a page holds by the heights below, which are on the high side [pt]; the text of a page is 731 pt high.
 PAGE = 780.0
-"""What a page holds by the heights below, which are on the high side [pt]; the text of a page is 731 pt high."""
-
+# Parts of the handout, the least useful first: what follows from other parts by rule comes before what does not.
 USEFULNESS = (
     "conversion",
     "skew",
@@ -52,30 +52,17 @@ USEFULNESS = (
     "figure",
     "table",
 )
-"""Parts of the handout, the least useful first: what follows from other parts by rule comes before what does not."""
-
 _LINE, _ROW, _FRACTION, _DISPLAY, _HEADING, _LANDSCAPE = 12.0, 15.0, 14.0, 22.0, 36.0, 440.0
 """Heights of a line of text, of a row of a display, more for a fraction, around a display, of a heading, of a page
 turned on its side [pt]."""
 
-_LETTERS = 95
-"""Letters on a line of text."""
-
-_LONG = 60.0
-"""Height from which a formula may be left out on its own [pt]."""
-
+_LETTERS = 95  # letters on a line of text
+_LONG = 60.0  # height from which a formula may be left out on its own [pt]
 _MARKUP = re.compile(r"\\[A-Za-z]+|[{}$`_^]")
 
 
 def pages(document: Document) -> int:
-    """About how many pages a document has on paper.
-
-    Args:
-        document: The handout.
-
-    Returns:
-        Pages, rather too many than too few.
-    """
+    """About how many pages a document has on paper."""
     count, filled = 1, 3 * _HEADING
     for section in document.sections:
         above = _HEADING  # a heading goes to the next page with what follows it
@@ -90,14 +77,7 @@ def pages(document: Document) -> int:
 
 
 def height(block: Block) -> float:
-    """About how much of a page a block takes.
-
-    Args:
-        block: Any block.
-
-    Returns:
-        Its height [pt].
-    """
+    """About how much of a page a block takes."""
     return sum(_pieces(block))
 
 
@@ -139,32 +119,18 @@ def _row(line: str) -> float:
 
 # -- leaving out
 
-Test = Callable[[Block], bool]
-"""Whether a block may be left out."""
+Test = Callable[[Block], bool]  # whether a block may be left out
 
 
 @dataclass(frozen=True, slots=True)
 class _Sparing:
-    """Leaves blocks out and says so where the first of them stood.
+    """Leaves blocks out and says so where the first of them stood."""
 
-    Attributes:
-        limit: Pages, for the sentence.
-        text: The language.
-    """
-
-    limit: int
-    text: Text
+    limit: int  # pages, for the sentence
+    text: Text  # the language
 
     def blocks(self, blocks: tuple[Block, ...], test: Test) -> tuple[Block, ...]:
-        """What may be left out replaced by a sentence.
-
-        Args:
-            blocks: The blocks.
-            test: What may be left out.
-
-        Returns:
-            The blocks that stay; one sentence for neighbours that are left out alike.
-        """
+        """What may be left out replaced by a sentence."""
         kept: list[Block] = []
         for block in blocks:
             shown: Block = block
@@ -206,15 +172,6 @@ def within(document: Document, limit: int, text: Text, spare: int = 0) -> Docume
 
     Entries on pages turned on their side go first, then what is longer than a page, then the steps, then the other long
     formulas, then whole parts; in each of these the least useful part first, until the rest fits.
-
-    Args:
-        document: The handout.
-        limit: Most pages; 0 for any number.
-        text: The language.
-        spare: Pages by which the estimate has to stay below the limit.
-
-    Returns:
-        The same document where it fits; else a shorter one that says at its head and in place what is left out.
     """
     most = limit - spare
     if not limit or pages(document) <= most:

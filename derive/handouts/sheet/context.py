@@ -19,43 +19,26 @@ from derive.workspace.poses import RobotPoses
 
 @dataclass(eq=False)
 class Context:
-    """One robot on its way to a handout. What follows from the first six is made with it.
+    """One robot on its way to a handout. What follows from the first six is made with it."""
 
-    Attributes:
-        entries: Its closed forms, entry by entry.
-        options: What the handout shows.
-        text: Translates messages.
-        version: Version of the tool.
-        poses: Where its frames are, for figures; None where nothing is drawn.
-        policy: How much is printed.
-        robot: The robot.
-        is_standard: Whether the convention is the standard one, in which joint i moves about z of frame i-1.
-        has_closed_dynamics: Whether the closed form of the dynamics is derived: it has links, few joints.
-        steps: Whether intermediate steps are shown.
-        notation: How symbols are written.
-        symbols: Names of entries.
-        printer: Prints expressions.
-        layouter: Lays out quantities.
-        data: Prints cells of the robot file.
-        dynamics: Lays out the dynamics.
-    """
-
-    entries: ModelEntries
-    options: HandoutOptions
-    text: Text
-    version: str
-    poses: RobotPoses | None = None
-    policy: SheetPolicy = POLICY
-    robot: Robot = field(init=False)
+    entries: ModelEntries  # its closed forms, entry by entry
+    options: HandoutOptions  # what the handout shows
+    text: Text  # translates messages
+    version: str  # version of the tool
+    poses: RobotPoses | None = None  # where its frames are, for figures; None where nothing is drawn
+    policy: SheetPolicy = POLICY  # how much is printed
+    robot: Robot = field(init=False)  # the robot
+    # Whether the convention is the standard one, in which joint i moves about z of frame i-1.
     is_standard: bool = field(init=False)
+    # Whether the closed form of the dynamics is derived: it has links, few joints.
     has_closed_dynamics: bool = field(init=False)
-    steps: bool = field(init=False)
-    notation: Notation = field(init=False)
-    symbols: Symbols = field(init=False)
-    printer: LatexPrinter = field(init=False)
-    layouter: Layouter = field(init=False)
-    data: DataPrinter = field(init=False)
-    dynamics: DynamicsLayout = field(init=False)
+    steps: bool = field(init=False)  # whether intermediate steps are shown
+    notation: Notation = field(init=False)  # how symbols are written
+    symbols: Symbols = field(init=False)  # names of entries
+    printer: LatexPrinter = field(init=False)  # prints expressions
+    layouter: Layouter = field(init=False)  # lays out quantities
+    data: DataPrinter = field(init=False)  # prints cells of the robot file
+    dynamics: DynamicsLayout = field(init=False)  # lays out the dynamics
 
     def __post_init__(self) -> None:
         robot = self.robot = self.entries.robot

@@ -23,23 +23,16 @@ from derive.model.dynamic_entries import ModelEntries
 from derive.model.entries import Entries
 from derive.robot.names import acceleration_name, velocity_name
 
-Signed = tuple[int, tuple[Box, ...]]
-"""A product of boxes with its sign."""
+Signed = tuple[int, tuple[Box, ...]]  # a product of boxes with its sign
 
 
 @dataclass(frozen=True)
 class DynamicsLayout:
-    """Lays out the dynamics of one robot.
+    """Lays out the dynamics of one robot."""
 
-    Attributes:
-        entries: Its closed forms.
-        layouter: How a quantity is laid out.
-        symbols: Names of entries.
-    """
-
-    entries: ModelEntries
-    layouter: Layouter
-    symbols: Symbols
+    entries: ModelEntries  # its closed forms
+    layouter: Layouter  # how a quantity is laid out
+    symbols: Symbols  # names of entries
 
     @property
     def inertia_symbol(self) -> Box:
@@ -47,39 +40,17 @@ class DynamicsLayout:
         return Box(f"\\mathbf{{{self.symbols.inertia_letter}}}(\\mathbf{{q}})", 30.0)
 
     def inertia_entry(self, row: int, column: int) -> Box:
-        """b_ij, always that above the diagonal.
-
-        Args:
-            row: Row from 1.
-            column: Column from 1.
-
-        Returns:
-            Its name.
-        """
+        """b_ij, always that above the diagonal."""
         return self.symbols.entry(self.symbols.inertia_letter.lower(), min(row, column), max(row, column))
 
     def is_compact(self, quantity: Entries) -> bool:
-        """Whether a closed form is short enough to be printed multiplied out.
-
-        Args:
-            quantity: The closed form.
-
-        Returns:
-            True if it is.
-        """
+        """Whether a closed form is short enough to be printed multiplied out."""
         return quantity.is_short(self.layouter.policy.compact_terms)
 
     # -- closed forms
 
     def closed(self, name: str) -> LaidOut:
-        """A quantity of the dynamics multiplied out.
-
-        Args:
-            name: B, Bdot, C, N, g, tau, kinetic or potential.
-
-        Returns:
-            The matrix, or its entries one by one.
-        """
+        """A quantity of the dynamics multiplied out."""
         entries, symbols = self.entries, self.symbols
         match name:
             case "B":
@@ -128,17 +99,7 @@ class DynamicsLayout:
         return replace(laid_out, by_entry=False)
 
     def body(self, symbol: Box, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
-        """A quantity of one link or rotor, within a budget that leaves room for those of all the others.
-
-        Args:
-            symbol: What it is called.
-            quantity: The quantity.
-            group: Which letter its intermediate terms have.
-            symmetric: Whether the entries below the diagonal may be left out.
-
-        Returns:
-            Its lines.
-        """
+        """A quantity of one link or rotor, within a budget that leaves room for those of all the others."""
         held = concatenate(Box("(", 5.0), symbol, Box(")", 5.0))
         policy = replace(
             self.layouter.policy,
@@ -177,14 +138,7 @@ class DynamicsLayout:
         return replace(laid_out, has_zeros=True, values=spelled_out, blanks=() if laid_out.omitted else ("",))
 
     def rate_sums(self, name: str) -> LaidOut:
-        """C, or the entries of N above the diagonal, as sums of Christoffel symbols times velocities.
-
-        Args:
-            name: C or N.
-
-        Returns:
-            The entries that are not zero; to be copied, those that are short with the symbols put in.
-        """
+        """C, or the entries of N above the diagonal, as sums of Christoffel symbols times velocities."""
         n, namer = self.entries.robot.n, partial(self.symbols.entry, name)
         if name == "C":
             sums = {place: self.entries.coriolis_sum(*place) for place in self.entries.C.places}

@@ -23,17 +23,7 @@ from derive.model.entries import Entries
 
 
 def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> Formula:
-    """A laid-out quantity as a formula.
-
-    Args:
-        context: The handout.
-        laid_out: The quantity as lines.
-        function: The generated function that computes it.
-        task: What an exercise asks in its place.
-
-    Returns:
-        The formula.
-    """
+    """A laid-out quantity as a formula."""
     _ = context.text
     rows = [Rows(laid_out.lines)] if laid_out.lines else []
     if laid_out.landscape:
@@ -52,16 +42,7 @@ def formula(context: Context, laid_out: LaidOut, function: str = "", task: str =
 
 
 def unlisted(text: Text, symmetric: bool, has_zeros: bool) -> str:
-    """What a reader must know of a matrix that is printed entry by entry.
-
-    Args:
-        text: The language.
-        symmetric: Whether the entries below the diagonal are left out.
-        has_zeros: Whether entries are left out that are zero.
-
-    Returns:
-        A sentence; empty where all entries are listed.
-    """
+    """What a reader must know of a matrix that is printed entry by entry."""
     _ = text
     if symmetric and has_zeros:
         return _("The matrix is symmetric; entries that are not listed are zero.")
@@ -90,28 +71,13 @@ class _Copied(Sequence[Entry]):
 
 
 def entry_namer(symbol: Box, comma: str = "") -> Namer:
-    """Names of the entries of a matrix that has no letter of its own: (A)_{12}.
-
-    Args:
-        symbol: The matrix.
-        comma: What separates row and column.
-
-    Returns:
-        (row, column) -> name of the entry.
-    """
+    """Names of the entries of a matrix that has no letter of its own: (A)_{12}."""
     held = _bracketed(symbol)
     return lambda row, column: script(held, italic(f"{row}{comma}{column}"))
 
 
 def component_namer(symbol: Box) -> Namer:
-    """Names of the components of a vector: (z_1)_2.
-
-    Args:
-        symbol: The vector.
-
-    Returns:
-        (row, column) -> name of the component.
-    """
+    """Names of the components of a vector: (z_1)_2."""
     held = _bracketed(symbol)
     return lambda row, _: script(held, italic(str(row)))
 
@@ -121,16 +87,7 @@ def _bracketed(symbol: Box) -> Box:
 
 
 def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> list[str]:
-    """A matrix of the robot's data: in brackets if it fits, else entry by entry.
-
-    Args:
-        symbol: What it is called.
-        cells: Its entries in print, row by row.
-        namer: (row, column) -> name of an entry.
-
-    Returns:
-        LaTeX of each line.
-    """
+    """A matrix of the robot's data: in brackets if it fits, else entry by entry."""
     box = concatenate(symbol, EQUALS, matrix([[joined(cell) for cell in row] for row in cells]))
     if fits(box, len(cells)):
         return [box.tex]
@@ -144,25 +101,14 @@ def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> 
 
 @dataclass(frozen=True, slots=True)
 class Small:
-    """A matrix that fits on a line and may share it.
+    """A matrix that fits on a line and may share it."""
 
-    Attributes:
-        box: ``symbol = [...]``.
-        laid_out: The same as a quantity of its own.
-    """
-
-    box: Box
-    laid_out: LaidOut
+    box: Box  # ``symbol = [...]``
+    laid_out: LaidOut  # the same as a quantity of its own
 
 
 def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Small | None:
     """A matrix as one box, which may share a line.
-
-    Args:
-        context: The handout.
-        symbol: What stands on the left side.
-        quantity: The matrix.
-        namer: (row, column) -> name of an entry.
 
     Returns:
         The box; None if the matrix is too wide or has too many terms.
@@ -180,14 +126,7 @@ def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Sma
 
 
 def side_by_side(items: Sequence[Small]) -> LaidOut:
-    """Small matrices that share lines, as one quantity.
-
-    Args:
-        items: The matrices.
-
-    Returns:
-        Their lines.
-    """
+    """Small matrices that share lines, as one quantity."""
     return LaidOut(
         tuple(pack(item.box for item in items)),
         values=tuple(value for item in items for value in item.laid_out.values),
@@ -200,32 +139,16 @@ def side_by_side(items: Sequence[Small]) -> LaidOut:
 
 @dataclass(frozen=True, slots=True)
 class BodyItem:
-    """A quantity of one link or rotor.
+    """A quantity of one link or rotor."""
 
-    Attributes:
-        symbol: What it is called.
-        quantity: The quantity.
-        group: Which letter its intermediate terms have.
-        symmetric: Whether the entries below the diagonal may be left out.
-    """
-
-    symbol: Box
-    quantity: Entries
-    group: int
-    symmetric: bool = False
+    symbol: Box  # what it is called
+    quantity: Entries  # the quantity
+    group: int  # which letter its intermediate terms have
+    symmetric: bool = False  # whether the entries below the diagonal may be left out
 
 
 def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
-    """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them.
-
-    Args:
-        context: The handout.
-        items: The quantities.
-        task: What an exercise asks in their place.
-
-    Yields:
-        Formulas; of what is too long in one, the numbers of terms.
-    """
+    """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
     _ = context.text
     row: list[Small] = []
     for item in items:
@@ -251,15 +174,7 @@ def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -
 
 
 def textbook(name: str, **values: object) -> Rows:
-    """A formula as textbooks print it, such as c_ijk by the derivatives of B.
-
-    Args:
-        name: Its macro in ``templates/handout/textbook.tex.jinja``.
-        values: What the macro asks for: letters as LaTeX, and what the robot has.
-
-    Returns:
-        Its lines; an indented line of the template continues the one before.
-    """
+    """A formula as textbooks print it, such as c_ijk by the derivatives of B."""
     lines: list[str] = []
     for line in getattr(macros("textbook.tex.jinja"), name)(**values).splitlines():
         if line.startswith(" "):

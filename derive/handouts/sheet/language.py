@@ -19,45 +19,22 @@ from derive.errors import TargetError, install_extra, listed, near_miss, quoted
 
 @dataclass(frozen=True)
 class Text:
-    """Translates the handout's messages.
+    """Translates the handout's messages."""
 
-    Attributes:
-        language: Code of the language.
-        messages: English text -> translation.
-        comma: Whether decimals stand behind a comma, and lists of numbers between semicolons.
-    """
-
-    language: str = "en"
-    messages: Mapping[str, str] = field(default_factory=dict)
-    comma: bool = False
+    language: str = "en"  # code of the language
+    messages: Mapping[str, str] = field(default_factory=dict)  # English text -> translation
+    comma: bool = False  # whether decimals stand behind a comma, and lists of numbers between semicolons
 
     def __call__(self, message: str, **values: object) -> str:
-        """The message in the language; English where there is no translation.
-
-        Args:
-            message: The text in English.
-            values: What its ``%(name)s`` places are filled with.
-
-        Returns:
-            The text.
-        """
+        """The message in the language; English where there is no translation."""
         return (self.messages.get(message) or message) % values
 
     def number(self, decimal: str) -> str:
-        """A number for running text.
-
-        Args:
-            decimal: The number with a decimal point.
-
-        Returns:
-            The same as the language writes it.
-        """
+        """A number for running text."""
         return decimal.replace(".", ",") if self.comma else decimal
 
 
-ENGLISH = "en"
-"""The language of the messages in the code."""
-
+ENGLISH = "en"  # the language of the messages in the code
 _SUFFIX = ".po"
 
 
@@ -66,9 +43,6 @@ def languages(folder: Traversable | None = None) -> tuple[str, ...]:
 
     Args:
         folder: Where the catalogues are; None for those of the package.
-
-    Returns:
-        The codes, English among them.
     """
     names = (entry.name for entry in (folder or _locale_folder()).iterdir())
     found = {name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)}
@@ -79,14 +53,7 @@ def text_for(language: str, folder: Traversable | None = None) -> Text:
     """Translates messages into a language.
 
     Args:
-        language: Its code, such as ``it`` or ``pt_BR``.
         folder: Where the catalogues are; None for those of the package.
-
-    Returns:
-        What translates.
-
-    Raises:
-        TargetError: There is no catalogue for it, or Babel is missing that reads it.
     """
     known = languages(folder)
     for code in (language, language.partition("_")[0]):

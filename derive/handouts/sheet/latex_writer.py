@@ -31,30 +31,17 @@ from derive.handouts.sheet.language import Text
 from derive.targets.escape import latex_text
 from derive.targets.templating import environment
 
+# Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty.
 _LONGEST_WORD = 16
-"""Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
-
 _DISPLAY, _DISPLAY_END = "\\begin{align*}", "\\end{align*}"
+# Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph.
 _OPEN = "%"
-"""Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph."""
-
-
-_TABLE_FOLLOWS = "\\nopagebreak"
-"""Between a paragraph and what it announces."""
-
+_TABLE_FOLLOWS = "\\nopagebreak"  # between a paragraph and what it announces
 _NO_SECTION_BREAK = "\\makeatletter\\global\\@secpenalty=10000 \\makeatother\n"
 
 
 def latex(document: Document, text: Text) -> str:
-    """The document as ``sheet.tex``.
-
-    Args:
-        document: The handout.
-        text: The language of the writer's own words.
-
-    Returns:
-        The LaTeX source.
-    """
+    """The document as ``sheet.tex``."""
     blocks = [block for section in document.sections for block in blocks_of(section)]
     rows = [part for block in blocks for part in rows_of(block)]
     words = (
@@ -106,14 +93,7 @@ def _with_next(source: str) -> str:
 
 @cache
 def latex_template(name: str) -> Template:
-    """A template of LaTeX, which is full of braces, so that its marks are ``<< >>`` and ``<% %>``.
-
-    Args:
-        name: Path below ``templates/handout``.
-
-    Returns:
-        The template.
-    """
+    """A template of LaTeX, which is full of braces, so that its marks are ``<< >>`` and ``<% %>``."""
     marks = environment().overlay(
         block_start_string="<%",
         block_end_string="%>",
@@ -127,14 +107,7 @@ def latex_template(name: str) -> Template:
 
 @cache
 def macros(name: str) -> TemplateModule:
-    """The macros of a template of LaTeX.
-
-    Args:
-        name: Path below ``templates/handout``.
-
-    Returns:
-        A module with a function for each macro.
-    """
+    """The macros of a template of LaTeX."""
     return latex_template(name).module
 
 
@@ -142,14 +115,7 @@ def macros(name: str) -> TemplateModule:
 
 
 def latex_words(text: str) -> str:
-    """A text with its marks.
-
-    Args:
-        text: Plain words, mathematics between dollar signs, code between backticks.
-
-    Returns:
-        LaTeX.
-    """
+    """A text with its marks."""
     written = []
     for kind, part in spans(text):
         if kind is Kind.MATHEMATICS:
@@ -225,15 +191,7 @@ def _written(block: Block, _: Text) -> str:
 
 
 def omitted_words(block: Formula, _: Text) -> str:
-    """What stands before the numbers of terms of entries that are left out.
-
-    Args:
-        block: The formula.
-        _: Translates it.
-
-    Returns:
-        A sentence with marks.
-    """
+    """What stands before the numbers of terms of entries that are left out."""
     if block.function:
         return _(
             "These entries are too long to print; `%(function)s` in `model_numpy.py` computes them. "

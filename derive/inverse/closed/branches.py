@@ -25,51 +25,32 @@ from derive.robot.evaluate import parameter_values
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
 
-REPRODUCED = 1e-10
-"""Largest error of the pose of a solution, lengths relative to the reach."""
-
-RESCUED = 60
-"""Most steps of damped Newton from the leaves of a pose at which none is a solution."""
-
+REPRODUCED = 1e-10  # largest error of the pose of a solution, lengths relative to the reach
+RESCUED = 60  # most steps of damped Newton from the leaves of a pose at which none is a solution
 STARTS = 24
 """Configurations from which solutions are looked for, too, where an arm has fewer joints than its task has dimensions:
 poses beside are out of its reach."""
 
-NEIGHBOURS = 40
-"""Most steps of damped Newton from a solution of a pose beside, or from such a configuration."""
-
-ALONE = 1e-5
-"""Smallest singular value of the derivatives at a solution that is none of a continuum."""
+NEIGHBOURS = 40  # most steps of damped Newton from a solution of a pose beside, or from such a configuration
+ALONE = 1e-5  # smallest singular value of the derivatives at a solution that is none of a continuum
 
 
 @dataclass(frozen=True, eq=False)
 class Branches:
-    """The solutions of a batch of poses.
+    """The solutions of a batch of poses."""
 
-    Attributes:
-        q: (..., branches, n), NaN where a branch does not exist.
-        status: (..., branches) a `Status` each.
-    """
-
-    q: Array
-    status: Array
+    q: Array  # (..., branches, n), NaN where a branch does not exist
+    status: Array  # (..., branches) a `Status` each
 
 
 @dataclass(frozen=True, eq=False)
 class InverseSolver:
-    """Solves one arm.
+    """Solves one arm."""
 
-    Attributes:
-        graph: Its solution graph.
-        chain: Its numbers.
-        field: The floats that the graph is run over.
-        entries: The entries of the pose that are wanted, rows and columns from 0.
-    """
-
-    graph: SolutionGraph
-    chain: NumericChain
-    field: FloatField
-    entries: Entries
+    graph: SolutionGraph  # its solution graph
+    chain: NumericChain  # its numbers
+    field: FloatField  # the floats that the graph is run over
+    entries: Entries  # the entries of the pose that are wanted, rows and columns from 0
 
     @classmethod
     def of(cls, robot: Robot, graph: SolutionGraph, parameters: Mapping[str, float] | None = None) -> InverseSolver:
@@ -311,14 +292,7 @@ class InverseSolver:
 
 
 def starts(joints: int) -> Array:
-    """Configurations that fill the joint space evenly, in half turns and units of length (Roberts's sequence).
-
-    Args:
-        joints: How many joints.
-
-    Returns:
-        (STARTS, joints) between -1 and 1.
-    """
+    """Configurations that fill the joint space evenly, in half turns and units of length (Roberts's sequence)."""
     ratio = 2.0
     for _ in range(60):
         ratio = (1.0 + ratio) ** (1.0 / (joints + 1))

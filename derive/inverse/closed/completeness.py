@@ -29,30 +29,14 @@ from derive.robot.evaluate import to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.names import free_symbols
 
-_COUNTED = 3
-"""Poses at which leaves are counted."""
-
-_COMPLEX = 9
-"""Complex poses at which leaves are counted; a few of them may be too ill-conditioned to tell."""
-
-_CLOSES = 1e-6
-"""Complex leaves that miss the pose by more than this part of its size do not lead there."""
-
-_SAMPLES = 512
-"""Poses modulo a prime: with seven independent square roots four of them have them all."""
+_COUNTED = 3  # poses at which leaves are counted
+_COMPLEX = 9  # complex poses at which leaves are counted; a few of them may be too ill-conditioned to tell
+_CLOSES = 1e-6  # complex leaves that miss the pose by more than this part of its size do not lead there
+_SAMPLES = 512  # poses modulo a prime: with seven independent square roots four of them have them all
 
 
 def counted(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping[str, Expression]) -> SolutionGraph:
-    """A graph with the number of its solutions.
-
-    Args:
-        graph: The graph.
-        sampled: The ring of its arm with numbers in place of the parameters that have numbers.
-        numbers: These numbers.
-
-    Returns:
-        The graph; `SolutionGraph.complete` is set where the count is certain.
-    """
+    """A graph with the number of its solutions."""
     # joint variables are counted from where their cells have no constants: an angle has no value modulo a prime
     graph, original = replace(graph, shifts=(ZERO,) * graph.robot.n), graph
     count = 0

@@ -32,26 +32,16 @@ from derive.robot.options.inverse import ROWS
 
 Floats = npt.NDArray[np.float64]
 
-_STEP = 1e-5
-"""By how much the pose is left, against the reach of the arm."""
-
-_INDEPENDENT = 1e-6
-"""A derivative that adds less than this to the others says nothing new."""
-
+_STEP = 1e-5  # by how much the pose is left, against the reach of the arm
+_INDEPENDENT = 1e-6  # a derivative that adds less than this to the others says nothing new
 _PLACE = re.compile(r"T\[(\d),(\d)\]")
 
+# Entries of T in the order in which they are looked at: books begin with the third column.
 _CONSTANT_ORDER = ((1, 3), (2, 3), (3, 3), (3, 1), (3, 2), (1, 1), (2, 1), (1, 2), (2, 2), (1, 4), (2, 4), (3, 4))
-"""Entries of T in the order in which they are looked at: books begin with the third column."""
 
 
 def entry_conditions(graph: SolutionGraph, evidence: Evidence, constants: Mapping[str, Expression]) -> list[Equation]:
-    """Entries of T that are always 0, 1, -1 or plus or minus another one.
-
-    Args:
-        graph: The graph, for its ring and task.
-        evidence: The arm at random poses.
-        constants: See `Evidence.value`.
-    """
+    """Entries of T that are always 0, 1, -1 or plus or minus another one."""
     ring, prime, whole = graph.domain.ring, evidence.prime, Source(1, graph.robot.n, "T")
     given = {place for row in graph.task for place in ROWS[row]}
     found, known = [], list[tuple[tuple[int, ...], Polynomial]]()
@@ -76,19 +66,7 @@ def conditions(
     constants: Mapping[str, Expression],
     numbers: Mapping[str, Expression],
 ) -> tuple[Equation, ...]:
-    """Conditions on the pose, as many as dimensions are missing.
-
-    Args:
-        graph: A closed graph.
-        missing: Dimensions of the task less those that the arm reaches.
-        equations: Differences of both sides of equations of the pool, short ones first.
-        evidence: The arm at random poses.
-        constants: See `Evidence.value`.
-        numbers: Numbers of the parameters that have them.
-
-    Returns:
-        The conditions; a 1 or -1 of R that only tells a sign, after the zeros beside it, stands among them too.
-    """
+    """Conditions on the pose, as many as dimensions are missing."""
     leaving = _Leaving(graph, numbers)
     entries = entry_conditions(graph, evidence, constants)
     says = [_number_of(equation) for equation in entries]
@@ -122,10 +100,6 @@ def _tells_sign(said: tuple[tuple[int, int], int] | None, zeros: Container[tuple
 
 class _Leaving:
     """Derivatives of equations where the reachable poses are left.
-
-    Args:
-        graph: A closed graph.
-        numbers: Numbers of the parameters that have them.
 
     Attributes:
         rank: How many independent derivatives there are so far.
@@ -191,11 +165,7 @@ class _Leaving:
         return found
 
     def adds(self, p: Polynomial) -> bool:
-        """Whether the derivative of a polynomial is independent of those before; if so it is one of them from now on.
-
-        Args:
-            p: Zero at reachable poses.
-        """
+        """Whether the derivative of a polynomial is independent of those before; if so it joins them."""
         try:
             values = np.broadcast_to(self._run.evaluate(p, self._values), (13,))
         except KeyError:

@@ -17,34 +17,20 @@ from derive.inverse.closed.elementary_solver import Field, M, N
 
 Vector = tuple[N, N, N]
 
-CUBIC_STEPS = 5
-"""Halley's steps from at most 1.5 times the root: the error is cubed in each."""
-
-POLISH_STEPS = 2
-"""Newton steps of a point along the circle."""
-
+CUBIC_STEPS = 5  # halley's steps from at most 1.5 times the root: the error is cubed in each
+POLISH_STEPS = 2  # Newton steps of a point along the circle
+# Slopes of the conic along the circle below this part of its size are those of double points, which stay.
 FLAT = Fraction(1, 10**7)
-"""Slopes of the conic along the circle below this part of its size are those of double points, which stay."""
-
 DOUBTFUL = (10**8, 10**5)
 """By these factors a radicand may be above that of a double point, or below zero, so that rounding may decide about it:
 where four points are one it is known to a third of its digits."""
 
+# A point whose error is more than this part of the conic's size is none: its lines are not real.
 ON_CONIC = Fraction(1, 10**9)
-"""A point whose error is more than this part of the conic's size is none: its lines are not real."""
 
 
 def line_points(field: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
-    """The four common points of the unit circle and a conic.
-
-    Args:
-        field: The numbers, ordered ones.
-        coefficients: Of c^2, c s, s^2, c, s and 1; not all zero.
-
-    Returns:
-        Cosine, sine, whether the point exists, whether it is a double one, which is listed once, and whether rounding
-        decides about that.
-    """
+    """The four common points of the unit circle and a conic."""
     f = field
     scale = f.divide(f.number(1), f.sqrt(_total([k * k for k in coefficients])))
     unit = [k * scale for k in coefficients]

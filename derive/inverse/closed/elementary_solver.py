@@ -21,20 +21,16 @@ from derive.inverse.closed.nodes import Equation, Exponents, Formula, Kind
 from derive.mechanics.vectors import Scalar
 from derive.robot.expression import Expression
 
+# By this factor a coefficient may be larger than one that is zero: what is divided by it has lost three digits.
 ILL = 1e9
-"""By this factor a coefficient may be larger than one that is zero: what is divided by it has lost three digits."""
-
+# By these factors a radicand may be above that of a double root, or below zero, so that rounding decides about it.
 DOUBLE, MISSING = 1e5, 1e2
-"""By these factors a radicand may be above that of a double root, or below zero, so that rounding decides about it."""
-
+# Where two equations are one, turned, their determinant is a square: it is zero below this part of what others are.
 TURNED = 1e-12
-"""Where two equations are one, turned, their determinant is a square: it is zero below this part of what others are."""
-
+# Where all coefficients are small their radicand counts as if it was this part of its usual size: they are rounded.
 SHORT = Fraction(1, 10**10)
-"""Where all coefficients are small their radicand counts as if it was this part of its usual size: they are rounded."""
-
+# Where a radicand keeps all its digits its two roots are one below this part of what it usually is.
 FOLDED = Fraction(1, 10**12)
-"""Where a radicand keeps all its digits its two roots are one below this part of what it usually is."""
 
 
 class Mask(Protocol):
@@ -45,175 +41,79 @@ class Mask(Protocol):
     def __invert__(self) -> Self: ...
 
 
-N = TypeVar("N", bound=Scalar)
-"""A number, with + - * between numbers and ints."""
-
-M = TypeVar("M", bound=Mask)
-"""Where something holds."""
+N = TypeVar("N", bound=Scalar)  # a number, with + - * between numbers and ints
+M = TypeVar("M", bound=Mask)  # where something holds
 
 
 class Field(Protocol[N, M]):
     """Numbers that a graph is run over, with + - * between them and with ints, and masks with & | ~."""
 
     def number(self, value: Any) -> N:
-        """A rational number.
-
-        Args:
-            value: An int or a Fraction.
-        """
+        """A rational number."""
 
     def constant(self, expression: Expression) -> N:
-        """A parameter, a root, the sine of a constant angle: what a generator stands for that is no unknown.
-
-        Args:
-            expression: The exact expression.
-        """
+        """A parameter, a root, the sine of a constant angle: what a generator stands for that is no unknown."""
 
     def divide(self, a: N, b: N) -> N:
-        """The quotient; any number where the divisor is zero.
-
-        Args:
-            a: The dividend.
-            b: The divisor.
-        """
+        """The quotient; any number where the divisor is zero."""
 
     def sqrt(self, a: N) -> N:
-        """The square root; any number where there is none.
-
-        Args:
-            a: The radicand.
-        """
+        """The square root; any number where there is none."""
 
     def is_zero(self, a: N, scale: N) -> M:
-        """Whether a coefficient is zero, within rounding.
-
-        Args:
-            a: The number.
-            scale: The size that it usually has.
-        """
+        """Whether a coefficient is zero, within rounding."""
 
     def has_root(self, a: N, scale: N) -> M:
-        """Whether a number has a square root: it is not below zero, but for rounding.
-
-        Args:
-            a: The radicand.
-            scale: The size of what it is the difference of.
-        """
+        """Whether a number has a square root: it is not below zero, but for rounding."""
 
     def merges(self, a: N, scale: N) -> M:
-        """Whether the two square roots of a number cannot be told apart.
-
-        Args:
-            a: The radicand.
-            scale: The size of what it is the difference of.
-        """
+        """Whether the two square roots of a number cannot be told apart."""
 
     def select(self, mask: M, a: N, b: N) -> N:
-        """The one number where a mask holds, and the other elsewhere.
-
-        Args:
-            mask: The mask.
-            a: Where it holds.
-            b: Elsewhere.
-        """
+        """The one number where a mask holds, and the other elsewhere."""
 
     def never(self, mask: M) -> bool:
-        """Whether a mask is known to hold nowhere, so that what depends on it need not be computed.
-
-        Args:
-            mask: The mask.
-        """
+        """Whether a mask is known to hold nowhere, so that what depends on it need not be computed."""
 
     def truth(self, value: bool) -> M:
-        """A mask that holds everywhere or nowhere.
-
-        Args:
-            value: Which of the two.
-        """
+        """A mask that holds everywhere or nowhere."""
 
     def cosine_sine(self, angle: N) -> tuple[N, N]:
-        """Of a joint that is given.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Of a joint that is given."""
 
     def angle(self, cosine: N, sine: N) -> N:
-        """The angle of a cosine and a sine, in (-pi, pi].
-
-        Args:
-            cosine: Times any positive number.
-            sine: Times the same number.
-        """
+        """The angle of a cosine and a sine, in (-pi, pi]."""
 
     def unit(self, cosine: N, sine: N) -> tuple[N, N]:
-        """A point that lies on the unit circle but for rounding, which a small determinant makes large, moved there.
-
-        Args:
-            cosine: Of an angle, nearly.
-            sine: Of the angle, nearly.
-        """
+        """A point that lies on the unit circle but for rounding, which a small determinant makes large, moved there."""
 
     def conic(self, coefficients: Sequence[N]) -> Sequence[tuple[N, N, M, M, M]]:
-        """The four common points of the unit circle and a conic.
-
-        Args:
-            coefficients: Of c^2, c s, s^2, c, s and 1.
-
-        Returns:
-            Cosine, sine, whether the point exists, whether it is a double one, and whether rounding decides about that.
-        """
+        """The four common points of the unit circle and a conic."""
 
     def general(self, formula: Formula, values: Mapping[str, N]) -> Sequence[tuple[tuple[tuple[N, ...], ...], M]]:
-        """The values of a general node.
-
-        Args:
-            formula: The node's formula.
-            values: Numbers of all generators that are known.
-
-        Returns:
-            For each branch the numbers of each unknown, and whether the branch exists.
-        """
+        """The values of a general node."""
 
 
 @dataclass(frozen=True)
 class Branch(Generic[N, M]):
-    """One value of an unknown.
+    """One value of an unknown."""
 
-    Attributes:
-        numbers: Cosine and sine, or the length.
-        exists: Whether it is real (over floats), or a number at all.
-        boundary: Whether another branch coincides with it.
-        doubt: Whether rounding decides about that: its radicand is all but zero.
-    """
-
-    numbers: tuple[N, ...]
-    exists: M
-    boundary: M
-    doubt: M
+    numbers: tuple[N, ...]  # cosine and sine, or the length
+    exists: M  # whether it is real (over floats), or a number at all
+    boundary: M  # whether another branch coincides with it
+    doubt: M  # whether rounding decides about that: its radicand is all but zero
 
 
 @dataclass(frozen=True)
 class Solver(Generic[N, M]):
-    """Solves elementary equations over one kind of numbers.
+    """Solves elementary equations over one kind of numbers."""
 
-    Attributes:
-        field: The numbers.
-        evaluate: The number of a coefficient.
-        reach: The size of the arm, which the size of every coefficient is a power of.
-    """
-
-    field: Field[N, M]
-    evaluate: Callable[[Polynomial], N]
-    reach: N
+    field: Field[N, M]  # the numbers
+    evaluate: Callable[[Polynomial], N]  # the number of a coefficient
+    reach: N  # the size of the arm, which the size of every coefficient is a power of
 
     def degenerate(self, formula: Formula, factor: float = 1.0) -> M:
-        """Whether a formula does not determine its unknown here.
-
-        Args:
-            formula: Of one of the elementary types.
-            factor: What is zero may be larger by it: with `ILL` digits are lost.
-        """
+        """Whether a formula does not determine its unknown here."""
         first = formula.equations[0]
         second = formula.equations[-1]
         if formula.kind is Kind.TYPE_3 and len(formula.degenerate) == 2:
@@ -229,11 +129,7 @@ class Solver(Generic[N, M]):
         return mask
 
     def solve(self, formula: Formula) -> list[Branch[N, M]]:
-        """The values of the unknown, where the formula is not degenerate; any numbers elsewhere.
-
-        Args:
-            formula: Of one of the elementary types with equations.
-        """
+        """The values of the unknown, where the formula is not degenerate; any numbers elsewhere."""
         match formula.kind:
             case Kind.TYPE_1:
                 return self._length(formula.equations[0])
@@ -345,8 +241,8 @@ class Solver(Generic[N, M]):
         return [Branch(f.unit(cosine, sine), f.truth(True), no, no)]
 
 
+# Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients.
 CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
-"""Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients."""
 
 
 def _is_sum_of_squares(p: Polynomial) -> bool:

@@ -25,58 +25,32 @@ from derive.inverse.closed.unknowns import InverseDomain
 from derive.mechanics.vectors import Frame
 from derive.robot.expression import Expression
 
-POSES = 3
-"""Random poses; what vanishes at all of them vanishes everywhere, but for a chance of 1 in 10^18."""
-
-_SPECIAL_POSES = 32
-"""Poses at which formulas may fail: most joints are at zero or at right angles."""
-
+POSES = 3  # random poses; what vanishes at all of them vanishes everywhere, but for a chance of 1 in 10^18
+_SPECIAL_POSES = 32  # poses at which formulas may fail: most joints are at zero or at right angles
+# Values of a change: five (three) determine a polynomial of degree 2, one more checks it.
 _ANGLE_NODES, _LENGTH_NODES = 6, 4
-"""Values of a change: five (three) determine a polynomial of degree 2, one more checks it."""
-
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What is changed: a slide, or the links of a group on one side of an angle.
+    """What is changed: a slide, or the links of a group on one side of an angle."""
 
-    Attributes:
-        group: Number of the group, -1 for a slide.
-        links: The links that turn, phi_k as bit k without bit 0; or the joint that slides.
-    """
-
-    group: int
-    links: int
+    group: int  # number of the group, -1 for a slide
+    links: int  # the links that turn, phi_k as bit k without bit 0; or the joint that slides
 
 
 @dataclass(frozen=True)
 class Effect:
-    """How the equations depend on one change.
+    """How the equations depend on one change."""
 
-    Attributes:
-        depends: For each equation whether what is changed occurs in it.
-        degrees: For each equation its degree in the change at poses that are reached; 3 stands for all above 2.
-        coefficients: For each equation and pose the coefficients of (1, c, s, c^2, c s), or of (1, r, r^2).
-    """
-
-    depends: Array
-    degrees: Array
-    coefficients: Array
+    depends: Array  # for each equation whether what is changed occurs in it
+    degrees: Array  # for each equation its degree in the change at poses that are reached; 3 stands for all above 2
+    coefficients: Array  # for each equation and pose the coefficients of (1, c, s, c^2, c s), or of (1, r, r^2)
 
 
 class Evidence:
     """The equations of an arm in numbers.
-
-    Args:
-        domain: The ring of the arm, all of whose parameters that have numbers stand as numbers.
-        cuts: The cuts of the pool.
-        allowed: The entries of T that are given, (row, column) from 1.
-        keep_tool: See `Links`.
-        keep_base: Likewise.
-        deep: Whether the higher invariants are taken too.
-        special: Whether the joints of the poses are at zero and at right angles more often than not.
-        seed: Of the random numbers.
 
     Attributes:
         equations: Cut and entry of every equation.
@@ -188,11 +162,7 @@ class Evidence:
         return Residue(self.prime, cosine[None, :]), Residue(self.prime, sign * sine[None, :])
 
     def turn(self, joint: int) -> tuple[Array, Array]:
-        """Cosine and sine of a joint's variable in every sample.
-
-        Args:
-            joint: Its index.
-        """
+        """Cosine and sine of a joint's variable in every sample."""
         g = next(k for k, group in enumerate(self.domain.groups) if joint in group)
         place = self.domain.groups[g].index(joint)
         (c, s), (d, e) = self.turns[g][place], self.turns[g][place + 1]
@@ -210,11 +180,7 @@ class Evidence:
     # -- what the samples say
 
     def complexity(self, equation: int) -> int:
-        """How much there is to an equation besides what it depends on: its entry, and how many joints M has.
-
-        Args:
-            equation: Its number.
-        """
+        """How much there is to an equation besides what it depends on: its entry, and how many joints M has."""
         cut, entry = self.equations[equation]
         return cut.last - cut.first + {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}[entry[0]] + 3 * ("." in entry)
 
@@ -282,11 +248,7 @@ class Evidence:
         return unchanged
 
     def is_told(self, name: str) -> bool:
-        """Whether an entry of W or an invariant needs nothing of the pose but what is given.
-
-        Args:
-            name: The name of its generator.
-        """
+        """Whether an entry of W or an invariant needs nothing of the pose but what is given."""
         place = _PLACE.fullmatch(name)
         if place is not None:
             name = f"p[{place[1]}]" if place[2] == "4" else f"R[{place[1]},{place[2]}]"
@@ -298,14 +260,7 @@ class Evidence:
         return entries | {(i, 3): self.end.position[i] for i in range(3)}
 
     def untold(self, given: frozenset[tuple[int, int]]) -> list[tuple[int, int]]:
-        """Entries of T that are neither given, nor equal to one that is, nor always 0, 1 or -1.
-
-        Args:
-            given: Row and column, from 1, of what is given.
-
-        Returns:
-            Row and column, from 0.
-        """
+        """Entries of T that are neither given, nor equal to one that is, nor always 0, 1 or -1."""
         keys = {place: tuple(map(int, self._plain(value))) for place, value in self._entries().items()}
         told = {key for (i, j), key in keys.items() if (i + 1, j + 1) in given}
         told |= {tuple((self.prime - x) % self.prime for x in key) for key in told}
@@ -313,15 +268,7 @@ class Evidence:
         return [place for place, key in keys.items() if key not in told]
 
     def value(self, p: Polynomial, constants: Mapping[str, Expression]) -> Array:
-        """A polynomial of the arm's ring at the poses.
-
-        Args:
-            p: In the ring of `domain`, or in that of the same arm with symbols in place of numbers.
-            constants: What the generators stand for that are constants, with numbers where there are numbers.
-
-        Returns:
-            Residues, one per pose.
-        """
+        """A polynomial of the arm's ring at the poses."""
         total = np.zeros(self.poses, dtype=np.int64)
         for exponents, coefficient in p.terms():
             term = np.full(self.poses, fraction_residue(coefficient, self.prime), dtype=np.int64)
@@ -332,12 +279,7 @@ class Evidence:
         return total
 
     def number(self, name: str, constants: Mapping[str, Expression]) -> Array:
-        """A generator at the poses.
-
-        Args:
-            name: Its name in the ring.
-            constants: What the generators stand for that are constants, with numbers where there are numbers.
-        """
+        """A generator at the poses."""
         if name not in self._numbers:
             self._numbers[name] = self._number(name, constants) % self.prime
         return self._numbers[name]

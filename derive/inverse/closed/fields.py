@@ -15,161 +15,79 @@ from derive.inverse.closed.nodes import Formula
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, substitute
 
-Floats = Any
-"""An array of floats (or complex numbers), one entry per pose, or one number."""
-
-Masks = Any
-"""An array of truth values, one entry per pose, or one."""
-
-ZERO = 1e-12
-"""A coefficient below this part of its usual size does not determine an angle: its digits are rounding."""
-
-BEYOND = 1e-11
-"""A radicand may be below zero by this part of its size: the pose is on the boundary of what is reached."""
-
-MERGED = 1e-14
-"""Below this part of its size the two roots of a radicand are one."""
+Floats = Any  # an array of floats (or complex numbers), one entry per pose, or one number
+Masks = Any  # an array of truth values, one entry per pose, or one
+ZERO = 1e-12  # a coefficient below this part of its usual size does not determine an angle: its digits are rounding
+BEYOND = 1e-11  # a radicand may be below zero by this part of its size: the pose is on the boundary of what is reached
+MERGED = 1e-14  # below this part of its size the two roots of a radicand are one
 
 
 class FloatField:
-    """Real numbers: arrays of floats, one entry per pose.
-
-    Args:
-        values: Numbers of the robot's parameters.
-    """
+    """Real numbers: arrays of floats, one entry per pose."""
 
     def __init__(self, values: Mapping[str, Fraction | float]) -> None:
         self.values = values
 
     def number(self, value: int | Fraction) -> Floats:
-        """A rational as a float.
-
-        Args:
-            value: The number.
-        """
+        """A rational as a float."""
         return np.float64(value)
 
     def constant(self, expression: Expression) -> Floats:
-        """The number of a parameter or constant.
-
-        Args:
-            expression: What stands in the table, or a part of it.
-        """
+        """The number of a parameter or constant."""
         return np.float64(to_float(expression, self.values))
 
     def divide(self, a: Floats, b: Floats) -> Floats:
-        """The quotient; the dividend where the divisor is zero.
-
-        Args:
-            a: The dividend.
-            b: The divisor.
-        """
+        """The quotient; the dividend where the divisor is zero."""
         return a / np.where(b == 0, 1.0, b)
 
     def sqrt(self, a: Floats) -> Floats:
-        """The square root; 0 of negative numbers.
-
-        Args:
-            a: The radicand.
-        """
+        """The square root; 0 of negative numbers."""
         return np.sqrt(np.maximum(a, 0.0))
 
     def is_zero(self, a: Floats, scale: Floats) -> Masks:
-        """Whether a coefficient is zero within rounding.
-
-        Args:
-            a: The number.
-            scale: The size that it usually has.
-        """
+        """Whether a coefficient is zero within rounding."""
         return np.abs(a) <= ZERO * scale
 
     def has_root(self, a: Floats, scale: Floats) -> Masks:
-        """Whether a number is not below zero, but for rounding.
-
-        Args:
-            a: The radicand.
-            scale: The size of what it is the difference of.
-        """
+        """Whether a number is not below zero, but for rounding."""
         return a >= -BEYOND * np.abs(scale)
 
     def merges(self, a: Floats, scale: Floats) -> Masks:
-        """Whether the two roots of a number are one within rounding.
-
-        Args:
-            a: The radicand.
-            scale: The size of what it is the difference of.
-        """
+        """Whether the two roots of a number are one within rounding."""
         return a <= MERGED * np.abs(scale)
 
     def select(self, mask: Masks, a: Floats, b: Floats) -> Floats:
-        """The one number where a mask holds, the other elsewhere.
-
-        Args:
-            mask: The mask.
-            a: Where it holds.
-            b: Elsewhere.
-        """
+        """The one number where a mask holds, the other elsewhere."""
         return np.where(mask, a, b)
 
     def never(self, mask: Masks) -> bool:
-        """Whether a mask holds at no pose.
-
-        Args:
-            mask: The mask.
-        """
+        """Whether a mask holds at no pose."""
         return not np.any(mask)
 
     def truth(self, value: bool) -> Masks:
-        """A mask that holds everywhere or nowhere.
-
-        Args:
-            value: Which of the two.
-        """
+        """A mask that holds everywhere or nowhere."""
         return np.bool_(value)
 
     def cosine_sine(self, angle: Floats) -> tuple[Floats, Floats]:
-        """Of a joint that is given.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Of a joint that is given."""
         return np.cos(angle), np.sin(angle)
 
     def angle(self, cosine: Floats, sine: Floats) -> Floats:
-        """The angle of a cosine and a sine.
-
-        Args:
-            cosine: Times any positive number.
-            sine: Times the same number.
-        """
+        """The angle of a cosine and a sine."""
         return np.arctan2(sine, cosine)
 
     def unit(self, cosine: Floats, sine: Floats) -> tuple[Floats, Floats]:
-        """A point that lies on the unit circle but for rounding, moved there by a Newton step for 1/sqrt(c^2 + s^2).
-
-        Args:
-            cosine: Of an angle, nearly.
-            sine: Of the angle, nearly.
-        """
+        """A point that lies on the unit circle but for rounding, moved there by a Newton step for 1/sqrt(c^2 + s^2)."""
         scale = 1.5 - 0.5 * (cosine * cosine + sine * sine)
         return cosine * scale, sine * scale
 
     def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
-        """The common points of the unit circle and a conic.
-
-        Args:
-            coefficients: Of c^2, c s, s^2, c, s and 1.
-        """
+        """The common points of the unit circle and a conic."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return line_points(self, coefficients)
 
     def general(self, formula: Formula, values: Mapping[str, Floats]) -> Sequence[Any]:
-        """The values of a general node: its payload solves it.
-
-        Args:
-            formula: The node's formula.
-            values: Numbers of all generators that are known.
-        """
+        """The values of a general node: its payload solves it."""
         found: Sequence[Any] = formula.payload.solve(self, values)
         return found
 
@@ -178,54 +96,27 @@ class ComplexField(FloatField):
     """Complex numbers, in which every branch exists; for counting solutions."""
 
     def number(self, value: int | Fraction) -> Floats:
-        """A rational as a complex number.
-
-        Args:
-            value: The number.
-        """
+        """A rational as a complex number."""
         return np.complex128(value)
 
     def sqrt(self, a: Floats) -> Floats:
-        """One of the two square roots.
-
-        Args:
-            a: The radicand.
-        """
+        """One of the two square roots."""
         return np.sqrt(np.asarray(a, dtype=np.complex128))
 
     def has_root(self, a: Floats, scale: Floats) -> Masks:
-        """Every number has one.
-
-        Args:
-            a: The radicand.
-            scale: Not looked at.
-        """
+        """Every number has one."""
         return np.ones_like(a, dtype=bool)
 
     def merges(self, a: Floats, scale: Floats) -> Masks:
-        """At generic poses the two roots differ.
-
-        Args:
-            a: The radicand.
-            scale: Not looked at.
-        """
+        """At generic poses the two roots differ."""
         return np.zeros_like(a, dtype=bool)
 
     def is_zero(self, a: Floats, scale: Floats) -> Masks:
-        """Whether a coefficient is zero within rounding.
-
-        Args:
-            a: The number.
-            scale: The size that it usually has.
-        """
+        """Whether a coefficient is zero within rounding."""
         return np.abs(a) <= ZERO * np.abs(scale)
 
     def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
-        """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle.
-
-        Args:
-            coefficients: Of c^2, c s, s^2, c, s and 1.
-        """
+        """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle."""
         cc, cs, ss, c, s, one = np.broadcast_arrays(*coefficients)
         ascending = [cc + c + one, 2 * (cs + s), 2 * (one - cc) + 4 * ss, 2 * (s - cs), cc - c + one]
         found = []
@@ -236,153 +127,73 @@ class ComplexField(FloatField):
 
 
 class PrimeField:
-    """Integers modulo a prime, arrays with one entry per pose; a branch exists where its square root does.
-
-    Args:
-        residues: Values of the robot's constants modulo the prime.
-        numbers: What stands in the place of parameters that `residues` does not know.
-    """
+    """Integers modulo a prime, arrays with one entry per pose; a branch exists where its square root does."""
 
     def __init__(self, residues: ResidueDomain, numbers: Mapping[str, Expression]) -> None:
         self.residues, self.numbers = residues, numbers
         self.prime = residues.prime
 
     def number(self, value: int | Fraction) -> Residue:
-        """A rational modulo the prime.
-
-        Args:
-            value: The number.
-        """
+        """A rational modulo the prime."""
         return self.residues.number(value)
 
     def constant(self, expression: Expression) -> Residue:
-        """The residue of a parameter or constant.
-
-        Args:
-            expression: What stands in the table, or a part of it.
-        """
+        """The residue of a parameter or constant."""
         return self.residues.constant(substitute(expression, self.numbers))
 
     def divide(self, a: Residue, b: Residue) -> Residue:
-        """The quotient; 0 where the divisor is zero.
-
-        Args:
-            a: The dividend.
-            b: The divisor.
-        """
+        """The quotient; 0 where the divisor is zero."""
         return a * self._power(b, self.prime - 2)
 
     def sqrt(self, a: Residue) -> Residue:
-        """The square root modulo a prime 4k + 3; any number where there is none.
-
-        Args:
-            a: The radicand.
-        """
+        """The square root modulo a prime 4k + 3; any number where there is none."""
         return self._power(a, (self.prime + 1) // 4)
 
     def is_zero(self, a: Residue, scale: Residue) -> Masks:
-        """Whether a number is zero.
-
-        Args:
-            a: The number.
-            scale: Not looked at.
-        """
+        """Whether a number is zero."""
         return a.values == 0
 
     def has_root(self, a: Residue, scale: Residue) -> Masks:
-        """Whether a number is a square.
-
-        Args:
-            a: The radicand.
-            scale: Not looked at.
-        """
+        """Whether a number is a square."""
         root = self.sqrt(a)
         return (root * root).values == a.values
 
     def merges(self, a: Residue, scale: Residue) -> Masks:
-        """Whether the two roots are one.
-
-        Args:
-            a: The radicand.
-            scale: Not looked at.
-        """
+        """Whether the two roots are one."""
         return a.values == 0
 
     def select(self, mask: Masks, a: Residue, b: Residue) -> Residue:
-        """The one number where a mask holds, the other elsewhere.
-
-        Args:
-            mask: The mask.
-            a: Where it holds.
-            b: Elsewhere.
-        """
+        """The one number where a mask holds, the other elsewhere."""
         return Residue(self.prime, np.where(mask, a.values, b.values))
 
     def never(self, mask: Masks) -> bool:
-        """Whether a mask holds at no pose.
-
-        Args:
-            mask: The mask.
-        """
+        """Whether a mask holds at no pose."""
         return not np.any(mask)
 
     def truth(self, value: bool) -> Masks:
-        """A mask that holds everywhere or nowhere.
-
-        Args:
-            value: Which of the two.
-        """
+        """A mask that holds everywhere or nowhere."""
         return np.bool_(value)
 
     def cosine_sine(self, angle: Residue) -> tuple[Residue, Residue]:
-        """A point of the unit circle, with the number as tangent of half the angle.
-
-        Args:
-            angle: The number.
-        """
+        """A point of the unit circle, with the number as tangent of half the angle."""
         square = angle * angle
         scale = self._power(1 + square, self.prime - 2)
         return (1 - square) * scale, 2 * angle * scale
 
     def angle(self, cosine: Residue, sine: Residue) -> Residue:
-        """The tangent of half the angle, which stands for it.
-
-        Args:
-            cosine: Of the angle.
-            sine: Of the angle.
-        """
+        """The tangent of half the angle, which stands for it."""
         return self.divide(sine, 1 + cosine)
 
     def unit(self, cosine: Residue, sine: Residue) -> tuple[Residue, Residue]:
-        """Cosine and sine as they are: nothing is rounded.
-
-        Args:
-            cosine: Of an angle.
-            sine: Of the angle.
-        """
+        """Cosine and sine as they are: nothing is rounded."""
         return cosine, sine
 
     def conic(self, coefficients: Sequence[Residue]) -> Sequence[tuple[Residue, Residue, Masks, Masks, Masks]]:
-        """Not needed: graphs with quartics are counted over the complex numbers.
-
-        Args:
-            coefficients: Of the conic.
-
-        Raises:
-            NotImplementedError: Always.
-        """
+        """Not needed: graphs with quartics are counted over the complex numbers."""
         raise NotImplementedError
 
     def general(self, formula: Formula, values: Mapping[str, Residue]) -> Sequence[Any]:
-        """Not needed: graphs with general nodes have a count of their own.
-
-        Args:
-            formula: The node's formula.
-            values: Numbers of the generators.
-
-        Raises:
-            NotImplementedError: Always.
-        """
+        """Not needed: graphs with general nodes have a count of their own."""
         raise NotImplementedError
 
     def _power(self, base: Residue, exponent: int) -> Residue:
@@ -400,9 +211,6 @@ def quartic_roots(ascending: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
 
     Before, t is replaced by (t + k)/(1 - k t): the angle is counted from another zero, at which no root is near
     infinity.
-
-    Args:
-        ascending: Coefficients, (..., 5), real or complex.
     """
     best = None
     for k in (0.0, 0.577, -1.33):

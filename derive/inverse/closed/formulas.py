@@ -43,26 +43,13 @@ _CONSTANTS = (
     GeneratorKind.PI,
 )
 
-_ALTERNATIVES = 3
-"""Formulas besides the chosen one that a node has for poses at which that one fails."""
-
-_READ = 60
-"""Short equations with two unknowns that are written out."""
-
-_PAIRED = 12
-"""Equations with the same two unknowns that are taken two by two."""
-
-_LONGEST = 4000
-"""Terms of an equation that comes from two; longer ones are not looked at."""
-
-_CONDITIONS = 300
-"""Short equations of the pool among which conditions on the pose are looked for."""
-
-_LONG_SUM = 2
-"""Operations that a sum of angles as unknown must save for each joint more that it spans."""
-
-_COMPARED = 12
-"""Equally simple choices whose formulas are written out to see which is the shortest."""
+_ALTERNATIVES = 3  # formulas besides the chosen one that a node has for poses at which that one fails
+_READ = 60  # short equations with two unknowns that are written out
+_PAIRED = 12  # equations with the same two unknowns that are taken two by two
+_LONGEST = 4000  # terms of an equation that comes from two; longer ones are not looked at
+_CONDITIONS = 300  # short equations of the pool among which conditions on the pose are looked for
+_LONG_SUM = 2  # operations that a sum of angles as unknown must save for each joint more that it spans
+_COMPARED = 12  # equally simple choices whose formulas are written out to see which is the shortest
 
 
 class CoincidenceError(Exception):
@@ -70,14 +57,7 @@ class CoincidenceError(Exception):
 
 
 class Derivation:
-    """Writes the nodes of one arm.
-
-    Args:
-        robot: The robot; its dynamics are not looked at.
-        task: The rows of the task, see `ROWS`.
-        given: Indices of the joints that are arguments.
-        deep: Whether the higher invariants are taken too.
-    """
+    """Writes the nodes of one arm."""
 
     def __init__(self, robot: Robot, task: Task, given: Sequence[int] = (), *, deep: bool = False) -> None:
         allowed = frozenset(place for row in task for place in ROWS[row])
@@ -262,12 +242,7 @@ class Derivation:
         return replace(self._finished(), count=count, complete=count > 0)
 
     def with_conditions(self, graph: SolutionGraph, missing: int) -> SolutionGraph:
-        """The graph with what its pose must satisfy.
-
-        Args:
-            graph: The graph.
-            missing: Dimensions of the task less those that the arm reaches.
-        """
+        """The graph with what its pose must satisfy."""
         if missing <= 0:
             return graph
         order = np.argsort(self.search.lengths, kind="stable")

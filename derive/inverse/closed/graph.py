@@ -17,27 +17,19 @@ from derive.robot.expression import Expression
 from derive.robot.options.inverse import FREEDOMS, ROWS, Task
 from derive.robot.robot import Robot
 
-SPECIAL = 4
-"""Solutions that stand alone at special poses of arms with few joints, where a generic pose has one or two."""
+SPECIAL = 4  # solutions that stand alone at special poses of arms with few joints, where a generic pose has one or two
 
 
 @dataclass(frozen=True)
 class Node:
-    """One step of a solution.
+    """One step of a solution."""
 
-    Attributes:
-        index: Its place in the graph.
-        unknowns: What it solves for; more than one for general nodes alone.
-        formulas: The chosen one first, then others of equal meaning for poses where its leading coefficients vanish.
-        needs: Indices of the nodes whose unknowns occur in its formulas.
-        branches: How many values it has at most for one combination of values of what it needs.
-    """
-
-    index: int
-    unknowns: tuple[Unknown, ...]
+    index: int  # its place in the graph
+    unknowns: tuple[Unknown, ...]  # what it solves for; more than one for general nodes alone
+    # The chosen one first, then others of equal meaning for poses where its leading coefficients vanish.
     formulas: tuple[Formula, ...]
-    needs: tuple[int, ...] = ()
-    branches: int = 1
+    needs: tuple[int, ...] = ()  # indices of the nodes whose unknowns occur in its formulas
+    branches: int = 1  # how many values it has at most for one combination of values of what it needs
 
     @property
     def unknown(self) -> Unknown:
@@ -52,41 +44,30 @@ class Node:
 
 @dataclass(frozen=True, eq=False)
 class SolutionGraph:
-    """How the joints of one arm follow from the pose.
+    """How the joints of one arm follow from the pose."""
 
-    Attributes:
-        robot: The arm.
-        domain: The ring of all polynomials: pose, parameters, and cosines, sines and lengths of the unknowns.
-        task: Which numbers of the pose are wanted, rows of `ROWS`.
-        given: Indices of the joints that are arguments.
-        definitions: Generators of the pose that are computed before any node, in order: name -> polynomial of the
-            entries of T and of those before it. An entry of T itself is named ``T[row,column]``.
-        square_reach: The sum of the squares of all lengths of table and pose: the scale of what is zero.
-        nodes: In an order in which each needs only nodes before it.
-        shifts: What is subtracted from the unknown of a joint to have its variable: a constant angle or length.
-        conditions: Polynomials of pose (and of nodes) that vanish at every reachable pose, for fewer than six joints.
-        count: Number of complex solutions of a generic reachable pose; 0 where it is not known.
-        complete: Whether that number is certain.
-        everywhere: Whether it is certain, too, that no pose has more of them that stand alone (`solve.Freedom.fills`).
-        why_not: Why there is no closed form; empty where there is one.
-        to_end: Whether the last matrix of the equations ends at the end effector, whose orientation is not told.
-        from_base: Whether the first one begins in the world, for a task that tells some rows of a turned base.
-    """
-
-    robot: Robot
+    robot: Robot  # the arm
+    # The ring of all polynomials: pose, parameters, and cosines, sines and lengths of the unknowns.
     domain: InverseDomain
-    task: Task
-    given: tuple[int, ...]
+    task: Task  # which numbers of the pose are wanted, rows of `ROWS`
+    given: tuple[int, ...]  # indices of the joints that are arguments
+    # Generators of the pose that are computed before any node, in order: name -> polynomial of the entries of T and
+    # of those before it. An entry of T itself is named ``T[row,column]``.
     definitions: tuple[tuple[str, Polynomial], ...]
-    square_reach: Polynomial
-    nodes: tuple[Node, ...]
+    square_reach: Polynomial  # the sum of the squares of all lengths of table and pose: the scale of what is zero
+    nodes: tuple[Node, ...]  # in an order in which each needs only nodes before it
+    # What is subtracted from the unknown of a joint to have its variable: a constant angle or length.
     shifts: tuple[Expression, ...]
+    # Polynomials of pose (and of nodes) that vanish at every reachable pose, for fewer than six joints.
     conditions: tuple[Equation, ...] = ()
-    count: int = 0
-    complete: bool = False
+    count: int = 0  # number of complex solutions of a generic reachable pose; 0 where it is not known
+    complete: bool = False  # whether that number is certain
+    # Whether it is certain, too, that no pose has more of them that stand alone (`solve.Freedom.fills`).
     everywhere: bool = False
-    why_not: str = ""
+    why_not: str = ""  # why there is no closed form; empty where there is one
+    # Whether the last matrix of the equations ends at the end effector, whose orientation is not told.
     to_end: bool = False
+    # Whether the first one begins in the world, for a task that tells some rows of a turned base.
     from_base: bool = False
 
     @property
@@ -134,9 +115,5 @@ class SolutionGraph:
         return tuple((i - 1, j - 1) for row in self.task for i, j in ROWS[row])
 
     def joint_node(self, joint: int) -> Node:
-        """The node whose unknown is the variable of one joint.
-
-        Args:
-            joint: Its index, from 0.
-        """
+        """The node whose unknown is the variable of one joint."""
         return next(node for node in self.nodes for u in node.unknowns if u.joints == (joint,))

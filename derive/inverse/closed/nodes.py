@@ -18,24 +18,17 @@ from derive.algebra.ring import Polynomial
 class Kind(StrEnum):
     """How a node is solved; the types are those of Khalil and Dombre, 2002, chapter 4."""
 
-    GIVEN = "given"
-    """The joint is an argument."""
-    SUM = "sum"
-    """A sum or difference of angles that are known."""
-    TYPE_1 = "type 1"
-    """X r = Y."""
-    TYPE_2 = "type 2"
-    """Y c + X s = Z."""
-    TYPE_3 = "type 3"
-    """Two equations Y c + X s = Z."""
-    QUADRATIC = "quadratic"
-    """X r^2 + Y r = Z."""
-    CONIC = "conic"
-    """One equation of the second degree in c and s: a quartic."""
-    GENERAL = "general"
-    """Several unknowns at once: elimination and an eigenvalue problem."""
+    GIVEN = "given"  # the joint is an argument
+    SUM = "sum"  # a sum or difference of angles that are known
+    TYPE_1 = "type 1"  # X r = Y
+    TYPE_2 = "type 2"  # Y c + X s = Z
+    TYPE_3 = "type 3"  # two equations Y c + X s = Z
+    QUADRATIC = "quadratic"  # X r^2 + Y r = Z
+    CONIC = "conic"  # one equation of the second degree in c and s: a quartic
+    GENERAL = "general"  # several unknowns at once: elimination and an eigenvalue problem
 
 
+# How many values an unknown has for given coefficients.
 BRANCHES = {
     Kind.GIVEN: 1,
     Kind.SUM: 1,
@@ -45,22 +38,15 @@ BRANCHES = {
     Kind.QUADRATIC: 2,
     Kind.CONIC: 4,
 }
-"""How many values an unknown has for given coefficients."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """What a node solves for: a slide, a joint angle, or the sum of the angles of neighbouring parallel joints.
+    """What a node solves for: a slide, a joint angle, or the sum of the angles of neighbouring parallel joints."""
 
-    Attributes:
-        joints: Indices of the joints, from 0.
-        signs: The factor of each joint's variable in the sum; the first is +1.
-        generators: Names of the generators in the ring: cosine and sine, or the length.
-    """
-
-    joints: tuple[int, ...]
-    signs: tuple[int, ...]
-    generators: tuple[str, ...]
+    joints: tuple[int, ...]  # indices of the joints, from 0
+    signs: tuple[int, ...]  # the factor of each joint's variable in the sum; the first is +1
+    generators: tuple[str, ...]  # names of the generators in the ring: cosine and sine, or the length
 
     @property
     def is_angle(self) -> bool:
@@ -68,8 +54,7 @@ class Unknown:
         return len(self.generators) == 2
 
 
-Exponents = tuple[int, ...]
-"""Of cosine and sine, or of the length, of the unknown."""
+Exponents = tuple[int, ...]  # of cosine and sine, or of the length, of the unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,47 +62,30 @@ class Source:
     """Where an equation comes from: M = A_first ... A_last between joint frames, and the rest of the chain around T.
 
     With the pose W without base and tool, M = (Z_1 ... )^-1 W (... Z_n)^-1. The entries are named as `pool` names them.
-
-    Attributes:
-        first: First joint of M, from 1.
-        last: Last joint of M.
-        entry: Which entry or invariant of both sides.
-        outer_left: Whether M begins behind the offset of its first joint.
-        outer_right: Whether M ends before the offset of its last joint.
-        also: Another equation, with which an unknown was eliminated from this one (`derive.inverse.closed.pairs`).
     """
 
-    first: int
-    last: int
-    entry: str
-    outer_left: bool = False
-    outer_right: bool = False
+    first: int  # first joint of M, from 1
+    last: int  # last joint of M
+    entry: str  # which entry or invariant of both sides
+    outer_left: bool = False  # whether M begins behind the offset of its first joint
+    outer_right: bool = False  # whether M ends before the offset of its last joint
+    # Another equation, with which an unknown was eliminated from this one (`derive.inverse.closed.pairs`).
     also: Source | None = None
 
 
 @dataclass(frozen=True)
 class Equation:
-    """``sum of coefficient * c^i s^j = 0`` (or ``coefficient * r^i``) with coefficients of what is known.
+    """``sum of coefficient * c^i s^j = 0`` (or ``coefficient * r^i``) with coefficients of what is known."""
 
-    Attributes:
-        terms: Exponents of the unknown -> coefficient, none of them the zero polynomial.
-        dimension: The power of length that it has: 0 for entries of rotations, 1 for positions, 2 for squares.
-        source: Where it comes from.
-        size: What it is multiplied by, against the entries that it comes from: the size of its coefficients, with
-            lengths counted by the reach of the arm.
-    """
-
-    terms: Mapping[Exponents, Polynomial]
-    dimension: int
-    source: Source
+    terms: Mapping[Exponents, Polynomial]  # exponents of the unknown -> coefficient, none of them the zero polynomial
+    dimension: int  # the power of length that it has: 0 for entries of rotations, 1 for positions, 2 for squares
+    source: Source  # where it comes from
+    # What it is multiplied by, against the entries that it comes from: the size of its coefficients, with lengths
+    # counted by the reach of the arm.
     size: Fraction = Fraction(1)
 
     def coefficient(self, *exponents: int) -> Polynomial:
-        """The coefficient of a power of the unknown, zero where it does not occur.
-
-        Args:
-            exponents: Of cosine and sine, or of the length.
-        """
+        """The coefficient of a power of the unknown, zero where it does not occur."""
         known = self.terms.get(exponents)
         return next(iter(self.terms.values())).ring.zero if known is None else known
 
@@ -129,19 +97,12 @@ class Equation:
 
 @dataclass(frozen=True)
 class Formula:
-    """One way to solve a node.
+    """One way to solve a node."""
 
-    Attributes:
-        kind: The elementary type.
-        equations: One, or two for type 3; none for sums and given joints.
-        parts: The angles whose sum is taken, each with its sign (`Kind.SUM` alone).
-        payload: What a general node needs besides; see `derive.inverse.general.search`.
-    """
-
-    kind: Kind
-    equations: tuple[Equation, ...] = ()
-    parts: tuple[tuple[Unknown, int], ...] = ()
-    payload: Any = None
+    kind: Kind  # the elementary type
+    equations: tuple[Equation, ...] = ()  # one, or two for type 3; none for sums and given joints
+    parts: tuple[tuple[Unknown, int], ...] = ()  # the angles whose sum is taken, each with its sign (`Kind.SUM` alone)
+    payload: Any = None  # what a general node needs besides; see `derive.inverse.general.search`
 
     @property
     def branches(self) -> int:

@@ -22,12 +22,6 @@ from derive.algebra.ring import Polynomial, Ring
 def without_angle(ring: Ring, generators: tuple[str, ...], p: Polynomial, q: Polynomial) -> Polynomial | None:
     """What follows from two equations when an angle is eliminated.
 
-    Args:
-        ring: Their ring.
-        generators: The cosine and sine of the angle.
-        p: The one, zero.
-        q: The other, zero.
-
     Returns:
         A polynomial without the angle that is zero; None where one of them is not of the first degree in it.
     """
@@ -47,12 +41,6 @@ def without_angle(ring: Ring, generators: tuple[str, ...], p: Polynomial, q: Pol
 
 def without_length(ring: Ring, generator: str, p: Polynomial, q: Polynomial) -> Polynomial | None:
     """What follows from two equations when a slide is eliminated.
-
-    Args:
-        ring: Their ring.
-        generator: The slide.
-        p: The one, zero.
-        q: The other, zero.
 
     Returns:
         A polynomial without the slide that is zero; None where one of them is not of the first degree in it.

@@ -46,30 +46,17 @@ from derive.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class Atoms(Generic[S]):
-    """A rigid transform and its invariants; see the head of the module.
+    """A rigid transform and its invariants; see the head of the module."""
 
-    Attributes:
-        rotation: R.
-        position: p.
-        back: u = R^T p.
-        square: p.p.
-        moment: m, None where the higher invariants are not asked for.
-        reflection: k, likewise.
-    """
-
-    rotation: Matrix[S]
-    position: Vector[S]
-    back: Vector[S]
-    square: S
-    moment: Matrix[S] | None = None
-    reflection: Matrix[S] | None = None
+    rotation: Matrix[S]  # R
+    position: Vector[S]  # p
+    back: Vector[S]  # u = R^T p
+    square: S  # p.p
+    moment: Matrix[S] | None = None  # m, None where the higher invariants are not asked for
+    reflection: Matrix[S] | None = None  # k, likewise
 
     def moved_after(self, a: Vector[S]) -> Atoms[S]:
-        """Of W Trans(a).
-
-        Args:
-            a: The translation.
-        """
+        """Of W Trans(a)."""
         r, p, u, m, k = self.rotation, self.position, self.back, self.moment, self.reflection
         length = dot(a, a)
         square = self.square + 2 * dot(u, a) + length
@@ -82,11 +69,7 @@ class Atoms(Generic[S]):
         return Atoms(r, add(p, ra), add(u, a), square, add_matrices(m, matmul(r, cross)), k)
 
     def moved_before(self, a: Vector[S]) -> Atoms[S]:
-        """Of Trans(a) W.
-
-        Args:
-            a: The translation.
-        """
+        """Of Trans(a) W."""
         r, p, u, m, k = self.rotation, self.position, self.back, self.moment, self.reflection
         length = dot(a, a)
         square = self.square + 2 * dot(p, a) + length
@@ -99,55 +82,31 @@ class Atoms(Generic[S]):
         return Atoms(r, add(p, a), add(u, ra), square, add_matrices(m, matmul(cross, r)), k)
 
     def turned_after(self, q: Matrix[S]) -> Atoms[S]:
-        """Of W Q.
-
-        Args:
-            q: The rotation.
-        """
+        """Of W Q."""
         moment, reflection = (None if m is None else matmul(m, q) for m in (self.moment, self.reflection))
         back = multiply(transpose(q), self.back)
         return Atoms(matmul(self.rotation, q), self.position, back, self.square, moment, reflection)
 
     def turned_before(self, q: Matrix[S]) -> Atoms[S]:
-        """Of Q W.
-
-        Args:
-            q: The rotation.
-        """
+        """Of Q W."""
         moment, reflection = (None if m is None else matmul(q, m) for m in (self.moment, self.reflection))
         position = multiply(q, self.position)
         return Atoms(matmul(q, self.rotation), position, self.back, self.square, moment, reflection)
 
     def after(self, frame: Frame[S]) -> Atoms[S]:
-        """Of W times a frame.
-
-        Args:
-            frame: The frame.
-        """
+        """Of W times a frame."""
         return self.moved_after(frame.position).turned_after(frame.rotation)
 
     def without_before(self, frame: Frame[S]) -> Atoms[S]:
-        """Of the inverse of a frame times W.
-
-        Args:
-            frame: The frame.
-        """
+        """Of the inverse of a frame times W."""
         return self.moved_before(scale(-1, frame.position)).turned_before(transpose(frame.rotation))
 
     def without_after(self, frame: Frame[S]) -> Atoms[S]:
-        """Of W times the inverse of a frame.
-
-        Args:
-            frame: The frame.
-        """
+        """Of W times the inverse of a frame."""
         return self.turned_after(transpose(frame.rotation)).moved_after(scale(-1, frame.position))
 
     def mapped(self, change: Callable[[S], S]) -> Atoms[S]:
-        """With every number changed.
-
-        Args:
-            change: What becomes of a number.
-        """
+        """With every number changed."""
 
         def _vector(v: Vector[S]) -> Vector[S]:
             return (change(v[0]), change(v[1]), change(v[2]))
@@ -160,11 +119,7 @@ class Atoms(Generic[S]):
         return Atoms(_matrix(self.rotation), position, back, change(self.square), moment, reflection)
 
     def entry(self, name: str) -> S:
-        """One of the entries and invariants.
-
-        Args:
-            name: One of `ENTRIES` or `HIGHER`.
-        """
+        """One of the entries and invariants."""
         if name == "p.p":
             return self.square
         if name in ("p.xy", "u.xy"):
@@ -181,6 +136,7 @@ class Atoms(Generic[S]):
 
 _PLACES = [f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)]
 
+# Entries of the rotation and the position, and the invariants that lectures use.
 ENTRIES = (
     *(f"R{place}" for place in _PLACES),
     *(f"{name}[{k}]" for name in "pu" for k in (1, 2, 3)),
@@ -188,48 +144,27 @@ ENTRIES = (
     "p.xy",
     "u.xy",
 )
-"""Entries of the rotation and the position, and the invariants that lectures use."""
-
-HIGHER = tuple(f"{name}{place}" for name in "mk" for place in _PLACES)
-"""The invariants of Raghavan and Roth besides."""
+HIGHER = tuple(f"{name}{place}" for name in "mk" for place in _PLACES)  # the invariants of Raghavan and Roth besides
 
 
 def dimension(entry: str) -> int:
-    """The power of length that an entry has.
-
-    Args:
-        entry: One of `ENTRIES` or `HIGHER`.
-    """
+    """The power of length that an entry has."""
     return 2 if "." in entry or entry[0] == "k" else 0 if entry[0] == "R" else 1
 
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """M = joints first..last.
+    """M = joints first..last."""
 
-    Attributes:
-        first: The first joint of M, from 0.
-        last: Its last joint.
-        outer_left: Whether M begins after the offset of its first joint, which then belongs to what is around it.
-        outer_right: Whether M ends before the offset of its last joint.
-    """
-
-    first: int
-    last: int
+    first: int  # the first joint of M, from 0
+    last: int  # its last joint
+    # Whether M begins after the offset of its first joint, which then belongs to what is around it.
     outer_left: bool = False
-    outer_right: bool = False
+    outer_right: bool = False  # whether M ends before the offset of its last joint
 
 
 class Links(Generic[S]):
     """The constant frames between the joint motions, and the motions.
-
-    Args:
-        robot: The arm, its variables counted from where their cells have no constants but right angles.
-        domain: Turns cells into scalars.
-        motion: Cosine and sine, or displacement, of a joint about (along) its own axis, from its index and that of
-            the joint at which sums of angles begin: the first joint of M, 0 left of it, -1 right of it.
-        keep_tool: Whether the end effector is where M ends, not the last joint.
-        keep_base: Whether the world is where M begins, not the first joint.
 
     Attributes:
         base: What lies before the first joint motion, where M does not begin with it.
@@ -275,25 +210,14 @@ class Links(Generic[S]):
                 yield from (Cut(first, last, a, b) for a in left for b in right)
 
     def moved(self, atoms: Atoms[S], joint: int, start: int) -> Atoms[S]:
-        """W times the motion of a joint.
-
-        Args:
-            atoms: Of W.
-            joint: The joint.
-            start: The joint at which sums of angles begin.
-        """
+        """W times the motion of a joint."""
         numbers = self.motion(joint, start)
         if len(numbers) == 1:
             return atoms.moved_after((self.zero, self.zero, numbers[0]))
         return atoms.turned_after(_about_z(numbers[0], numbers[1], self.zero, self.one))
 
     def before(self, atoms: Atoms[S], joint: int) -> Atoms[S]:
-        """What is right of a joint and of its offset, (.. Z_joint D_joint K)^-1 W.
-
-        Args:
-            atoms: What is right of the joint before it.
-            joint: The joint that is taken off.
-        """
+        """What is right of a joint and of its offset, (.. Z_joint D_joint K)^-1 W."""
         if joint == 0 and self.start is not None:
             atoms = atoms.without_before(self.start)
         numbers = self.motion(joint, 0)
@@ -304,12 +228,7 @@ class Links(Generic[S]):
         return atoms.without_before(self.offsets[joint]).without_before(self.twists[joint + 1])
 
     def after(self, atoms: Atoms[S], joint: int) -> Atoms[S]:
-        """What is left of a joint, W (K Z_joint D_joint ..)^-1.
-
-        Args:
-            atoms: What is left of the joint after it.
-            joint: The joint that is taken off.
-        """
+        """What is left of a joint, W (K Z_joint D_joint ..)^-1."""
         numbers = self.motion(joint, -1)
         atoms = atoms.without_after(self.offsets[joint])
         if len(numbers) == 1:
@@ -320,12 +239,7 @@ class Links(Generic[S]):
 
 
 class Pool(Generic[S]):
-    """Both sides of every cut of one arm, computed when asked for.
-
-    Args:
-        links: The arm.
-        pose: The atoms of W.
-    """
+    """Both sides of every cut of one arm, computed when asked for."""
 
     def __init__(self, links: Links[S], pose: Atoms[S]) -> None:
         self.links = links
@@ -335,11 +249,7 @@ class Pool(Generic[S]):
         self.around = cache(self._around)
 
     def sides(self, cut: Cut) -> tuple[Atoms[S], Atoms[S]]:
-        """M, and L^-1 W R^-1.
-
-        Args:
-            cut: The cut.
-        """
+        """M, and L^-1 W R^-1."""
         links, first, last = self.links, cut.first, cut.last
         inside, around = self.inside(first, last), self.around(first, last)
         if first != last:
@@ -374,12 +284,7 @@ class Pool(Generic[S]):
 
 
 def identity_atoms(links: Links[S], *, deep: bool) -> Atoms[S]:
-    """The atoms of no motion.
-
-    Args:
-        links: The arm, for its numbers 0 and 1.
-        deep: Whether with m and k.
-    """
+    """The atoms of no motion."""
     zero = links.zero
     null = (zero, zero, zero)
     higher = (null, null, null) if deep else None
@@ -387,13 +292,7 @@ def identity_atoms(links: Links[S], *, deep: bool) -> Atoms[S]:
 
 
 def frame_atoms(frame: Frame[S], zero: S, *, deep: bool) -> Atoms[S]:
-    """The atoms of a frame, by their definitions.
-
-    Args:
-        frame: The frame.
-        zero: The number 0.
-        deep: Whether with m and k.
-    """
+    """The atoms of a frame, by their definitions."""
     r, p = frame.rotation, frame.position
     back, square = multiply(transpose(r), p), dot(p, p)
     if not deep:

@@ -17,14 +17,6 @@ from derive.robot.expression import Expression
 class Pose:
     """The pose in exact polynomials: entries that are always zero, one or equal are not told apart.
 
-    Args:
-        domain: The ring.
-        links: The arm in it.
-        evidence: Says what is equal wherever the arm reaches.
-        constants: See `Evidence.value`.
-        allowed: The entries of T that are given, by which others are written where they are equal.
-        deep: Whether the higher invariants are taken too.
-
     Attributes:
         atoms: W and its invariants.
         definitions: Generator -> polynomial of the entries of T and of those defined before.

@@ -21,43 +21,27 @@ from derive.inverse.closed.evidence import Change, Evidence
 from derive.inverse.closed.nodes import BRANCHES, Kind
 from derive.inverse.closed.unknowns import State
 
-CONSIDERED = 16
-"""Equations of a step that are looked at, the shortest ones."""
-
-UNLIKE = 6
-"""What it costs a pair of equations that they stand in different matrices or are of different kinds."""
+CONSIDERED = 16  # equations of a step that are looked at, the shortest ones
+UNLIKE = 6  # what it costs a pair of equations that they stand in different matrices or are of different kinds
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A formula in the rough: the equations by their numbers.
+    """A formula in the rough: the equations by their numbers."""
 
-    Attributes:
-        kind: The elementary type.
-        equations: Numbers of one or two equations.
-        cost: What the search adds up besides branches: kind, then length.
-    """
-
-    kind: Kind
-    equations: tuple[int, ...]
-    cost: tuple[int, int]
+    kind: Kind  # the elementary type
+    equations: tuple[int, ...]  # numbers of one or two equations
+    cost: tuple[int, int]  # what the search adds up besides branches: kind, then length
 
 
 @dataclass(frozen=True)
 class Step:
-    """One unknown, and what determines it.
+    """One unknown, and what determines it."""
 
-    Attributes:
-        group: The group, -1 for a slide.
-        parts: The two parts whose angle is found; for a slide the joint twice.
-        choices: Ways to do it, the best one first.
-        equations: All equations in which nothing else is unknown, short ones first.
-    """
-
-    group: int
-    parts: tuple[int, int]
-    choices: tuple[Choice, ...]
-    equations: tuple[int, ...]
+    group: int  # the group, -1 for a slide
+    parts: tuple[int, int]  # the two parts whose angle is found; for a slide the joint twice
+    choices: tuple[Choice, ...]  # ways to do it, the best one first
+    equations: tuple[int, ...]  # all equations in which nothing else is unknown, short ones first
 
     @property
     def best(self) -> Choice:
@@ -65,20 +49,12 @@ class Step:
         return self.choices[0]
 
 
-RANK = {Kind.QUADRATIC: 3, Kind.CONIC: 30}
-"""How unwelcome a type is at equal numbers of branches."""
-
-POWERS = {1: 0, 2: 1, 4: 2}
-"""Logarithms of branch numbers, which add up."""
+RANK = {Kind.QUADRATIC: 3, Kind.CONIC: 30}  # how unwelcome a type is at equal numbers of branches
+POWERS = {1: 0, 2: 1, 4: 2}  # logarithms of branch numbers, which add up
 
 
 class Search:
-    """Finds the order in which an arm is solved.
-
-    Args:
-        evidence: Its equations.
-        given: Joints that are known from the start.
-    """
+    """Finds the order in which an arm is solved."""
 
     def __init__(self, evidence: Evidence, given: Sequence[int] = ()) -> None:
         self.evidence = evidence
@@ -133,11 +109,7 @@ class Search:
         return steps, state
 
     def pairs(self, state: State) -> Iterator[tuple[tuple[int, tuple[int, int]], list[int]]]:
-        """Each unknown with the equations in which it and one other unknown occur, short ones first.
-
-        Args:
-            state: What is known.
-        """
+        """Each unknown with the equations in which it and one other unknown occur, short ones first."""
         moved, unknown = self._unknowns(state)
         usable = (unknown == 2) & self.evidence.allowed
         for (g, a, one), (h, b, other) in combinations(moved, 2):
@@ -174,11 +146,7 @@ class Search:
         return (group[min(a, b)], max(a, b) - min(a, b))
 
     def steps(self, state: State) -> Iterator[tuple[Step, State]]:
-        """What can be found next.
-
-        Args:
-            state: What is known.
-        """
+        """What can be found next."""
         moved, unknown = self._unknowns(state)
         usable = (unknown == 1) & self.evidence.allowed
         for (g, a, one), (h, b, other) in combinations(moved, 2):
@@ -195,21 +163,11 @@ class Search:
                     yield step, State(state.groups, state.slides | {joint})
 
     def depends(self, group: int, part: int) -> Array:
-        """Which equations change when some links of a group turn.
-
-        Args:
-            group: The group.
-            part: The links as bits.
-        """
+        """Which equations change when some links of a group turn."""
         return self._depends[self.change(group, part)]
 
     def change(self, group: int, part: int) -> Change:
-        """The change in which some links of a group turn, or the others against them.
-
-        Args:
-            group: The group, -1 for a slide.
-            part: The links as bits; the joint.
-        """
+        """The change in which some links of a group turn, or the others against them."""
         if group < 0:
             return Change(-1, part)
         everything = (2 << len(self.evidence.domain.groups[group])) - 1
@@ -233,11 +191,6 @@ class Search:
         """Choices for poses at which the first one fails, the one that helps at most of them first.
 
         Where two equations are not enough any more one may be: there the joint has two values.
-
-        Args:
-            step: The step.
-            first: The choice of its formula.
-            special: The same equations at poses where formulas fail.
         """
         change, p = self.change(step.group, step.parts[1]), self.evidence.prime
         table = special.effects[change].coefficients

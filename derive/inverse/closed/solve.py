@@ -23,31 +23,14 @@ from derive.mechanics.vectors import column, cross
 from derive.robot.options.inverse import FREEDOMS, ROWS, TASKS, InverseOptions, Task
 from derive.robot.robot import Robot
 
-MAX_JOINTS = 10
-"""Longer arms are solved by numbers alone."""
-
-_TRIED = 4
-"""Choices of given joints that are tried where the file makes none."""
-
+MAX_JOINTS = 10  # longer arms are solved by numbers alone
+_TRIED = 4  # choices of given joints that are tried where the file makes none
+# Graphs that are kept for those who ask for them again: print, programs and figures of one arm have the same.
 _KEPT = 64
-"""Graphs that are kept for those who ask for them again: print, programs and figures of one arm have the same."""
 
 
 def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = None) -> SolutionGraph:
-    """The graph of all solutions of an arm.
-
-    Args:
-        robot: The robot.
-        task: The rows of the task; default as the file says.
-        given: Indices of the joints that are arguments; default as the file says, else as many as there are too many.
-
-    Returns:
-        The graph; where there is none, `SolutionGraph.why_not` says so.
-
-    Raises:
-        QuantityError: No such row or joint; joints that are given leave others that move the arm without moving its
-            end; or no joint moves it in the sense of the task.
-    """
+    """The graph of all solutions of an arm."""
     task = robot.inverse.task if task is None else task
     if isinstance(task, str) or not task or not set(task) <= set(ROWS):
         raise QuantityError(f"the task {task!r}", allowed=f"allowed: a tuple of {listed(ROWS)}")
@@ -87,9 +70,6 @@ def usual_task(robot: Robot) -> Task:
     """The task by which textbooks solve an arm: that of its file, or coordinates of the position alone.
 
     These are asked of two or three joints that move the end effector in as many coordinates.
-
-    Args:
-        robot: The robot.
     """
     if robot.inverse != InverseOptions() or robot.n not in (2, 3):
         return robot.inverse.task
@@ -115,26 +95,14 @@ def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missin
 
 
 def refusal(robot: Robot, task: Task, given: Sequence[int], reason: str) -> SolutionGraph:
-    """A graph without nodes.
-
-    Args:
-        robot: The robot.
-        task: The rows of the task.
-        given: Indices of the joints that are arguments.
-        reason: Why there is no closed form.
-    """
+    """A graph without nodes."""
     plain, shifts = shifted(with_numbers(robot, {}))
     domain = InverseDomain(plain)
     return SolutionGraph(plain, domain, task, tuple(given), (), domain.square_reach, (), shifts, why_not=reason)
 
 
 class Freedom:
-    """Which joints move the end effector in the sense of a task, by ranks modulo a prime at a random configuration.
-
-    Args:
-        robot: The robot.
-        task: The rows of the task.
-    """
+    """Which joints move the end effector in the sense of a task, by ranks modulo a prime at a random configuration."""
 
     def __init__(self, robot: Robot, task: Task) -> None:
         numbers = baked(robot)
@@ -162,14 +130,7 @@ class Freedom:
         return len(echelon(self._table[:, list(joints)], self._prime)[0])
 
     def check(self, given: Sequence[int]) -> None:
-        """Refuse given joints that leave others free.
-
-        Args:
-            given: Their indices.
-
-        Raises:
-            QuantityError: The others move the arm without moving its end.
-        """
+        """Refuse given joints that leave others free."""
         rest = [k for k in range(self.robot.n) if k not in given]
         if self._rank(rest) == len(rest):
             return
@@ -233,11 +194,7 @@ class Freedom:
                 yield joints
 
     def meet(self, first: int) -> bool:
-        """Whether the axes of three joints meet in one point.
-
-        Args:
-            first: The first of them, from 0.
-        """
+        """Whether the axes of three joints meet in one point."""
         if not all(joint.is_revolute for joint in self.robot.joints[first : first + 3]):
             return False
         position = self._pool.inside(first, first + 2).position

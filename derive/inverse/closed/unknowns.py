@@ -26,35 +26,27 @@ from derive.robot.expression import ZERO, Expression, Name, Number, Pi, add, mul
 from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
 
+# Of the upper three rows of a pose.
 ENTRIES = tuple(f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3, 4))
-"""Of the upper three rows of a pose."""
-
+# Of the pose W = (R, p) within the arm: p.p, u = R^T p, m = [p]x R and k = p.p R - 2 p u^T.
 INVARIANTS = (
     "p.p",
     *(f"u[{k}]" for k in (1, 2, 3)),
     *(f"m[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)),
     *(f"k[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)),
 )
-"""Of the pose W = (R, p) within the arm: p.p, u = R^T p, m = [p]x R and k = p.p R - 2 p u^T."""
-
-
 S = TypeVar("S", bound=Scalar)
 
+# The links of a group as sets (bits) that stand still against each other, the one of link 0 first.
 Parts = tuple[int, ...]
-"""The links of a group as sets (bits) that stand still against each other, the one of link 0 first."""
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """What is known.
+    """What is known."""
 
-    Attributes:
-        groups: For each group its parts.
-        slides: The slides that are known.
-    """
-
-    groups: tuple[Parts, ...]
-    slides: frozenset[int]
+    groups: tuple[Parts, ...]  # for each group its parts
+    slides: frozenset[int]  # the slides that are known
 
     @property
     def is_complete(self) -> bool:
@@ -62,13 +54,7 @@ class State:
         return all(len(parts) == 1 for parts in self.groups)
 
     def joined(self, group: int, a: int, b: int) -> State:
-        """With the angle between two parts of a group.
-
-        Args:
-            group: The group.
-            a: The one part.
-            b: The other.
-        """
+        """With the angle between two parts of a group."""
         rest = [part for part in self.groups[group] if part not in (a, b)]
         parts = tuple(sorted([*rest, a | b], key=lambda part: part & -part))
         return State((*self.groups[:group], parts, *self.groups[group + 1 :]), self.slides)
@@ -79,10 +65,6 @@ class InverseDomain(PolynomialDomain):
 
     Besides what a robot's ring has, it holds the cosine and sine of every sum of neighbouring angles of a group, the
     entries ``T[row,column]`` of the pose, those of the pose within the arm, ``W[row,column]``, and its `INVARIANTS`.
-
-    Args:
-        robot: The robot, without constants in its joint variables (`shifted`).
-        extra: Further constants that the ring must be able to hold.
     """
 
     def __init__(self, robot: Robot, extra: Iterable[Expression] = ()) -> None:
@@ -103,11 +85,7 @@ class InverseDomain(PolynomialDomain):
         yield from (Generator(Kind.PARAMETER, name, Name(name)) for name in [*INVARIANTS, *names])
 
     def unknown(self, *joints: int) -> Unknown:
-        """The angle of a joint, or of the sum of neighbouring ones of a group, or the length of a slide.
-
-        Args:
-            joints: Indices of the joints, from 0.
-        """
+        """The angle of a joint, or of the sum of neighbouring ones of a group, or the length of a slide."""
         key = "+".join(self.robot.joints[m].variable for m in joints)
         if not self.robot.joints[joints[0]].is_revolute:
             return Unknown(joints, (1,), (key,))
@@ -115,12 +93,7 @@ class InverseDomain(PolynomialDomain):
         return Unknown(joints, signs, (f"cos {key}", f"sin {key}"))
 
     def joint_turn(self, joint: int, start: int) -> tuple[Polynomial, ...]:
-        """The motion of a joint about (along) its own axis, its angle as a difference of sums of angles.
-
-        Args:
-            joint: Its index.
-            start: The joint of its group at which the sums begin, or the first one after it; -1 for the group's end.
-        """
+        """The motion of a joint about (along) its own axis, its angle as a difference of sums of angles."""
         row = self.robot.joints[joint]
         if not row.is_revolute:
             return (row.sign * self.ring.generator(row.variable),)
@@ -132,13 +105,7 @@ class InverseDomain(PolynomialDomain):
         return c * d + s * e, sign * (c * e - s * d)
 
     def turn(self, group: int, u: int, v: int) -> tuple[Polynomial, Polynomial]:
-        """Cosine and sine of phi_v - phi_u of a group.
-
-        Args:
-            group: Its number in `groups`.
-            u: Joints of the group before the one link.
-            v: Before the other.
-        """
+        """Cosine and sine of phi_v - phi_u of a group."""
         if u == v:
             return self.ring.one, self.ring.zero
         members = self.groups[group][min(u, v) : max(u, v)]
@@ -163,20 +130,11 @@ class InverseDomain(PolynomialDomain):
         yield from (self.unknown(i) for i, joint in enumerate(self.robot.joints) if not joint.is_revolute)
 
     def owner(self, name: str) -> Unknown | None:
-        """The unknown of a generator.
-
-        Args:
-            name: The generator's name.
-        """
+        """The unknown of a generator."""
         return next((unknown for unknown in self.unknowns() if name in unknown.generators), None)
 
     def between(self, number: int, parts: tuple[int, int]) -> list[Unknown]:
-        """The angles between two parts of a group, those of few joints first; or the slide.
-
-        Args:
-            number: The group; -1 for a slide.
-            parts: Two of its parts (see `State`); the index of the slide first.
-        """
+        """The angles between two parts of a group, those of few joints first; or the slide."""
         if number < 0:
             return [self.unknown(parts[0])]
         group = self.groups[number]
@@ -185,22 +143,13 @@ class InverseDomain(PolynomialDomain):
         return [self.unknown(*group[u:v]) for u, v in sorted(ends, key=lambda e: (e[1] - e[0], e))]
 
     def ends(self, unknown: Unknown) -> tuple[int, int, int]:
-        """The group of an angle and the two links that it is between.
-
-        Args:
-            unknown: The angle.
-        """
+        """The group of an angle and the two links that it is between."""
         g = next(k for k, group in enumerate(self.groups) if unknown.joints[0] in group)
         place = self.groups[g].index(unknown.joints[0])
         return g, place, place + len(unknown.joints)
 
     def sense(self, unknown: Unknown, forwards: bool) -> int:
-        """Whether phi_v - phi_u is the angle or its negative.
-
-        Args:
-            unknown: The angle.
-            forwards: Whether u < v.
-        """
+        """Whether phi_v - phi_u is the angle or its negative."""
         direction = self.directions[unknown.joints[0]]
         return direction if forwards else -direction
 
@@ -211,12 +160,7 @@ class InverseDomain(PolynomialDomain):
         return {name: self.ends(unknown) for unknown in angles for name in unknown.generators}
 
     def is_known(self, name: str, state: State) -> bool:
-        """Whether a generator is known: a constant, of the pose, or of an unknown that was found.
-
-        Args:
-            name: The generator's name.
-            state: What was found.
-        """
+        """Whether a generator is known: a constant, of the pose, or of an unknown that was found."""
         generator = self.generators[self.ring.index[name]]
         if generator.kind is Kind.VARIABLE:
             return generator.joint in state.slides
@@ -229,11 +173,6 @@ class InverseDomain(PolynomialDomain):
         """A polynomial with all angles of a group between parts that are known, counted from one of the unknown's.
 
         What does not occur after all drops out then, for the angles between the parts are independent.
-
-        Args:
-            p: The polynomial.
-            state: The parts.
-            unknown: The angle or slide in which it is written.
         """
         g, *ends = self.ends(unknown) if unknown.is_angle else (-1,)
         degrees, images, changed = p.degrees(), list(self.ring.context.gens()), False
@@ -261,14 +200,7 @@ def _lowest(part: int) -> int:
 
 
 def shifted(robot: Robot) -> tuple[Robot, tuple[Expression, ...]]:
-    """The robot with its joint variables counted from where their cells have no constants but right angles.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        The robot, and for each joint the constant that its new variable has more than the old one.
-    """
+    """The robot with its joint variables counted from where their cells have no constants but right angles."""
     joints, shifts = zip(*map(_shifted_joint, robot.joints), strict=True)
     return replace(robot, joints=joints), shifts
 
@@ -286,11 +218,7 @@ def _shifted_joint(joint: Joint) -> tuple[Joint, Expression]:
 
 
 def baked(robot: Robot) -> dict[str, Expression]:
-    """The numbers of the parameters that are no arguments of generated functions.
-
-    Args:
-        robot: The robot.
-    """
+    """The numbers of the parameters that are no arguments of generated functions."""
     found: dict[str, Expression] = {}
     for name, value in robot.parameters:
         if name not in robot.runtime:
@@ -299,12 +227,7 @@ def baked(robot: Robot) -> dict[str, Expression]:
 
 
 def with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
-    """The arm alone, with numbers in place of some names.
-
-    Args:
-        robot: The robot.
-        numbers: By name.
-    """
+    """The arm alone, with numbers in place of some names."""
 
     def _cell(e: Expression) -> Expression:
         return substitute(e, numbers)
@@ -318,13 +241,7 @@ def with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
 
 
 def turned(a: Sequence[S], b: Sequence[S], sign: int = 1) -> tuple[S, S]:
-    """Cosine and sine of the sum (or difference) of two angles.
-
-    Args:
-        a: Cosine and sine of the one.
-        b: Of the other.
-        sign: -1 for the difference.
-    """
+    """Cosine and sine of the sum (or difference) of two angles."""
     (c, s), (d, e) = a, b
     e = e if sign > 0 else -e
     return c * d - s * e, s * d + c * e

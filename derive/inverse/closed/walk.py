@@ -30,56 +30,34 @@ from derive.robot.expression import Expression
 
 @dataclass(frozen=True)
 class Value(Generic[N, M]):
-    """What a node yields on one branch.
+    """What a node yields on one branch."""
 
-    Attributes:
-        numbers: For each unknown its cosine and sine, or its length.
-        exists: Whether the branch exists.
-        free: Whether no equation determines the unknown at this pose.
-        boundary: Whether two branches coincide.
-        ill: Whether many of its digits are rounding.
-        doubt: Whether rounding decides if it exists, or the nodes after it.
-    """
-
-    numbers: tuple[tuple[N, ...], ...]
-    exists: M
-    free: M
-    boundary: M
-    ill: M
-    doubt: M
+    numbers: tuple[tuple[N, ...], ...]  # for each unknown its cosine and sine, or its length
+    exists: M  # whether the branch exists
+    free: M  # whether no equation determines the unknown at this pose
+    boundary: M  # whether two branches coincide
+    ill: M  # whether many of its digits are rounding
+    doubt: M  # whether rounding decides if it exists, or the nodes after it
 
 
 @dataclass(frozen=True)
 class Leaf(Generic[N, M]):
-    """One solution.
+    """One solution."""
 
-    Attributes:
-        branches: The branch taken at each of the graph's `choices`.
-        joints: For each joint cosine and sine, or the length, of its unknown: of its variable plus its shift.
-        exists: Whether all its nodes exist.
-        free: For each joint whether its node was not determined.
-        boundary: Whether some branches coincide.
-        ill: Whether digits are lost in one of its nodes: if the solution exists it is to be checked.
-        doubt: Whether rounding decides if it exists: if it does not, it is to be looked for nearby.
-    """
-
-    branches: tuple[int, ...]
+    branches: tuple[int, ...]  # the branch taken at each of the graph's `choices`
+    # For each joint cosine and sine, or the length, of its unknown: of its variable plus its shift.
     joints: tuple[tuple[N, ...], ...]
-    exists: M
-    free: tuple[M, ...]
-    boundary: M
-    ill: M
-    doubt: M
+    exists: M  # whether all its nodes exist
+    free: tuple[M, ...]  # for each joint whether its node was not determined
+    boundary: M  # whether some branches coincide
+    ill: M  # whether digits are lost in one of its nodes: if the solution exists it is to be checked
+    doubt: M  # whether rounding decides if it exists: if it does not, it is to be looked for nearby
 
 
 class Run(Generic[N, M]):
     """One walk over a graph.
 
     Args:
-        graph: The graph.
-        field: The numbers.
-        pose: Rows of T, at least three of four entries.
-        given: The variables of the given joints, in their order.
         near: Values of the joint variables for joints that no equation determines; None for zero.
     """
 
@@ -121,9 +99,6 @@ class Run(Generic[N, M]):
         """The joint variables of a solution: angles in (-pi, pi] before their shifts are taken off, and lengths.
 
         Joints that are given have the numbers that were given.
-
-        Args:
-            leaf: The solution.
         """
         plain = (self.field.angle(*numbers) if len(numbers) == 2 else numbers[0] for numbers in leaf.joints)
         shifts = map(self.field.constant, self.graph.shifts)
@@ -133,12 +108,7 @@ class Run(Generic[N, M]):
         return tuple(found)
 
     def evaluate(self, p: Polynomial, values: Mapping[str, N]) -> N:
-        """The number of a polynomial, by Horner's rule in its most frequent generator.
-
-        Args:
-            p: A polynomial of the graph's domain.
-            values: Numbers of all its generators that are unknowns, or belong to the pose.
-        """
+        """The number of a polynomial, by Horner's rule in its most frequent generator."""
         return self._horner(horner(p), values)
 
     # -- the walk
@@ -276,85 +246,48 @@ class Run(Generic[N, M]):
 
 
 class Posture(Generic[N, M]):
-    """An arm at one of its solutions, as scalars of the mechanics (a `derive.mechanics.chain.Domain`).
-
-    Args:
-        run: The walk.
-        joints: Cosine and sine, or length, of every joint, as `Leaf.joints` has them.
-    """
+    """An arm at one of its solutions, as scalars of the mechanics (a `derive.mechanics.chain.Domain`)."""
 
     def __init__(self, run: Run[N, M], joints: Sequence[Sequence[N]]) -> None:
         self._run, self._joints = run, joints
 
     def number(self, value: int | Fraction) -> N:
-        """A rational.
-
-        Args:
-            value: The number.
-        """
+        """A rational."""
         return self._run.field.number(value)
 
     def constant(self, expression: Expression) -> N:
-        """A cell without joint variables.
-
-        Args:
-            expression: The cell.
-        """
+        """A cell without joint variables."""
         domain = self._run.graph.domain
         return self._run.evaluate(domain.constant(expression), {})
 
     def cosine_sine(self, angle: Expression) -> tuple[N, N]:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle."""
         cosine, sine = self._run.graph.domain.cosine_sine(angle)
         return self._run.evaluate(cosine, {}), self._run.evaluate(sine, {})
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[N, N]:
-        """Cosine and sine of ``sign*q + theta``.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of ``sign*q + theta``."""
         cosine, sine = self._joints[index]
         own = (cosine, sine if joint.sign > 0 else -sine)
         return turned(own, self.cosine_sine(joint.theta))
 
     def joint_offset(self, index: int, joint: Joint) -> N:
-        """The offset ``sign*q + d`` [m].
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """The offset ``sign*q + d`` [m]."""
         (length,) = self._joints[index]
         return (length if joint.sign > 0 else -length) + self.constant(joint.d)
 
 
 def pose_of(run: Run[N, M], joints: Sequence[Sequence[N]]) -> Frame[N]:
-    """The pose of an arm at one of its solutions.
-
-    Args:
-        run: The walk.
-        joints: As `Leaf.joints` has them.
-    """
+    """The pose of an arm at one of its solutions."""
     return forward_kinematics(build_chain(run.graph.robot, Posture(run, joints)))
 
 
-Plan = Fraction | tuple[int, "Plan", "Plan"]
-"""A number, or generator * plan + plan."""
+Plan = Fraction | tuple[int, "Plan", "Plan"]  # a number, or generator * plan + plan
 
 
 @cache
 def horner(p: Polynomial) -> Plan:
-    """A polynomial by Horner's rule, in the generator that most of its terms have, again and again.
-
-    Args:
-        p: The polynomial.
-    """
+    """A polynomial by Horner's rule, in the generator that most of its terms have, again and again."""
     return _horner_plan(dict(p.terms()))
 
 

@@ -23,27 +23,15 @@ Array = npt.NDArray[Any]
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Values of the unknown joints that may belong to solutions.
+    """Values of the unknown joints that may belong to solutions."""
 
-    Attributes:
-        place: (candidates,) the pose that each belongs to.
-        joints: (candidates, joints of the loop), NaN for the joints that are not known yet.
-        doubtful: (poses,) where eigenvalues coincide: solutions may share one, and its vectors mix.
-    """
-
-    place: Array
-    joints: Array
-    doubtful: Array
+    place: Array  # (candidates,) the pose that each belongs to
+    joints: Array  # (candidates, joints of the loop), NaN for the joints that are not known yet
+    doubtful: Array  # (poses,) where eigenvalues coincide: solutions may share one, and its vectors mix
 
 
 def candidates(problem: EigenProblem, pose: Array, real: float = POLICY.real) -> Candidates:
-    """Values of the unknown joints from eigenvalues that are nearly real.
-
-    Args:
-        problem: The eigenvalue problem of the arm.
-        pose: (poses, 4, 4).
-        real: Imaginary part, relative to 1 + |t|^2, up to which an eigenvalue is nearly real.
-    """
+    """Values of the unknown joints from eigenvalues that are nearly real."""
     values, vectors, turn, singular = problem.eigen(pose)
     loop, hidden = problem.loop, problem.elimination.hidden
     size = 1.0 + np.abs(values) ** 2
@@ -67,16 +55,7 @@ def candidates(problem: EigenProblem, pose: Array, real: float = POLICY.real) ->
 
 
 def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
-    """The same with the eliminated joints, which the motion between them determines.
-
-    Args:
-        problem: The eigenvalue problem of the arm.
-        found: Values of the unknown joints.
-        pose: (poses, 4, 4).
-
-    Returns:
-        One or two candidates for each.
-    """
+    """The same with the eliminated joints, which the motion between them determines."""
     way, loop = problem.elimination.finish, problem.loop
     if loop.tip:
         return _last_joint(problem, found, pose)

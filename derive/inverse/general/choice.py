@@ -27,24 +27,19 @@ from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
 
+# How many solutions an elimination found at the trials, and how it compares with others that found as many.
 Result = tuple[int, tuple[bool, int, int, int], Elimination]
-"""How many solutions an elimination found at the trials, and how it compares with others that found as many."""
-
 _SHARES = (0.97, 0.4)
+# Errors of candidates above which others are better; far from usual ones, so that no processor's rounding decides.
 _INEXACT = (1e-6, 1e-3)
-"""Errors of candidates above which others are better; far from usual ones, so that no processor's rounding decides."""
-
-_FOUND = 1e-3
-"""Without units: so near is a configuration that was found, however close to a singular one."""
+_FOUND = 1e-3  # without units: so near is a configuration that was found, however close to a singular one
 
 
 def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
     """Every way to make a regular eigenvalue problem of a loop.
 
     Args:
-        loop: The arm of floats, already read from the joint at which it begins.
         pose: (1, 4, 4) a generic pose.
-        start: That joint.
     """
     ways = closures(loop)
     groups: dict[tuple[int, ...], list[Closure]] = {}
@@ -128,16 +123,7 @@ def _rows(loop: Loop, pose: Array, elimination: Elimination) -> tuple[int, int, 
 
 
 def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entries = POSE) -> tuple[Elimination, ...]:
-    """The eliminations that find all solutions of an arm, compared at random poses.
-
-    Args:
-        chain: The arm's numbers.
-        given: Joints that are arguments.
-        entries: The entries of T that are wanted.
-
-    Returns:
-        For each hidden joint the best, the best of all first; none where there is none.
-    """
+    """The eliminations that find all solutions of an arm, compared at random poses."""
     draw = np.random.default_rng(7)
     span = np.where(chain.revolute, math.pi, chain.reach)
     q = draw.uniform(-span, span, (POLICY.trials, chain.n))
@@ -183,13 +169,6 @@ def general_formula(
     robot: Robot, specimen: Robot, given: Sequence[int], generators: Sequence[tuple[str, ...]], entries: Entries = POSE
 ) -> GeneralFormula | None:
     """The general node of an arm.
-
-    Args:
-        robot: The arm, its joint variables the unknowns of the graph.
-        specimen: The same with numbers in place of the parameters that have numbers: its solutions are counted.
-        given: Joints that are arguments.
-        generators: The generators of their unknowns.
-        entries: The entries of T that are wanted: all, or the position.
 
     Returns:
         The node; None where there is no elimination.

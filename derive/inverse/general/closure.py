@@ -38,18 +38,12 @@ Array = npt.NDArray[Any]
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """An arm of numbers between its joints: T = C_0 Z_1 C_1 ... Z_n C_n.
+    """An arm of numbers between its joints: T = C_0 Z_1 C_1 ... Z_n C_n."""
 
-    Attributes:
-        revolute: Whether each joint turns.
-        gaps: C_0 to C_n, each (4, 4), or one for each pose.
-        prime: The numbers are integers modulo this prime; 0 for floats.
-        tip: Whether the last "joint" is a ball joint at the end effector: its position is wanted, not how it is turned.
-    """
-
-    revolute: tuple[bool, ...]
-    gaps: tuple[Array, ...]
-    prime: int = 0
+    revolute: tuple[bool, ...]  # whether each joint turns
+    gaps: tuple[Array, ...]  # C_0 to C_n, each (4, 4), or one for each pose
+    prime: int = 0  # the numbers are integers modulo this prime; 0 for floats
+    # Whether the last "joint" is a ball joint at the end effector: its position is wanted, not how it is turned.
     tip: bool = False
 
     @property
@@ -58,35 +52,19 @@ class Loop:
         return len(self.revolute)
 
     def settle(self, values: Array) -> Array:
-        """Numbers reduced modulo the prime.
-
-        Args:
-            values: Any numbers of the loop's type.
-        """
+        """Numbers reduced modulo the prime."""
         return values % self.prime if self.prime else values
 
     def product(self, *matrices: Array) -> Array:
-        """The product of matrices.
-
-        Args:
-            *matrices: From left to right.
-        """
+        """The product of matrices."""
         return reduce(lambda a, b: self.settle(a @ b), matrices)
 
     def inverse(self, frame: Array) -> Array:
-        """The inverse of rigid motions.
-
-        Args:
-            frame: (..., 4, 4).
-        """
+        """The inverse of rigid motions."""
         return self.settle(rigid_inverse(frame))
 
     def carried(self, joint: int) -> Carried:
-        """What a joint does not change.
-
-        Args:
-            joint: Its index, from 0.
-        """
+        """What a joint does not change."""
         if self.tip and joint == self.n - 1:
             return POINT
         return AXIS if self.revolute[joint] else FRAME
@@ -98,11 +76,7 @@ class Loop:
         return replace(self, revolute=(*self.revolute, True), gaps=(*self.gaps, unit), tip=True)
 
     def pose(self, motions: Sequence[Array]) -> Array:
-        """T.
-
-        Args:
-            motions: Z_1 to Z_n.
-        """
+        """T."""
         frames = [self.gaps[0]]
         for motion, gap in zip(motions, self.gaps[1:], strict=True):
             frames += [motion, gap]
@@ -124,15 +98,7 @@ class Loop:
         return replace(self, revolute=left, gaps=tuple(gaps))
 
     def rotated(self, start: int, pose: Array) -> tuple[Loop, Array]:
-        """The same loop read from another joint on, with the pose among its gaps.
-
-        Args:
-            start: Index of the joint that becomes the first.
-            pose: (poses, 4, 4) T.
-
-        Returns:
-            The loop and the constant that takes the place of the pose.
-        """
+        """The same loop read from another joint on, with the pose among its gaps."""
         around = self.product(self.gaps[-1], self.inverse(pose), self.gaps[0])
         unit = np.eye(4, dtype=int).astype(around.dtype)
         gaps = (unit, *self.gaps[start + 1 : -1], around, *self.gaps[1:start], unit)
@@ -140,13 +106,7 @@ class Loop:
         return replace(self, revolute=self.revolute[start:] + self.revolute[:start], gaps=gaps), constant
 
     def joint_actions(self, carried: Carried, joint: int, sign: int) -> Array:
-        """(3, 15, 15): the action of Z_joint^sign is the sum of these times 1, c, s (or 1, d, d^2).
-
-        Args:
-            carried: Which numbers it acts on.
-            joint: Its index, from 0.
-            sign: -1 for the inverse.
-        """
+        """(3, 15, 15): the action of Z_joint^sign is the sum of these times 1, c, s (or 1, d, d^2)."""
         kind = self.gaps[0].dtype
         if self.revolute[joint]:
             points = np.array([[1, 0], [-1, 0], [0, sign], [0, -sign]]).astype(kind)
@@ -161,19 +121,12 @@ class Loop:
 
 @dataclass(frozen=True)
 class Closure:
-    """Whose numbers are carried around the loop, and which way.
+    """Whose numbers are carried around the loop, and which way."""
 
-    Attributes:
-        joints: Number of joints of the loop.
-        dropped: Index of the joint that does not change them.
-        direction: +1 towards the hand, -1 towards the base.
-        eliminated: How many joints beside the dropped one are eliminated.
-    """
-
-    joints: int
-    dropped: int
-    direction: int
-    eliminated: int = 2
+    joints: int  # number of joints of the loop
+    dropped: int  # index of the joint that does not change them
+    direction: int  # +1 towards the hand, -1 towards the base
+    eliminated: int = 2  # how many joints beside the dropped one are eliminated
 
     @property
     def order(self) -> tuple[int, ...]:
@@ -206,30 +159,16 @@ class Closure:
         return Closure(3, 2 if self.direction < 0 else 0, self.direction)
 
     def gap(self, loop: Loop, place: int) -> Array:
-        """What stands after a place of the order, other than the pose.
-
-        Args:
-            loop: The arm.
-            place: From 0.
-        """
+        """What stands after a place of the order, other than the pose."""
         joint = self.order[place]
         return loop.gaps[joint + 1] if self.direction > 0 else loop.inverse(loop.gaps[joint])
 
     def action(self, loop: Loop, frame: Array) -> Array:
-        """How rigid motions map the numbers that are carried around.
-
-        Args:
-            loop: The arm.
-            frame: (..., 4, 4).
-        """
+        """How rigid motions map the numbers that are carried around."""
         return loop.settle(loop.carried(self.dropped).action(frame))
 
     def eliminated_part(self, loop: Loop) -> Array:
-        """The numbers as linear forms of the products of the eliminated joints, (..., numbers, 9 or 3).
-
-        Args:
-            loop: The arm; none of its gaps there holds the pose.
-        """
+        """The numbers as linear forms of the products of the eliminated joints, (..., numbers, 9 or 3)."""
         carried = loop.carried(self.dropped)
         forms = carried.start.astype(loop.gaps[0].dtype)[:, None]
         for place in range(self.eliminated):
@@ -245,7 +184,6 @@ class Closure:
         """The same numbers as multilinear forms of the unknown joints, for each pose: linear in its features.
 
         Args:
-            loop: The arm.
             features: (poses, 35) those of T.
 
         Returns:
@@ -279,11 +217,7 @@ class Closure:
 
 
 def closures(loop: Loop) -> list[Closure]:
-    """All ways around a loop on which the pose is not met among what is eliminated.
-
-    Args:
-        loop: The arm.
-    """
+    """All ways around a loop on which the pose is not met among what is eliminated."""
     if loop.tip:
         return [Closure(loop.n, loop.n - 1, -1, eliminated=1)]
     ways = (Closure(loop.n, d, e) for d in range(loop.n) for e in (1, -1))
@@ -291,15 +225,7 @@ def closures(loop: Loop) -> list[Closure]:
 
 
 def middle_part(loop: Loop, way: Closure) -> tuple[Array, Array, Array]:
-    """What the last of three joints carries, seen from the first one, over (1, c, s) of the middle one.
-
-    Args:
-        loop: An arm of three joints.
-        way: From its last or first joint.
-
-    Returns:
-        (..., 3, 15), and what stands between the first two and between the last two joints of the way back.
-    """
+    """What the last of three joints carries, seen from the first one, over (1, c, s) of the middle one."""
     near, far = (loop.inverse(way.gap(loop, k)) for k in (1, 0))
     carried = loop.carried(way.dropped)
     parts = loop.joint_actions(carried, 1, -way.direction) @ (carried.action(far) @ carried.start)[..., None, :, None]

@@ -37,34 +37,16 @@ class _AtRest(ResidueDomain):
     """Residues of an arm whose joint variables are zero."""
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosine and sine of a joint's constant angle.
-
-        Args:
-            index: Its place in the chain.
-            joint: The joint.
-        """
+        """Cosine and sine of a joint's constant angle."""
         return self.cosine_sine(joint.theta)
 
     def joint_offset(self, index: int, joint: Joint) -> Any:
-        """A joint's constant displacement.
-
-        Args:
-            index: Its place in the chain.
-            joint: The joint.
-        """
+        """A joint's constant displacement."""
         return self.constant(joint.d)
 
 
 def residue_loop(robot: Robot, seed: int = 0) -> Loop:
-    """An arm modulo a prime, with random numbers for its symbols.
-
-    Args:
-        robot: The arm.
-        seed: Of the random numbers.
-
-    Raises:
-        NoPointError: A root of the geometry has no value modulo any prime tried.
-    """
+    """An arm modulo a prime, with random numbers for its symbols."""
     plain = replace(robot, links=(), gravity=None)
     domain = _AtRest(PolynomialDomain(plain, rates=False), 1, seed)
     chain = build_chain(plain, domain)
@@ -87,19 +69,7 @@ def _unit(frame: Frame[Any]) -> tuple[Any, Any]:
 def count_solutions(
     robot: Robot, elimination: Elimination, given: Sequence[int] = (), seed: int = 0, *, tip: bool = False
 ) -> int:
-    """How many complex solutions a generic pose has.
-
-    Args:
-        robot: The arm.
-        elimination: One of its eliminations.
-        given: Joints that are arguments.
-        seed: Of the random numbers.
-        tip: Whether only the position of the end effector is wanted.
-
-    Returns:
-        The number; 0 where this elimination does not tell: several solutions share a value of the hidden joint, or the
-        eliminated joints do not follow from the others by linear equations.
-    """
+    """How many complex solutions a generic pose has."""
     loop, pose = _random_pose(residue_loop(robot, seed), given, seed)
     loop = loop.with_tip if tip else loop
     if elimination.start:
@@ -144,14 +114,7 @@ def _flint(matrix: Array, prime: int) -> Any:
 
 
 class _System:
-    """M(t) modulo a prime, with all equations between the unknown joints.
-
-    Args:
-        loop: The arm.
-        pose: (1, 4, 4).
-        elimination: Which joint is hidden, and which one is multiplied.
-        draw: Random numbers.
-    """
+    """M(t) modulo a prime, with all equations between the unknown joints."""
 
     def __init__(self, loop: Loop, pose: Array, elimination: Elimination, draw: random.Random) -> None:
         self.loop, self.prime, self.draw = loop, loop.prime, draw

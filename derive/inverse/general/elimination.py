@@ -32,56 +32,36 @@ from derive.inverse.general.rigid_motion import FEATURES, pose_features
 
 Array = npt.NDArray[Any]
 
-HALF = np.zeros((2, 3, 4))
-"""(cos, sin)(x/2) times (1, c, s)(x) in terms of (cos 3x/2, sin 3x/2, cos x/2, sin x/2)."""
+HALF = np.zeros((2, 3, 4))  # (cos, sin)(x/2) times (1, c, s)(x) in terms of (cos 3x/2, sin 3x/2, cos x/2, sin x/2)
 HALF[0, 0, 2] = HALF[1, 0, 3] = 1.0
 HALF[0, 1, (0, 2)] = HALF[0, 2, (1, 3)] = HALF[1, 1, 1] = HALF[1, 2, 2] = 0.5
 HALF[1, 1, 3] = HALF[1, 2, 0] = -0.5
 
-POWERS = np.zeros((2, 3, 4))
-"""(1, d) times (1, d, d^2) in terms of (1, d, d^2, d^3)."""
+POWERS = np.zeros((2, 3, 4))  # (1, d) times (1, d, d^2) in terms of (1, d, d^2, d^3)
 POWERS[(0, 0, 0, 1, 1, 1), (0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 3)] = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class EliminationPolicy:
-    """Every threshold of general nodes.
+    """Every threshold of general nodes."""
 
-    Attributes:
-        rank: Singular values, relative to the largest, that count as zero.
-        real: Imaginary part of tan(theta/2), relative to 1 + |t|^2, up to which a candidate is tried.
-        residual: Largest error of an entry of a solution's pose, lengths relative to the reach.
-        apart: Solutions closer than this are one.
-        turns: Places of the hidden joint that are tried as that of t = infinity.
-        steps: Most Newton steps of a candidate.
-        trials: Poses at which eliminations are compared.
-        options: Eliminations that are compared, those with the fewest eigenvalues.
-        shared: Angles tan^-1 t closer than this are one eigenvalue, as where solutions share the hidden joint.
-        regular: Entries of that inverse up to which the lengths of a slide are taken as they are.
-        singular: Entries of the inverse of the leading rows from which on M is singular for every t.
-        far: Slides beyond this many reaches are no solutions but rounding of infinite ones.
-        approach: Most steps from poor candidates at poses with infinitely many solutions.
-        near: Error of a pose before refinement below which a candidate should have become a solution.
-        rough: Error before refinement above which a candidate that became a solution was a lucky start.
-        alone: Smallest singular value of the derivatives at a solution that is none of a continuum.
-    """
-
-    rank: float = 1e-9
-    real: float = 1e-3
-    residual: float = 1e-10
-    apart: float = 1e-6
-    turns: int = 4
-    steps: int = 12
-    trials: int = 24
-    options: int = 24
+    rank: float = 1e-9  # singular values, relative to the largest, that count as zero
+    real: float = 1e-3  # imaginary part of tan(theta/2), relative to 1 + |t|^2, up to which a candidate is tried
+    residual: float = 1e-10  # largest error of an entry of a solution's pose, lengths relative to the reach
+    apart: float = 1e-6  # solutions closer than this are one
+    turns: int = 4  # places of the hidden joint that are tried as that of t = infinity
+    steps: int = 12  # most Newton steps of a candidate
+    trials: int = 24  # poses at which eliminations are compared
+    options: int = 24  # eliminations that are compared, those with the fewest eigenvalues
+    # Angles tan^-1 t closer than this are one eigenvalue, as where solutions share the hidden joint.
     shared: float = 1e-5
-    regular: float = 1e3
-    singular: float = 1e8
-    far: float = 1e3
-    approach: int = 60
-    near: float = 1e-4
-    rough: float = 1e-6
-    alone: float = 1e-5
+    regular: float = 1e3  # entries of that inverse up to which the lengths of a slide are taken as they are
+    singular: float = 1e8  # entries of the inverse of the leading rows from which on M is singular for every t
+    far: float = 1e3  # slides beyond this many reaches are no solutions but rounding of infinite ones
+    approach: int = 60  # most steps from poor candidates at poses with infinitely many solutions
+    near: float = 1e-4  # error of a pose before refinement below which a candidate should have become a solution
+    rough: float = 1e-6  # error before refinement above which a candidate that became a solution was a lucky start
+    alone: float = 1e-5  # smallest singular value of the derivatives at a solution that is none of a continuum
 
 
 POLICY = EliminationPolicy()
@@ -89,42 +69,25 @@ POLICY = EliminationPolicy()
 
 @dataclass(frozen=True)
 class Reduction:
-    """How the equations of one way around the loop split by their degree in the hidden joint.
+    """How the equations of one way around the loop split by their degree in the hidden joint."""
 
-    Attributes:
-        closure: The way around the loop.
-        equations: Number of equations, after elimination.
-        constant: How many combinations do not hold the hidden joint.
-        linear: How many further complex (for a slide real) combinations are of the first degree.
-    """
-
-    closure: Closure
-    equations: int
-    constant: int = 0
-    linear: int = 0
+    closure: Closure  # the way around the loop
+    equations: int  # number of equations, after elimination
+    constant: int = 0  # how many combinations do not hold the hidden joint
+    linear: int = 0  # how many further complex (for a slide real) combinations are of the first degree
 
 
 @dataclass(frozen=True)
 class Elimination:
-    """One way to find all solutions of an arm.
+    """One way to find all solutions of an arm."""
 
-    Attributes:
-        reductions: The equations that are used.
-        hidden: Index of the joint whose tan(theta/2), or length, is the eigenvalue.
-        multiplied: Index of the joint with whose half angle the equations are multiplied; None for none.
-        rows: How many rows of M are of degree 0, 1 and 2.
-        finish: Along which way around the loop the eliminated joints follow.
-        start: The joint of the arm at which the loop begins; all other indices are counted from there.
-        straight: Slides of which no squares occur.
-    """
-
-    reductions: tuple[Reduction, ...]
-    hidden: int
-    multiplied: int | None
-    rows: tuple[int, int, int]
-    finish: Closure
-    start: int = 0
-    straight: tuple[int, ...] = ()
+    reductions: tuple[Reduction, ...]  # the equations that are used
+    hidden: int  # index of the joint whose tan(theta/2), or length, is the eigenvalue
+    multiplied: int | None  # index of the joint with whose half angle the equations are multiplied; None for none
+    rows: tuple[int, int, int]  # how many rows of M are of degree 0, 1 and 2
+    finish: Closure  # along which way around the loop the eliminated joints follow
+    start: int = 0  # the joint of the arm at which the loop begins; all other indices are counted from there
+    straight: tuple[int, ...] = ()  # slides of which no squares occur
 
     @property
     def eigenvalues(self) -> int:
@@ -137,11 +100,7 @@ class Elimination:
         return self.finish.unknowns
 
     def available(self, loop: Loop) -> tuple[int, int, int]:
-        """How many equations are of degree 0, 1 and 2, before they are multiplied.
-
-        Args:
-            loop: The arm.
-        """
+        """How many equations are of degree 0, 1 and 2, before they are multiplied."""
         constant = sum(each.constant for each in self.reductions)
         linear = sum(each.linear for each in self.reductions) * (2 if loop.revolute[self.hidden] else 1)
         return constant, linear, sum(each.equations for each in self.reductions) - constant - linear
@@ -149,31 +108,18 @@ class Elimination:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The equations of one way around the loop in numbers, split by degree.
+    """The equations of one way around the loop in numbers, split by degree."""
 
-    Attributes:
-        reduction: Their structure.
-        combinations: (..., equations, numbers) combinations of what is carried around, without the eliminated joints.
-        constant: (..., constant, equations) rows of degree 0.
-        linear: (..., linear, equations) complex rows of degree 1.
-        rest: (..., rest, equations) the others.
-    """
-
-    reduction: Reduction
+    reduction: Reduction  # their structure
+    # (..., equations, numbers) combinations of what is carried around, without the eliminated joints.
     combinations: Array
-    constant: Array
-    linear: Array
-    rest: Array
+    constant: Array  # (..., constant, equations) rows of degree 0
+    linear: Array  # (..., linear, equations) complex rows of degree 1
+    rest: Array  # (..., rest, equations) the others
 
     @classmethod
     def of(cls, loop: Loop, reduction: Reduction, hidden: int) -> Equations:
-        """The numbers of an arm.
-
-        Args:
-            loop: The arm.
-            reduction: The structure.
-            hidden: The hidden joint.
-        """
+        """The numbers of an arm."""
         m = reduction.equations
         left = left_null(reduction.closure.eliminated_part(loop), m)
         none = np.zeros((*left.shape[:-2], 0, m))
@@ -199,7 +145,6 @@ class Equations:
         Args:
             forms: (poses, equations, 3, products), the second last axis for the hidden joint.
             turn: (poses,) where the hidden joint is counted from, as `EigenProblem.position` has it.
-            turns: Whether the hidden joint turns.
 
         Returns:
             (poses, rows of the degree, degree + 1, products) for each degree.
@@ -223,32 +168,19 @@ class Equations:
 
 @dataclass(frozen=True, eq=False)
 class EigenProblem:
-    """M(t) v = 0 of an arm of numbers.
+    """M(t) v = 0 of an arm of numbers."""
 
-    Attributes:
-        loop: The arm, in a unit of length that makes its numbers alike.
-        elimination: How M is made.
-        equations: The numbers of each way around the loop that is used.
-        mixers: For each degree the fixed combinations of rows that are kept.
-        tables: For each way around the loop (35, equations, 3, products): the coefficients are linear in the features
-            of the pose (`derive.inverse.general.rigid_motion.pose_features`). None where the arm differs from pose to
-            pose.
-    """
-
-    loop: Loop
-    elimination: Elimination
-    equations: tuple[Equations, ...]
-    mixers: tuple[Array, ...]
+    loop: Loop  # the arm, in a unit of length that makes its numbers alike
+    elimination: Elimination  # how M is made
+    equations: tuple[Equations, ...]  # the numbers of each way around the loop that is used
+    mixers: tuple[Array, ...]  # for each degree the fixed combinations of rows that are kept
+    # For each way around the loop (35, equations, 3, products): the coefficients are linear in the features of the
+    # pose (`derive.inverse.general.rigid_motion.pose_features`). None where the arm differs from pose to pose.
     tables: tuple[Array, ...] = ()
 
     @classmethod
     def of(cls, loop: Loop, elimination: Elimination) -> EigenProblem:
-        """The eigenvalue problem of an arm.
-
-        Args:
-            loop: The arm of floats.
-            elimination: How its solutions are found.
-        """
+        """The eigenvalue problem of an arm."""
         equations = tuple(Equations.of(loop, each, elimination.hidden) for each in elimination.reductions)
         factor = 1 if elimination.multiplied is None else 2
         counts = zip(elimination.rows, elimination.available(loop), strict=True)
@@ -263,7 +195,6 @@ class EigenProblem:
         """The rows of M by degree, each as coefficients of powers of t.
 
         Args:
-            forms: For each way around the loop the result of `forms`.
             turn: (poses,) where the hidden joint is counted from, as `position` has it.
 
         Returns:
@@ -278,11 +209,7 @@ class EigenProblem:
         )
 
     def forms(self, pose: Array) -> list[Array]:
-        """The coefficients of the equations, for each way around the loop (poses, equations, 3, products).
-
-        Args:
-            pose: (poses, 4, 4).
-        """
+        """The coefficients of the equations, for each way around the loop (poses, equations, 3, products)."""
         features = pose_features(pose)
         if self.tables:
             return [np.tensordot(features, table, axes=1) for table in self.tables]
@@ -311,26 +238,17 @@ class EigenProblem:
     def position(self, turn: Array, t: Array) -> Array:
         """The hidden joint: its angle is turn + 2 atan t, its length tan(turn/2 + atan t), so that none is at infinity.
 
-        Args:
-            turn: Where it is counted from.
-            t: The eigenvalue.
+        Shapes of `turn` and `t` broadcast.
         """
         half = 0.5 * turn + np.arctan(t)
         return 2.0 * half if self.loop.revolute[self.elimination.hidden] else np.tan(half)
 
     def powers(self, joint: int) -> int:
-        """How many of 1, c, s or 1, d, d^2 occur in the equations.
-
-        Args:
-            joint: An unknown joint.
-        """
+        """How many of 1, c, s or 1, d, d^2 occur in the equations."""
         return 2 if joint in self.elimination.straight else 3
 
     def multiplied(self, rows: Array) -> Array:
         """The rows times what the multiplied joint contributes.
-
-        Args:
-            rows: (poses, rows, powers, products).
 
         Returns:
             (poses, 2 * rows, powers, columns); the rows themselves where nothing is multiplied.
@@ -347,9 +265,6 @@ class EigenProblem:
 
     def eigen(self, pose: Array) -> tuple[Array, Array, Array, Array]:
         """Eigenvalues and vectors.
-
-        Args:
-            pose: (poses, 4, 4).
 
         Returns:
             t (poses, k), v (poses, columns, k), both complex, the turn that t is counted from (poses,), and where M is
@@ -414,15 +329,7 @@ def _adjoint(matrix: Array) -> Array:
 
 
 def left_null(matrix: Array, count: int) -> Array:
-    """Orthonormal rows w with w M = 0.
-
-    Args:
-        matrix: (..., rows, columns) M.
-        count: How many there are.
-
-    Returns:
-        (..., count, rows).
-    """
+    """Orthonormal rows w with w M = 0."""
     left = np.linalg.svd(matrix, full_matrices=True)[0]
     return _adjoint(left[..., left.shape[-1] - count :])
 

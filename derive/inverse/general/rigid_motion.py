@@ -24,9 +24,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-FEATURES = 35
-"""Numbers of a rigid motion in which all these maps are linear."""
-
+FEATURES = 35  # numbers of a rigid motion in which all these maps are linear
 BESIDE = (
     (
         (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006),
@@ -44,14 +42,7 @@ solutions that are alone are found at a singular pose from those of the poses wh
 
 
 def pose_features(frame: Array) -> Array:
-    """The numbers 1, R, t, R^T t, t.t, t x R, (t.t) R - 2 t (R^T t)^T of a rigid motion x -> R x + t.
-
-    Args:
-        frame: (..., 4, 4).
-
-    Returns:
-        (..., 35), matrices row by row.
-    """
+    """The numbers 1, R, t, R^T t, t.t, t x R, (t.t) R - 2 t (R^T t)^T of a rigid motion x -> R x + t."""
     rotation, shift = frame[..., :3, :3], frame[..., :3, 3]
     projected = (shift[..., None, :] @ rotation)[..., 0, :]
     square = (shift * shift).sum(axis=-1, keepdims=True)
@@ -63,11 +54,7 @@ def pose_features(frame: Array) -> Array:
 
 
 def inverse_features(features: Array) -> Array:
-    """Those of the inverse motion: R^T, -R^T t, -t, t.t, and the last two matrices transposed.
-
-    Args:
-        features: (..., 35).
-    """
+    """Those of the inverse motion: R^T, -R^T t, -t, t.t, and the last two matrices transposed."""
     turned = [0, 3, 6, 1, 4, 7, 2, 5, 8]
     places = [0, *(1 + k for k in turned), 13, 14, 15, 10, 11, 12, 16, *(17 + k for k in turned)]
     places += [26 + k for k in turned]
@@ -81,12 +68,6 @@ def axis_action(features: Array) -> Array:
 
     With l' = R l, p' = R p + t: p'.p' = p.p + 2 t.R p + t.t, p'.l' = p.l + t.R l, p' x l' = R (p x l) + t x R l and
     (p'.p') l' - 2 (p'.l') p' = R k - 2 t x R m + (t.t) R l - 2 t (t.R l) - 2 (p.l) t with k and m of p, l.
-
-    Args:
-        features: (..., 35) `pose_features`.
-
-    Returns:
-        (..., 15, 15), of the same type of numbers.
     """
     one, shift, projected, square = features[..., 0], features[..., 10:13], features[..., 13:16], features[..., 16]
     rotation, crossed, mirrored = _matrices(features)
@@ -103,14 +84,7 @@ def axis_action(features: Array) -> Array:
 
 
 def frame_action(features: Array) -> Array:
-    """How a rigid motion maps the fifteen numbers of a frame that may slide along its z axis.
-
-    Args:
-        features: (..., 35) `pose_features`.
-
-    Returns:
-        (..., 15, 15), of the same type of numbers.
-    """
+    """How a rigid motion maps the fifteen numbers of a frame that may slide along its z axis."""
     rotation, crossed, _ = _matrices(features)
     result = np.zeros((*features.shape[:-1], 15, 15), dtype=features.dtype)
     for start in (1, 4, 7, 12):
@@ -123,14 +97,7 @@ def frame_action(features: Array) -> Array:
 
 
 def point_action(features: Array) -> Array:
-    """How a rigid motion maps the numbers 1, p, p.p of a point.
-
-    Args:
-        features: (..., 35) `pose_features`.
-
-    Returns:
-        (..., 5, 5), of the same type of numbers.
-    """
+    """How a rigid motion maps the numbers 1, p, p.p of a point."""
     places = [0, 4, 5, 6, 7]
     return axis_action(features)[..., places, :][..., places]
 
@@ -143,30 +110,17 @@ def _matrices(features: Array) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """The numbers that a joint does not change.
+    """The numbers that a joint does not change."""
 
-    Attributes:
-        start: Their values in the frame of the joint.
-        linear: How a rigid motion maps them, of its features.
-        heights: Those that no rotation about z changes.
-        crosswise: First places of the pairs that a rotation about z turns.
-        along: Those that no motion along z changes.
-        shifted: Those that a motion along z changes in proportion.
-    """
-
-    start: Array
-    linear: Callable[[Array], Array]
-    heights: tuple[int, ...]
-    crosswise: tuple[int, ...]
-    along: tuple[int, ...]
-    shifted: tuple[int, ...]
+    start: Array  # their values in the frame of the joint
+    linear: Callable[[Array], Array]  # how a rigid motion maps them, of its features
+    heights: tuple[int, ...]  # those that no rotation about z changes
+    crosswise: tuple[int, ...]  # first places of the pairs that a rotation about z turns
+    along: tuple[int, ...]  # those that no motion along z changes
+    shifted: tuple[int, ...]  # those that a motion along z changes in proportion
 
     def action(self, frame: Array) -> Array:
-        """How rigid motions map the numbers.
-
-        Args:
-            frame: (..., 4, 4).
-        """
+        """How rigid motions map the numbers."""
         return self.linear(pose_features(frame))
 
 
@@ -199,11 +153,7 @@ POINT = Carried(
 
 
 def rigid_inverse(frame: Array) -> Array:
-    """The inverse of rigid motions.
-
-    Args:
-        frame: (..., 4, 4).
-    """
+    """The inverse of rigid motions."""
     result = np.zeros_like(frame)
     turned = np.swapaxes(frame[..., :3, :3], -1, -2)
     result[..., :3, :3], result[..., 3, 3] = turned, 1
@@ -212,16 +162,7 @@ def rigid_inverse(frame: Array) -> Array:
 
 
 def joint_motion(revolute: bool, first: Array, second: Array | None = None) -> Array:
-    """Z of a joint from cosine and sine of its angle, or from its displacement.
-
-    Args:
-        revolute: Whether it turns.
-        first: Cosines, or displacements.
-        second: Sines.
-
-    Returns:
-        (..., 4, 4).
-    """
+    """Z of a joint from cosine and sine of its angle, or from its displacement."""
     result = np.zeros((*first.shape, 4, 4), dtype=first.dtype)
     result[..., (0, 1, 2, 3), (0, 1, 2, 3)] = 1
     if revolute:
@@ -233,23 +174,12 @@ def joint_motion(revolute: bool, first: Array, second: Array | None = None) -> A
 
 
 def motion_by(revolute: bool, value: Array) -> Array:
-    """Z of a joint from its variable.
-
-    Args:
-        revolute: Whether it turns.
-        value: Angles or displacements, floats.
-    """
+    """Z of a joint from its variable."""
     return joint_motion(True, np.cos(value), np.sin(value)) if revolute else joint_motion(False, value)
 
 
 def beside(poses: Array, which: int, unit: Array) -> Array:
-    """Poses a little beside others, to which nothing special leads: A T.
-
-    Args:
-        poses: (..., 4, 4) T.
-        which: Which of `BESIDE` is A.
-        unit: (...) unit of length of each pose.
-    """
+    """Poses a little beside others, to which nothing special leads: A T."""
     motion = np.array(BESIDE[which])
     result = poses.copy()
     result[..., :3, :] = motion[:, :3] @ poses[..., :3, :]

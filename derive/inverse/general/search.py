@@ -26,31 +26,20 @@ from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
 
-PAIR = 2
-"""Numbers of an angle: cosine and sine."""
-
+PAIR = 2  # numbers of an angle: cosine and sine
+# With as many joints as a task has dimensions the number of real solutions is even at regular poses.
 FULL = {POSE: 6, POSITION: 3}
-"""With as many joints as a task has dimensions the number of real solutions is even at regular poses."""
-
-SPECIAL = 4
-"""Solutions that special poses of arms with few joints have (`derive.inverse.closed.graph.SPECIAL`)."""
+SPECIAL = 4  # solutions that special poses of arms with few joints have (`derive.inverse.closed.graph.SPECIAL`)
 
 
 @dataclass(frozen=True, eq=False)
 class GeneralSolution:
-    """All solutions of an arm by elimination.
+    """All solutions of an arm by elimination."""
 
-    Attributes:
-        given: Indices of the joints that are arguments.
-        entries: The entries of T that are wanted, `POSE` or `POSITION`.
-        eliminations: The best first; the next ones are asked where those before leave a doubt.
-        count: Number of complex solutions of a generic pose; 0 where it is not known.
-    """
-
-    given: tuple[int, ...]
-    entries: Entries
-    eliminations: tuple[Elimination, ...]
-    count: int = 0
+    given: tuple[int, ...]  # indices of the joints that are arguments
+    entries: Entries  # the entries of T that are wanted, `POSE` or `POSITION`
+    eliminations: tuple[Elimination, ...]  # the best first; the next ones are asked where those before leave a doubt
+    count: int = 0  # number of complex solutions of a generic pose; 0 where it is not known
 
     @property
     def branches(self) -> int:
@@ -63,8 +52,6 @@ class GeneralSolution:
         """Every real solution for each pose.
 
         Args:
-            chain: The arm's numbers.
-            poses: (poses, 4, 4).
             given: (poses, given joints) their variables.
 
         Returns:
@@ -127,9 +114,6 @@ class GeneralSolution:
         """The solutions that one elimination finds.
 
         Args:
-            index: Which one.
-            chain: The arm's numbers.
-            poses: (poses, 4, 4).
             given: (poses, given joints) their variables.
         """
         place, q, goal, doubtful = self._starts(index, chain, poses, given, POLICY.real)
@@ -175,19 +159,12 @@ class GeneralSolution:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """Solutions by one elimination.
+    """Solutions by one elimination."""
 
-    Attributes:
-        q: (poses, k, n).
-        doubtful: (poses,) where some may be missing.
-        certain: How many of all were close before refinement: Newton's method had no luck with them.
-        error: Of most of them, before refinement.
-    """
-
-    q: Array
-    doubtful: Array
-    certain: int
-    error: float
+    q: Array  # (poses, k, n)
+    doubtful: Array  # (poses,) where some may be missing
+    certain: int  # how many of all were close before refinement: Newton's method had no luck with them
+    error: float  # of most of them, before refinement
 
 
 @lru_cache(maxsize=64)
@@ -197,12 +174,7 @@ def _constant_problem(chain: NumericChain, elimination: Elimination, entries: En
 
 
 def scaled(poses: Array, unit: float) -> Array:
-    """Poses in another unit of length.
-
-    Args:
-        poses: (..., 4, 4).
-        unit: The unit.
-    """
+    """Poses in another unit of length."""
     result = poses.copy()
     result[..., :3, 3] /= unit
     return result
@@ -214,10 +186,7 @@ def free_loop(
     """The loop of the joints that are solved for, in units of the reach, and their indices.
 
     Args:
-        chain: The arm's numbers.
-        given: Indices of the other joints.
         values: (poses, given joints) their variables; None where there are none.
-        entries: The entries of T that are wanted.
     """
     gaps = tuple(scaled(gap, chain.reach) for gap in (*chain.fixed, chain.tool))
     loop = Loop(tuple(bool(turns) for turns in chain.revolute), gaps)
@@ -300,17 +269,11 @@ def _distinct(table: Array, chain: NumericChain, given: tuple[int, ...]) -> Arra
 
 @dataclass(frozen=True, eq=False)
 class GeneralFormula:
-    """What a general node solves (`derive.inverse.closed.nodes.Formula.payload`): all joints that are not given.
+    """What a general node solves (`derive.inverse.closed.nodes.Formula.payload`): all joints that are not given."""
 
-    Attributes:
-        robot: The arm, its joint variables the unknowns of the graph.
-        solution: Its eliminations.
-        given: For each given joint the generators of its unknown.
-    """
-
-    robot: Robot
-    solution: GeneralSolution
-    given: tuple[tuple[str, ...], ...]
+    robot: Robot  # the arm, its joint variables the unknowns of the graph
+    solution: GeneralSolution  # its eliminations
+    given: tuple[tuple[str, ...], ...]  # for each given joint the generators of its unknown
 
     @property
     def branches(self) -> int:
@@ -334,15 +297,7 @@ class GeneralFormula:
         return (hidden, *others, *eliminated)
 
     def solve(self, field: Any, values: Mapping[str, Any]) -> list[tuple[tuple[tuple[Any, ...], ...], Any]]:
-        """The branches of the node over floats.
-
-        Args:
-            field: A `FloatField`: the numbers of the parameters.
-            values: Entries of the pose, cosines and sines or lengths of given joints, each one number or one per pose.
-
-        Returns:
-            For each branch the numbers of the unknowns, in the `order` of the joints, and where it exists.
-        """
+        """The branches of the node over floats."""
         chain = _chain(self.robot, tuple(sorted((name, float(value)) for name, value in field.values.items())))
         entries = [values[f"T[{i},{j}]"] for i in (1, 2, 3) for j in (1, 2, 3, 4)]
         known = [values[name] for names in self.given for name in names]

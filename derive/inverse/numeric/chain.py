@@ -19,42 +19,24 @@ from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
 
-Entries = tuple[tuple[int, int], ...]
-"""Rows and columns of T, from 0, that a task prescribes."""
-
+Entries = tuple[tuple[int, int], ...]  # rows and columns of T, from 0, that a task prescribes
 POSE: Entries = tuple((i, j) for i in range(3) for j in range(4))
 POSITION: Entries = ((0, 3), (1, 3), (2, 3))
 
 
 @dataclass(frozen=True, eq=False)
 class NumericChain:
-    """An arm of numbers: T = C_1 M_1 C_2 M_2 ... C_n M_n tool, M_i turning about z or sliding along it.
+    """An arm of numbers: T = C_1 M_1 C_2 M_2 ... C_n M_n tool, M_i turning about z or sliding along it."""
 
-    Attributes:
-        revolute: (n,) whether joint i turns.
-        sign: (n,) +1 or -1, the factor of the variable.
-        fixed: (n, 4, 4) C_i, the base in the first one.
-        tool: (4, 4) what follows the last joint.
-        limits: (n, 2) joint limits, infinite where the file gives none.
-    """
-
-    revolute: Array
-    sign: Array
-    fixed: Array
-    tool: Array
-    limits: Array
+    revolute: Array  # (n,) whether joint i turns
+    sign: Array  # (n,) +1 or -1, the factor of the variable
+    fixed: Array  # (n, 4, 4) C_i, the base in the first one
+    tool: Array  # (4, 4) what follows the last joint
+    limits: Array  # (n, 2) joint limits, infinite where the file gives none
 
     @classmethod
     def of(cls, robot: Robot, parameters: Mapping[str, float] | None = None) -> NumericChain:
-        """The numbers of a robot.
-
-        Args:
-            robot: The robot.
-            parameters: A number for every symbol that has none in the file; it may override those of the file.
-
-        Raises:
-            ExpressionError: A symbol has no number, or a cell has no finite value.
-        """
+        """The numbers of a robot."""
         values = parameter_values(robot, parameters)
         chain = build_chain(replace(robot, links=(), gravity=None), FloatDomain(robot, [0.0] * robot.n, values))
         fixed = [_matrix(joint.fixed @ joint.motion(0.0, 1.0)) for joint in chain.joints]
@@ -85,9 +67,6 @@ class NumericChain:
 
         Args:
             q: (..., n) configurations [rad, m].
-
-        Returns:
-            T (..., 4, 4) and dT/dq_j (..., n, 3, 4).
         """
         pose = np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
         axes, places = [], []
@@ -114,19 +93,12 @@ class NumericChain:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Which joints reach wanted entries of the pose, the others being given.
+    """Which joints reach wanted entries of the pose, the others being given."""
 
-    Attributes:
-        chain: The arm.
-        poses: (4, 4), or one for each configuration that is tried.
-        entries: The entries of T that are wanted.
-        free: (n,) the joints that are solved for.
-    """
-
-    chain: NumericChain
-    poses: Array
-    entries: Entries = POSE
-    free: Array = field(default_factory=lambda: np.array([], dtype=bool))
+    chain: NumericChain  # the arm
+    poses: Array  # (4, 4), or one for each configuration that is tried
+    entries: Entries = POSE  # the entries of T that are wanted
+    free: Array = field(default_factory=lambda: np.array([], dtype=bool))  # (n,) the joints that are solved for
 
     @cached_property
     def unit(self) -> Array:
@@ -140,14 +112,7 @@ class Problem:
         return np.where(self.chain.revolute, 1.0, self.unit[..., None])
 
     def errors(self, q: Array) -> tuple[Array, Array]:
-        """How far the wanted entries are from the goal, and the derivatives by the free joints, without units.
-
-        Args:
-            q: (..., n) configurations.
-
-        Returns:
-            (..., rows) and (..., rows, free joints), lengths divided by the unit, slides counted in it.
-        """
+        """How far the wanted entries are from the goal, and the derivatives by the free joints, without units."""
         pose, slope = self.chain.pose_and_jacobian(q)
         rows, columns = (list(index) for index in zip(*self.entries, strict=True))
         weight = np.where(np.array(columns) == 3, 1.0 / self.unit[..., None], 1.0)
@@ -157,22 +122,13 @@ class Problem:
         return error, np.swapaxes(by_joint[..., self.free, :], -1, -2)
 
     def moved(self, q: Array, step: Array) -> Array:
-        """Configurations after a step of the free joints.
-
-        Args:
-            q: (..., n) configurations.
-            step: (..., free joints), without units.
-        """
+        """Configurations after a step of the free joints."""
         result = q.copy()
         result[..., self.free] += step * self.scale[..., self.free]
         return result
 
     def residual(self, q: Array) -> Array:
-        """The largest error of an entry, without units.
-
-        Args:
-            q: (..., n) configurations.
-        """
+        """The largest error of an entry, without units."""
         worst: Array = np.abs(self.errors(q)[0]).max(axis=-1)
         return worst
 

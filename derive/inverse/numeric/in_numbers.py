@@ -19,17 +19,11 @@ from derive.robot.expression import Expression
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
-Numbers = dict[Expr, Any]
-"""Numbers by symbol."""
+Numbers = dict[Expr, Any]  # numbers by symbol
 
 
 def parameter_numbers(robot: Robot, rng: random.Random) -> Numbers:
-    """Numbers of all parameters: those of the robot file, random ones for the others, with the precision of mpmath.
-
-    Args:
-        robot: The robot.
-        rng: Where random numbers come from.
-    """
+    """Numbers of all parameters: those of the robot file, random ones for the others, with the precision of mpmath."""
     known: Numbers = {}
     for name, expression in robot.parameters:
         known[sympy.Symbol(name)] = value_of(expression_to_sympy(expression), dict(known))
@@ -39,12 +33,7 @@ def parameter_numbers(robot: Robot, rng: random.Random) -> Numbers:
 
 
 def array_value(e: Expr, known: Numbers) -> Any:
-    """An expression as an array of floats; not a number where it has no real value.
-
-    Args:
-        e: The expression.
-        known: Arrays of symbols, and of every subexpression that has been met; it grows.
-    """
+    """An expression as an array of floats; not a number where it has no real value."""
     if e in known:
         return known[e]
     arguments = [array_value(argument, known) for argument in e.args]
@@ -68,50 +57,27 @@ _FUNCTIONS: Mapping[Any, Callable[..., Any]] = {sympy.sin: np.sin, sympy.cos: np
 
 
 class DigitsDomain(FloatDomain):
-    """Cells of a robot and joint positions as numbers of mpmath, with its working precision.
-
-    Args:
-        robot: The robot.
-        q: The joint variables.
-        values: Numbers of the parameters by symbol.
-    """
+    """Cells of a robot and joint positions as numbers of mpmath, with its working precision."""
 
     def __init__(self, robot: Robot, q: Sequence[Any], values: Numbers) -> None:
         super().__init__(robot, q, {})
         self._known = dict(values)
 
     def number(self, value: int | Fraction) -> Any:
-        """A rational.
-
-        Args:
-            value: The number.
-        """
+        """A rational."""
         return mpmath.mpf(value.numerator) / value.denominator
 
     def constant(self, expression: Expression) -> Any:
-        """The value of a cell.
-
-        Args:
-            expression: The cell.
-        """
+        """The value of a cell."""
         return value_of(expression_to_sympy(expression), self._known)
 
     def cosine_sine(self, angle: Expression) -> Any:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle."""
         value = expression_to_sympy(angle)
         return value_of(sympy.cos(value), self._known), value_of(sympy.sin(value), self._known)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosine and sine of the angle of a revolute joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of the angle of a revolute joint."""
         value = joint.sign * self.q[index] + self.constant(joint.theta)
         return mpmath.cos(value), mpmath.sin(value)
 
@@ -120,35 +86,18 @@ class ArrayDomain(DigitsDomain):
     """The same at many configurations, as arrays of floats."""
 
     def number(self, value: int | Fraction) -> Any:
-        """A rational.
-
-        Args:
-            value: The number.
-        """
+        """A rational."""
         return float(value)
 
     def constant(self, expression: Expression) -> Any:
-        """The value of a cell.
-
-        Args:
-            expression: The cell.
-        """
+        """The value of a cell."""
         return float(super().constant(expression))
 
     def cosine_sine(self, angle: Expression) -> Any:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle."""
         return tuple(map(float, super().cosine_sine(angle)))
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosine and sine of the angle of a revolute joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of the angle of a revolute joint."""
         value = joint.sign * self.q[index] + self.constant(joint.theta)
         return np.cos(value), np.sin(value)

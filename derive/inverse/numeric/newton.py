@@ -26,41 +26,26 @@ from derive.robot.options.solution_policy import POLICY as STALLED
 class Status(IntEnum):
     """What a branch of inverse kinematics is at a pose."""
 
-    NONE = 0
-    """It does not exist."""
-    EXACT = 1
-    """A solution like any other."""
-    BOUNDARY = 2
-    """Two branches coincide: the pose is on the boundary of what the arm reaches, and only one is listed."""
+    NONE = 0  # it does not exist
+    EXACT = 1  # a solution like any other
+    BOUNDARY = 2  # two branches coincide: the pose is on the boundary of what the arm reaches, and only one is listed
+    # A solution in which some joints are free: they are where the caller has them, and others follow from them.
     SINGULAR = 3
-    """A solution in which some joints are free: they are where the caller has them, and others follow from them."""
 
 
 @dataclass(frozen=True, slots=True)
 class SolverPolicy:
-    """Every threshold of the numeric solver; lengths are divided by the arm's reach.
+    """Every threshold of the numeric solver; lengths are divided by the arm's reach."""
 
-    Attributes:
-        residual: Largest error of an entry of a solution's pose: a pose farther out has no solution.
-        converged: Below it a start has arrived.
-        rank: Singular values of the Jacobian, relative to the largest, that count as zero.
-        apart: Solutions closer than this are one.
-        steps: Most steps of one start.
-        starts: Starts of one round.
-        rounds: Most rounds.
-        arrivals: Solutions seen again, for each one known, since the last new one, before the search ends.
-        polish: Most Newton steps of a candidate of a closed form.
-    """
-
-    residual: float = 1e-10
-    converged: float = 3e-15
-    rank: float = 1e-6
-    apart: float = 1e-7
-    steps: int = 120
-    starts: int = 64
-    rounds: int = 40
-    arrivals: int = 8
-    polish: int = 2
+    residual: float = 1e-10  # largest error of an entry of a solution's pose: a pose farther out has no solution
+    converged: float = 3e-15  # below it a start has arrived
+    rank: float = 1e-6  # singular values of the Jacobian, relative to the largest, that count as zero
+    apart: float = 1e-7  # solutions closer than this are one
+    steps: int = 120  # most steps of one start
+    starts: int = 64  # starts of one round
+    rounds: int = 40  # most rounds
+    arrivals: int = 8  # solutions seen again, for each one known, since the last new one, before the search ends
+    polish: int = 2  # most Newton steps of a candidate of a closed form
 
 
 POLICY = SolverPolicy()
@@ -68,32 +53,16 @@ POLICY = SolverPolicy()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NumericSolutions:
-    """All configurations that were found for one pose.
+    """All configurations that were found for one pose."""
 
-    Attributes:
-        q: (branches, n), angles in (-pi, pi] unless limits ask for a full turn more.
-        status: (branches,) a `Status` each.
-        residual: (branches,) largest error of an entry of the pose, lengths relative to the reach.
-        free: (branches, n) the joints that can move while the pose stays; they have the values of ``near``.
-    """
-
-    q: Array
-    status: Array
-    residual: Array
-    free: Array
+    q: Array  # (branches, n), angles in (-pi, pi] unless limits ask for a full turn more
+    status: Array  # (branches,) a `Status` each
+    residual: Array  # (branches,) largest error of an entry of the pose, lengths relative to the reach
+    free: Array  # (branches, n) the joints that can move while the pose stays; they have the values of ``near``
 
 
 def polish(problem: Problem, q: Array, steps: int = POLICY.polish) -> tuple[Array, Array]:
-    """Newton steps with the exact Jacobian, each kept only where the pose's error shrinks.
-
-    Args:
-        problem: The goal; its poses broadcast with the configurations.
-        q: (..., n) candidates; those with NaN stay as they are.
-        steps: Most steps.
-
-    Returns:
-        (..., n) and the residuals (...), infinite for candidates with NaN.
-    """
+    """Newton steps with the exact Jacobian, each kept only where the pose's error shrinks."""
     known: Array = np.asarray(np.isfinite(q).all(axis=-1))
     q = np.where(known[..., None], q, 0.0)
     error, slope = problem.errors(q)
@@ -114,16 +83,7 @@ def polish(problem: Problem, q: Array, steps: int = POLICY.polish) -> tuple[Arra
 
 
 def fit(problem: Problem, q: Array, steps: int = POLICY.steps) -> tuple[Array, Array]:
-    """Levenberg's and Marquardt's method from many starts at once.
-
-    Args:
-        problem: The goal.
-        q: (starts, n) where to begin; given joints keep their values.
-        steps: Most steps of a start.
-
-    Returns:
-        (starts, n) where each start ended, and the residuals there (starts,).
-    """
+    """Levenberg's and Marquardt's method from many starts at once."""
     q = q.copy()
     error, slope = problem.errors(q)
     cost = (error**2).sum(axis=-1)
@@ -203,19 +163,7 @@ def solve(
     The search ends when solutions known have been met again so often that another one would have been seen.
 
     Args:
-        chain: The arm.
-        pose: (4, 4) the goal.
-        entries: The entries of the pose that are wanted.
-        given: Values of joints that are not solved for, by index from 0.
         near: (n,) what free joints take at singular poses; zero unless given.
-        limits: Whether solutions must keep to the joint limits; angles are then turned fully where that helps.
-        policy: Thresholds.
-
-    Returns:
-        The solutions, those nearest to ``near`` first; none where the pose is out of reach.
-
-    Raises:
-        ValueError: The pose has another shape or is not finite, or a given joint does not exist.
     """
     goal, given = np.asarray(pose, dtype=float), dict(given or {})
     if goal.shape != (4, 4) or not np.isfinite(goal).all():
@@ -337,10 +285,6 @@ class _Found:
         """Whether where a start ended leads to a solution that is new; known ones are not added.
 
         Double roots are known less exactly than others, and self-motions that do not reach ``near`` still less.
-
-        Args:
-            q: Where it ended.
-            near: What free joints take.
         """
         _, slope = self.problem.errors(q)
         values = np.linalg.svd(slope, compute_uv=False)
@@ -363,12 +307,7 @@ class _Found:
         return True
 
     def ordered(self, near: Array, limits: bool) -> NumericSolutions:
-        """The solutions, nearest first, angles folded.
-
-        Args:
-            near: The configuration to be near to.
-            limits: Whether they must keep to the joint limits.
-        """
+        """The solutions, nearest first, angles folded."""
         chain, problem = self.problem.chain, self.problem
         q = np.array(self.q).reshape(-1, chain.n)
         folded = math.pi - (math.pi - q) % (2 * math.pi)

@@ -28,12 +28,9 @@ from derive.robot.robot import Robot
 
 Vector = npt.NDArray[np.float64]
 
-SMALL = 1e-9
-"""Sines and lengths (in parts of the reach) below it are zero."""
-
-
+SMALL = 1e-9  # sines and lengths (in parts of the reach) below it are zero
+# Part of the poses at which a word has to hold: the elbow of an arm that reaches behind its shoulder hangs down.
 MOSTLY = 2 / 3
-"""Part of the poses at which a word has to hold: the elbow of an arm that reaches behind its shoulder hangs down."""
 
 
 class Word(StrEnum):
@@ -51,29 +48,16 @@ class Word(StrEnum):
 
 @dataclass(frozen=True)
 class Placed:
-    """An arm at one configuration.
+    """An arm at one configuration."""
 
-    Attributes:
-        points: A point of each joint's axis, (n, 3).
-        axes: Its direction, (n, 3).
-        end: The end effector.
-        q: The joint variables.
-    """
-
-    points: Vector
-    axes: Vector
-    end: Vector
-    q: Vector
+    points: Vector  # a point of each joint's axis, (n, 3)
+    axes: Vector  # its direction, (n, 3)
+    end: Vector  # the end effector
+    q: Vector  # the joint variables
 
 
 def placed(chain: Chain[Any], q: Sequence[Any], samples: int) -> list[Placed]:
-    """An arm at several configurations.
-
-    Args:
-        chain: The arm, its numbers arrays with one entry per configuration.
-        q: The joint variables, likewise.
-        samples: Number of configurations.
-    """
+    """An arm at several configurations."""
     poses = joint_poses(chain)
     points = [[np.broadcast_to(x, samples) for x in pose.position] for pose in poses]
     axes = [[np.broadcast_to(row[2], samples) for row in pose.rotation] for pose in poses]
@@ -88,8 +72,6 @@ class Shape:
     """Which parts an arm has.
 
     Args:
-        robot: The robot.
-        example: The arm at a generic configuration.
         up: The direction against gravity; None where the file does not say.
 
     Attributes:
@@ -118,11 +100,7 @@ class Shape:
         self._up = np.array([0.0, 0.0, 1.0]) if up is None else up
 
     def words(self, arm: Placed) -> tuple[str | None, ...]:
-        """What is said of shoulder, elbow, slides and wrist; None where nothing can be said.
-
-        Args:
-            arm: The arm in one of its solutions.
-        """
+        """What is said of shoulder, elbow, slides and wrist; None where nothing can be said."""
         slides = [
             f"{joint.variable} {'>' if value > 0 else '<'} 0"
             for joint, value in zip(self._robot.joints, arm.q, strict=True)
@@ -131,11 +109,7 @@ class Shape:
         return (self._shoulder_word(arm), self._elbow_word(arm), *slides, self._wrist_word(arm))
 
     def signs(self, arm: Placed) -> tuple[str | None, ...]:
-        """On which side of zero each joint angle is, for branches that words do not tell apart.
-
-        Args:
-            arm: The arm in one of its solutions.
-        """
+        """On which side of zero each joint angle is, for branches that words do not tell apart."""
         return tuple(
             f"{joint.variable} {'>' if np.sin(value) > 0 else '<'} 0" if joint.is_revolute else None
             for joint, value in zip(self._robot.joints, arm.q, strict=True)
@@ -186,16 +160,7 @@ class Shape:
 
 
 def branch_names(shape: Shape, seen: Sequence[Sequence[Placed]], otherwise: Sequence[str]) -> list[str]:
-    """A name for each branch.
-
-    Args:
-        shape: The parts of the arm.
-        seen: For each branch the arm at several poses.
-        otherwise: Names of the branches by their signs.
-
-    Returns:
-        The words that hold and tell branches apart; signs of joint angles, or of roots, where they do not suffice.
-    """
+    """A name for each branch."""
     names = [""] * len(seen)
     for words in (shape.words, shape.signs):
         for part in zip(*(zip(*map(words, arms), strict=True) for arms in seen), strict=True):
@@ -220,12 +185,7 @@ def _either(value: float, positive: Word, negative: Word) -> Word | None:
 
 
 def parallel(a: Vector, b: Vector) -> bool:
-    """Whether two directions are the same or opposite.
-
-    Args:
-        a: A unit vector.
-        b: Another.
-    """
+    """Whether two directions are the same or opposite."""
     return bool(np.linalg.norm(_cross(a, b)) < SMALL)
 
 
@@ -240,14 +200,7 @@ def _meet(arm: Placed) -> bool:
 
 
 def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
-    """The point of one line that is nearest to another.
-
-    Args:
-        p: A point of the line.
-        a: Its direction.
-        q: A point of the other.
-        b: Its direction.
-    """
+    """The point of one line that is nearest to another."""
     normal = _cross(a, b)
     square = float(normal @ normal)
     if square < SMALL:

@@ -28,19 +28,12 @@ from derive.robot.names import joint_label, robot_symbols
 from derive.robot.options.style import Contraction, Style
 from derive.robot.robot import Robot
 
+# Entries of the upper three rows of a pose.
 PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
-"""Entries of the upper three rows of a pose."""
 
 
 def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
-    """What the entries of the pose are called: ``r11``, ..., ``px``, ``py``, ``pz``.
-
-    Args:
-        robot: Its own names are avoided: an arm that has an ``r11`` has ``R11``, ... instead.
-
-    Returns:
-        Row and column, from 1, and the name.
-    """
+    """What the entries of the pose are called: ``r11``, ..., ``px``, ``py``, ``pz``."""
     taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
     for rotation, position in (("r", "p"), ("R", "P"), ("R_", "P_"), ("rot_", "pos_")):
         found = {(i, j): f"{position}{'xyz'[i - 1]}" if j == 4 else f"{rotation}{i}{j}" for i, j in PLACES}
@@ -51,55 +44,32 @@ def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
 
 @dataclass(frozen=True)
 class PrintedEquation:
-    """The equation that a step solves.
+    """The equation that a step solves."""
 
-    Attributes:
-        left: What holds the unknown.
-        right: What is known.
-        origins: Where it comes from: two places where an unknown was eliminated from two equations.
-    """
-
-    left: Expr
-    right: Expr
-    origins: tuple[Origin, ...]
+    left: Expr  # what holds the unknown
+    right: Expr  # what is known
+    origins: tuple[Origin, ...]  # where it comes from: two places where an unknown was eliminated from two equations
 
 
 @dataclass(frozen=True)
 class Step:
-    """How one unknown is found.
+    """How one unknown is found."""
 
-    Attributes:
-        unknown: A joint variable, or a sum of them.
-        kind: The elementary type.
-        equations: What is solved.
-        lines: The formulas, the unknown last; none where there is no formula.
-        branches: How many values it has for given ones before.
-        exists: When it has any; SymPy's true where always.
-        fails: What vanishes where these equations do not determine it; empty where they always do.
-        instead: Other equations of equal meaning for those poses; none where it is free there.
-        free: What vanishes where no equation determines it; empty where that never happens.
-        joints: The joints of the unknown, from 0.
-    """
-
-    unknown: Expr
-    kind: Kind
-    equations: tuple[PrintedEquation, ...]
-    lines: tuple[Line, ...]
-    branches: int
-    exists: Expr
-    fails: tuple[Expr, ...]
+    unknown: Expr  # a joint variable, or a sum of them
+    kind: Kind  # the elementary type
+    equations: tuple[PrintedEquation, ...]  # what is solved
+    lines: tuple[Line, ...]  # the formulas, the unknown last; none where there is no formula
+    branches: int  # how many values it has for given ones before
+    exists: Expr  # when it has any; SymPy's true where always
+    fails: tuple[Expr, ...]  # what vanishes where these equations do not determine it; empty where they always do
+    # Other equations of equal meaning for those poses; none where it is free there.
     instead: tuple[tuple[PrintedEquation, ...], ...]
-    free: tuple[Expr, ...]
-    joints: tuple[int, ...]
+    free: tuple[Expr, ...]  # what vanishes where no equation determines it; empty where that never happens
+    joints: tuple[int, ...]  # the joints of the unknown, from 0
 
 
 class Derivation:
     """The lines of one graph, step by step.
-
-    Args:
-        graph: The graph.
-        robot: The arm as its file has it.
-        style: How sums are grouped.
 
     Attributes:
         pose: The symbols of the entries of the pose, by row and column.
@@ -139,11 +109,7 @@ class Derivation:
         return self._form.kinematic(p)
 
     def written(self, p: Polynomial) -> Expr:
-        """A polynomial of the graph as it is printed.
-
-        Args:
-            p: The polynomial.
-        """
+        """A polynomial of the graph as it is printed."""
         return self._write(self._composed(p))
 
     # -- polynomials of the graph as polynomials of print

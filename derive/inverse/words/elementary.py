@@ -17,11 +17,8 @@ import sympy
 from derive.algebra.ring import Polynomial
 from derive.lecture.sympy_conversion import Expr
 
-LONGEST_ARGUMENTS = 12
-"""Operations of both arguments of an atan2 together; longer ones stand on lines of their own."""
-
-LONGEST_INLINE = 3
-"""Operations of a quantity that is written where it is used; a longer one gets a name."""
+LONGEST_ARGUMENTS = 12  # operations of both arguments of an atan2 together; longer ones stand on lines of their own
+LONGEST_INLINE = 3  # operations of a quantity that is written where it is used; a longer one gets a name
 
 
 class Sign(sympy.Symbol):  # type: ignore[misc]
@@ -32,15 +29,10 @@ class Sign(sympy.Symbol):  # type: ignore[misc]
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a solution: ``symbol = value``.
+    """One line of a solution: ``symbol = value``."""
 
-    Attributes:
-        symbol: A named quantity, a joint variable, a sum of them, or the sine or cosine of one.
-        value: In the pose, the parameters, what the lines before it give, and signs.
-    """
-
-    symbol: Expr
-    value: Expr
+    symbol: Expr  # a named quantity, a joint variable, a sum of them, or the sine or cosine of one
+    value: Expr  # in the pose, the parameters, what the lines before it give, and signs
 
     @property
     def signs(self) -> tuple[Sign, ...]:
@@ -58,47 +50,28 @@ class Line:
 
 @dataclass(frozen=True)
 class Solved:
-    """What an equation gives.
+    """What an equation gives."""
 
-    Attributes:
-        value: The unknown.
-        exists: The condition that it exists (SymPy's true where it always does).
-    """
-
-    value: Expr
-    exists: Expr = sympy.true
+    value: Expr  # the unknown
+    exists: Expr = sympy.true  # the condition that it exists (SymPy's true where it always does)
 
 
 Write = Callable[[Polynomial], Expr]
-Linear = tuple[Polynomial, Polynomial, Polynomial]
-"""(A, B, C) of A cos + B sin = C."""
+Linear = tuple[Polynomial, Polynomial, Polynomial]  # (A, B, C) of A cos + B sin = C
 
 
 @dataclass
 class Scribe:
-    """Writes the lines of one arm's solution, in order.
+    """Writes the lines of one arm's solution, in order."""
 
-    Attributes:
-        write: Writes a polynomial.
-        taken: Names that are in use: those of the robot, of the pose, and what has been named.
-        moves: Whether a polynomial holds more than parameters.
-        lines: The lines so far.
-        sums: Names of the sums of angles that have been found.
-    """
-
-    write: Write
-    taken: set[str]
-    moves: Callable[[Polynomial], bool]
-    lines: list[Line] = field(default_factory=list)
-    sums: dict[Expr, Expr] = field(default_factory=dict)
+    write: Write  # writes a polynomial
+    taken: set[str]  # names that are in use: those of the robot, of the pose, and what has been named
+    moves: Callable[[Polynomial], bool]  # whether a polynomial holds more than parameters
+    lines: list[Line] = field(default_factory=list)  # the lines so far
+    sums: dict[Expr, Expr] = field(default_factory=dict)  # names of the sums of angles that have been found
 
     def name(self, letters: Iterable[str], label: str = "") -> str:
-        """A name that nothing has yet: the first free letter, else one with a label, else with a number.
-
-        Args:
-            letters: In the order of preference.
-            label: That of the joint that is solved for.
-        """
+        """A name that nothing has yet: the first free letter, else one with a label, else with a number."""
         letters = tuple(letters)
         numbered = (f"{letters[0]}_{k}" for k in range(1, len(self.taken) + 2))
         candidates = (*letters, *(f"{letter}_{label}" for letter in letters if label), *numbered)
@@ -107,22 +80,11 @@ class Scribe:
         return found
 
     def sign(self, label: str) -> Sign:
-        """A new choice of sign.
-
-        Args:
-            label: That of the joint that is solved for.
-        """
+        """A new choice of sign."""
         return Sign(self.name((f"epsilon_{label}",)))
 
     def named(self, value: Expr, letters: Iterable[str], label: str, longest: int = LONGEST_INLINE) -> Expr:
-        """A symbol for a value, or the value itself where it is short.
-
-        Args:
-            value: The value.
-            letters: What it may be called, in the order of preference.
-            label: That of the joint that is solved for.
-            longest: Operations of a short one.
-        """
+        """A symbol for a value, or the value itself where it is short."""
         if operations(value) <= longest:
             return value
         symbol = sympy.Symbol(self.name(letters, label))
@@ -130,12 +92,7 @@ class Scribe:
         return symbol
 
     def ratio(self, above: Polynomial, below: Polynomial) -> Expr:
-        """A quotient without common factors, ``(x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2)``.
-
-        Args:
-            above: The dividend.
-            below: The divisor, not zero.
-        """
+        """A quotient without common factors, ``(x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2)``."""
         above, below = reduced(above, below)
         if below == 1:
             return self.write(above)
@@ -144,11 +101,7 @@ class Scribe:
         return sympy.Mul(1 / self.write(below), self.write(above), evaluate=not below.is_constant)
 
     def simplest(self, polynomials: Linear) -> Linear:
-        """An equation divided by its common factor, with as few minus signs as may be.
-
-        Args:
-            polynomials: Coefficients, not all zero.
-        """
+        """An equation divided by its common factor, with as few minus signs as may be."""
         ring = polynomials[0].ring
         kept = [p for p in polynomials if p]
         common = kept[0].raw
@@ -165,13 +118,6 @@ class Scribe:
 
         With a sine or cosine alone it is known and the other is a root. Else the equation says that the angle differs
         by a known one from that of the vector (-B, A) (Craig, Introduction to Robotics, section 4.7).
-
-        Args:
-            label: That of the joint that is solved for.
-            equation: A, B and C.
-
-        Returns:
-            The angle, and the condition that it exists.
         """
         a, minus_b, c = self.simplest((equation[0], -equation[1], equation[2]))
         sign = self.sign(label)
@@ -211,15 +157,6 @@ class Scribe:
 
         Where the second equation is the first turned by a right angle, two atan2 are subtracted; a divisor that is
         positive is left out.
-
-        Args:
-            unknown: The angle.
-            label: That of the joint that is solved for.
-            first: A, B and C.
-            second: Likewise.
-
-        Returns:
-            The angle.
         """
         (a, b, c), (d, e, g) = self.simplest(first), self.simplest(second)
         if not b and not d:
@@ -272,15 +209,7 @@ class Scribe:
         return _atan2(*values)
 
     def length(self, label: str, coefficients: tuple[Polynomial, Polynomial, Polynomial]) -> Solved:
-        """A r^2 + B r + C = 0: two lengths, or one where A is zero (types 1 and 4).
-
-        Args:
-            label: That of the joint that is solved for.
-            coefficients: A, B and C.
-
-        Returns:
-            The length, and the condition that it exists.
-        """
+        """A r^2 + B r + C = 0: two lengths, or one where A is zero (types 1 and 4)."""
         a, b, c = self.simplest(coefficients)
         if not a:
             return Solved(self.ratio(-c, b))
@@ -295,12 +224,7 @@ class Scribe:
 
 
 def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Dividend and divisor without common factors; the dividend begins with 1, or the divisor is 1.
-
-    Args:
-        above: The dividend.
-        below: The divisor, not zero.
-    """
+    """Dividend and divisor without common factors; the dividend begins with 1, or the divisor is 1."""
     ring = above.ring
     if not above:
         return above, ring.one
@@ -314,11 +238,7 @@ def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomia
 
 
 def usual(terms: Iterable[tuple[tuple[int, ...], Fraction]]) -> Fraction:
-    """The absolute value that most coefficients have: of squares, where there are any.
-
-    Args:
-        terms: Exponents and coefficients, at least one.
-    """
+    """The absolute value that most coefficients have: of squares, where there are any."""
     sizes = [(sorted(exponents)[-2:] == [0, 2], abs(coefficient)) for exponents, coefficient in terms]
     squares = [size for is_square, size in sizes if is_square]
     among = squares or [size for _, size in sizes]
@@ -326,39 +246,23 @@ def usual(terms: Iterable[tuple[tuple[int, ...], Fraction]]) -> Fraction:
 
 
 def content(p: Polynomial) -> Fraction:
-    """The positive rational that leaves whole coefficients without a common divisor.
-
-    Args:
-        p: A polynomial that is not zero.
-    """
+    """The positive rational that leaves whole coefficients without a common divisor."""
     coefficients = [c for _, c in p.terms()]
     return Fraction(gcd(*(c.numerator for c in coefficients)), lcm(*(c.denominator for c in coefficients)))
 
 
 def operations(e: Expr) -> int:
-    """How many operations an expression has; sines and cosines, which are known by then, are none.
-
-    Args:
-        e: An expression.
-    """
+    """How many operations an expression has; sines and cosines, which are known by then, are none."""
     return int(e.count_ops()) - len(e.atoms(sympy.sin, sympy.cos))
 
 
 def minus_signs(e: Expr) -> int:
-    """How many terms of a sum have a minus sign.
-
-    Args:
-        e: An expression.
-    """
+    """How many terms of a sum have a minus sign."""
     return sum(bool(term.as_coeff_Mul()[0] < 0) for term in (e.args if e.is_Add else (e,)))
 
 
 def is_negative(e: Expr) -> bool:
-    """Whether more terms have a minus sign than not.
-
-    Args:
-        e: An expression.
-    """
+    """Whether more terms have a minus sign than not."""
     return bool(2 * minus_signs(e) > (len(e.args) if e.is_Add else 1))
 
 

@@ -21,53 +21,30 @@ from derive.robot.robot import Robot
 class Form(StrEnum):
     """What is made of the entries."""
 
-    ENTRY = "entry"
-    """One entry of the product."""
-    SQUARES = "squares"
-    """Several entries, squared and added."""
-    COMPONENT = "component"
-    """A component of the vector between two axes, in the frame of one of them."""
-    DISTANCE = "distance"
-    """The squared distance between points of two axes."""
-    DIRECTIONS = "directions"
-    """The rotation between two axes."""
-    MOMENT = "moment"
-    """Of p x R, or p.p R - 2 p (R^T p)^T: Raghavan and Roth, J. Mech. Des. 115(3), 1993."""
+    ENTRY = "entry"  # one entry of the product
+    SQUARES = "squares"  # several entries, squared and added
+    COMPONENT = "component"  # a component of the vector between two axes, in the frame of one of them
+    DISTANCE = "distance"  # the squared distance between points of two axes
+    DIRECTIONS = "directions"  # the rotation between two axes
+    MOMENT = "moment"  # of p x R, or p.p R - 2 p (R^T p)^T: Raghavan and Roth, J. Mech. Des. 115(3), 1993
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Where an equation comes from.
+    """Where an equation comes from."""
 
-    Attributes:
-        form: What is made of the entries.
-        first: First matrix of the product A_first ... A_last, or the first of two axes, from 1.
-        last: The last one; one less than the first where nothing is left of it.
-        entries: Rows and columns, from 1; of a component its number alone.
-        inverse: Whether they are those of the inverse of the product; whether a component is in the frame of the last
-            axis.
-        has_base: Whether the product begins with the base.
-        has_tool: Whether it ends with the tool.
-    """
-
-    form: Form
-    first: int
-    last: int
-    entries: tuple[tuple[int, ...], ...]
+    form: Form  # what is made of the entries
+    first: int  # first matrix of the product A_first ... A_last, or the first of two axes, from 1
+    last: int  # the last one; one less than the first where nothing is left of it
+    entries: tuple[tuple[int, ...], ...]  # rows and columns, from 1; of a component its number alone
+    # Whether they are those of the inverse of the product; whether a component is in the frame of the last axis.
     inverse: bool = False
-    has_base: bool = False
-    has_tool: bool = False
+    has_base: bool = False  # whether the product begins with the base
+    has_tool: bool = False  # whether it ends with the tool
 
 
 def origin(robot: Robot, source: Source, *, to_end: bool, from_base: bool = False) -> Origin:
-    """The origin of an equation.
-
-    Args:
-        robot: The robot.
-        source: The cut, and the entry or invariant.
-        to_end: Whether the last cut is at the end effector, as for tasks without orientation.
-        from_base: Whether the first one is in the world, as for tasks that tell some rows of a turned base.
-    """
+    """The origin of an equation."""
     name, places = source.entry, tuple(map(int, re.findall(r"\d", source.entry)))
     in_world = from_base and source.first == 1
     match name[0]:

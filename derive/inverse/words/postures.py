@@ -28,29 +28,20 @@ from derive.robot.evaluate import Values, parameter_values, to_float
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
-LOOKED_AT = 60
-"""Random poses at which the arm is looked at."""
-
-_KEPT = 32
-"""Graphs whose branches are kept for those who ask again."""
+LOOKED_AT = 60  # random poses at which the arm is looked at
+_KEPT = 32  # graphs whose branches are kept for those who ask again
 
 
 @dataclass(frozen=True, eq=False)
 class Postures:
-    """The branches of a graph at some poses.
+    """The branches of a graph at some poses."""
 
-    Attributes:
-        names: What each is called; ``#3`` where words do not tell the third one from others, empty where it is the only
-            one or exists at none of the poses.
-        parameters: Numbers of the parameters: those of the file, random ones for the others.
-        q: (n, poses) the configurations that the poses are made of.
-        branches: (n, poses) for each branch, not a number where it does not exist.
-    """
-
+    # What each is called; ``#3`` where words do not tell the third one from others, empty where it is the only one or
+    # exists at none of the poses.
     names: tuple[str, ...]
-    parameters: Values
-    q: Vector
-    branches: tuple[Vector, ...]
+    parameters: Values  # numbers of the parameters: those of the file, random ones for the others
+    q: Vector  # (n, poses) the configurations that the poses are made of
+    branches: tuple[Vector, ...]  # (n, poses) for each branch, not a number where it does not exist
 
     def places(self, printed: Sequence[Vector]) -> list[int]:
         """To which branch each of as many solutions leads, most often; each to another one.
@@ -77,15 +68,7 @@ class Postures:
 
 @lru_cache(_KEPT)
 def postures(robot: Robot, graph: SolutionGraph) -> Postures:
-    """The branches of an arm.
-
-    Args:
-        robot: The arm as its file has it.
-        graph: Its graph, which has a closed form without an eigenvalue problem.
-
-    Returns:
-        One for each leaf, in order.
-    """
+    """The branches of an arm."""
     rng = np.random.default_rng(12)
     numbers, known = random.Random(12), parameter_values(robot)
     for name in robot_symbols(robot):

@@ -33,30 +33,21 @@ from derive.robot.options.inverse import POSE, InverseOptions, Task
 from derive.robot.options.style import Style
 from derive.robot.robot import Robot
 
+# Arms of up to so many joints are asked for a position, and not for a pose that they reach in one orientation only.
 LARGEST_FREE = 3
-"""Arms of up to so many joints are asked for a position, and not for a pose that they reach in one orientation only."""
-
+# Positions in space, then in a plane.
 _POSITIONS: tuple[Task, ...] = (("x", "y", "z"), ("x", "y"), ("x", "z"), ("y", "z"))
-"""Positions in space, then in a plane."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """Between which values a quantity of the pose has to be, for one unknown to be real.
+    """Between which values a quantity of the pose has to be, for one unknown to be real."""
 
-    Attributes:
-        unknown: The joint variable, or sum of them, that is real there.
-        quantity: The quantity, a polynomial of the pose.
-        least: Its least value; None where there is none.
-        most: Its largest value; None where there is none.
-        radii: Square roots of both, where the quantity is a sum of squares.
-    """
-
-    unknown: Expr
-    quantity: Expr
-    least: Expr | None
-    most: Expr | None
-    radii: tuple[Expr | None, Expr | None] | None
+    unknown: Expr  # the joint variable, or sum of them, that is real there
+    quantity: Expr  # the quantity, a polynomial of the pose
+    least: Expr | None  # its least value; None where there is none
+    most: Expr | None  # its largest value; None where there is none
+    radii: tuple[Expr | None, Expr | None] | None  # square roots of both, where the quantity is a sum of squares
 
     @property
     def has_symbols(self) -> bool:
@@ -71,21 +62,15 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """The workspace of an arm without joint limits, as far as formulas say it.
+    """The workspace of an arm without joint limits, as far as formulas say it."""
 
-    Attributes:
-        inverse: The inverse kinematics that it is read off: of the position, for arms of few joints.
-        bounds: What has to hold, all of it.
-        names: Lines that say what the bounds are about: ``wx = px - d6*r13``, and distances with their signs.
-        others: Unknowns that are real under conditions that depend on the orientation, or on other joints.
-        is_flat: Whether the end effector stays in a plane.
-    """
-
-    inverse: InverseKinematics
-    bounds: tuple[Bound, ...]
+    inverse: InverseKinematics  # the inverse kinematics that it is read off: of the position, for arms of few joints
+    bounds: tuple[Bound, ...]  # what has to hold, all of it
+    # Lines that say what the bounds are about: ``wx = px - d6*r13``, and distances with their signs.
     names: tuple[Line, ...]
+    # Unknowns that are real under conditions that depend on the orientation, or on other joints.
     others: tuple[Expr, ...]
-    is_flat: bool
+    is_flat: bool  # whether the end effector stays in a plane
 
     @property
     def is_whole(self) -> bool:
@@ -93,11 +78,7 @@ class Reach:
         return self.inverse.is_explicit and not self.others
 
     def numbers(self, bound: Bound) -> tuple[Expr | None, Expr | None] | None:
-        """Both ends of a bound in numbers (of radii, where it has any); None where the file has none of a parameter.
-
-        Args:
-            bound: The bound.
-        """
+        """Both ends of a bound in numbers (of radii, where it has any); None where the file has none of a parameter."""
         ends = bound.radii or (bound.least, bound.most)
         known = {sympy.Symbol(name) for name, _ in self.inverse.robot.parameters}
         if any(end is not None and not end.free_symbols <= known for end in ends):
@@ -112,10 +93,6 @@ class Reach:
 
     def margins(self, poses: Array, values: Mapping[str, float]) -> list[tuple[Array, ...]]:
         """How far poses are within each bound: positive inside, zero on the boundary; squares of lengths.
-
-        Args:
-            poses: (k, 4, 4).
-            values: Numbers of the parameters.
 
         Returns:
             For each choice of the signs of distances the margins of all bounds, (k,) each.
@@ -141,13 +118,7 @@ class Reach:
 
 
 def find_reach(robot: Robot, style: Style, own: InverseKinematics) -> Reach:
-    """What an arm reaches.
-
-    Args:
-        robot: The robot.
-        style: How sums are grouped.
-        own: Its inverse kinematics for the task of its file.
-    """
+    """What an arm reaches."""
     found = own
     if robot.n <= LARGEST_FREE and robot.inverse.task == POSE:
         task = next((task for task in _POSITIONS if len(task) == robot.n == _rank(robot, task)), None)
@@ -163,11 +134,7 @@ def _rank(robot: Robot, task: Task) -> int:
 
 
 class _Reading:
-    """Reads the bounds off the equations of an inverse kinematics.
-
-    Args:
-        found: The inverse kinematics.
-    """
+    """Reads the bounds off the equations of an inverse kinematics."""
 
     def __init__(self, found: InverseKinematics) -> None:
         self._found = found

@@ -35,31 +35,19 @@ from derive.robot.options.inverse import Task
 from derive.robot.options.style import Style
 from derive.robot.robot import Robot
 
-POSES = 3
-"""Random reachable poses at which the solutions are put into T."""
-
-_KEPT = 32
-"""Arms that are kept for those who ask for them again: sheets in three languages say the same of one."""
-
-CLOSE = mpmath.mpf(10) ** -25
-"""Below it two numbers of fifty digits are equal: a double root costs half of the digits."""
+POSES = 3  # random reachable poses at which the solutions are put into T
+_KEPT = 32  # arms that are kept for those who ask for them again: sheets in three languages say the same of one
+CLOSE = mpmath.mpf(10) ** -25  # below it two numbers of fifty digits are equal: a double root costs half of the digits
 
 
 @dataclass(frozen=True)
 class Solution:
-    """One branch.
+    """One branch."""
 
-    Attributes:
-        name: ``shoulder right, elbow up``; ``#3`` where words do not tell the third one from others.
-        signs: The choices that lead to it.
-        lines: The formulas with these choices, in order.
-        joints: The joint variables, in what the lines name.
-    """
-
-    name: str
-    signs: Mapping[Sign, int]
-    lines: tuple[Line, ...]
-    joints: Mapping[Expr, Expr]
+    name: str  # ``shoulder right, elbow up``; ``#3`` where words do not tell the third one from others
+    signs: Mapping[Sign, int]  # the choices that lead to it
+    lines: tuple[Line, ...]  # the formulas with these choices, in order
+    joints: Mapping[Expr, Expr]  # the joint variables, in what the lines name
 
     @cached_property
     def explicit(self) -> dict[Expr, Expr]:
@@ -74,9 +62,6 @@ class Solution:
 
     def numbers(self, values: Mapping[Expr, Any]) -> Numbers | None:
         """The joint variables in numbers, with the working precision of mpmath.
-
-        Args:
-            values: Numbers of the pose, of the parameters, and of joints that are given.
 
         Returns:
             Numbers of all lines; None where the branch does not exist.
@@ -93,34 +78,21 @@ class Solution:
 
 @dataclass(frozen=True)
 class Degenerate:
-    """Where an unknown is not determined: it is free then, and what follows only depends on the sum with it.
+    """Where an unknown is not determined: it is free then, and what follows only depends on the sum with it."""
 
-    Attributes:
-        unknown: The joint variable, or a sum of them.
-        conditions: Expressions that vanish together there.
-    """
-
-    unknown: Expr
-    conditions: tuple[Expr, ...]
+    unknown: Expr  # the joint variable, or a sum of them
+    conditions: tuple[Expr, ...]  # expressions that vanish together there
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What putting the solutions into T showed.
+    """What putting the solutions into T showed."""
 
-    Attributes:
-        poses: Random reachable poses that were tried, with fifty digits.
-        branches: Real branches at them that reproduced T.
-        spurious: Real branches that did not: the task asks for them to be dropped.
-        found: Whether the configuration that each pose was made of is among the solutions.
-        worst: The largest difference of an entry.
-    """
-
-    poses: int
-    branches: int
-    spurious: int
-    found: bool
-    worst: float
+    poses: int  # random reachable poses that were tried, with fifty digits
+    branches: int  # real branches at them that reproduced T
+    spurious: int  # real branches that did not: the task asks for them to be dropped
+    found: bool  # whether the configuration that each pose was made of is among the solutions
+    worst: float  # the largest difference of an entry
 
 
 class InverseKinematics:
@@ -156,11 +128,7 @@ class InverseKinematics:
         return self.robot.n, len(self.solutions)
 
     def __getitem__(self, place: tuple[int, int]) -> Expr:
-        """A joint variable of a solution, in pose and parameters alone.
-
-        Args:
-            place: Index of the joint and of the solution, from 0.
-        """
+        """A joint variable of a solution, in pose and parameters alone."""
         joint, solution = place
         return self.solutions[solution].explicit[sympy.Symbol(self.robot.joints[joint].variable)]
 
@@ -416,13 +384,6 @@ def _from_known(angle: Expr, known: Mapping[Expr, Expr]) -> Expr | None:
 def inverse_kinematics(
     robot: Robot, style: Style, task: Task | None = None, given: tuple[int, ...] | None = None
 ) -> InverseKinematics:
-    """How the joint variables of an arm follow from its pose, derived once for all who ask.
-
-    Args:
-        robot: The robot.
-        style: How sums are grouped.
-        task: The rows of the task; default as the file says.
-        given: Indices of the joints that are arguments; default as the file says.
-    """
+    """How the joint variables of an arm follow from its pose, derived once for all who ask."""
     asked = () if task is None and given is None else (task, given)
     return InverseKinematics(solve(robot, task, given), robot, style, asked)

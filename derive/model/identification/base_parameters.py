@@ -39,11 +39,9 @@ from derive.robot.inertial_parameters import JOINT_PARTS, LINK_PARTS, Parameter,
 from derive.robot.names import number_of
 from derive.robot.robot import Robot
 
-MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})
-"""Generators that joint variables enter."""
-
+MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})  # generators that joint variables enter
+# By entry of B or g and monomial in the joint variables, the coefficient: a polynomial in the geometry.
 RegressorColumn = Mapping[Hashable, Polynomial]
-"""By entry of B or g and monomial in the joint variables, the coefficient: a polynomial in the geometry."""
 
 
 class Unproven(DeriveError):
@@ -59,12 +57,7 @@ class Coefficient:
 
 
 class ColumnSolver:
-    """Solves for columns of B and g in other columns.
-
-    Args:
-        domain: The ring; its robot has unit rotors.
-        residues: Its image at points, for choosing equations.
-    """
+    """Solves for columns of B and g in other columns."""
 
     def __init__(self, domain: PolynomialDomain, residues: ResidueDomain) -> None:
         self.domain = domain
@@ -73,19 +66,7 @@ class ColumnSolver:
         self._moving = [i for i, g in enumerate(domain.generators) if g.kind in MOVING]
 
     def solve(self, wanted: Parameter, basis: Sequence[Parameter]) -> list[Coefficient]:
-        """The coefficients of independent columns in a column that depends on them, by Cramer's rule.
-
-        Args:
-            wanted: Whose column depends on the others.
-            basis: Whose columns are independent.
-
-        Returns:
-            One coefficient for each parameter of the basis, proven as identities of polynomials.
-
-        Raises:
-            Unproven: There are none.
-            TooManyTerms: A product is beyond the budget of the ring.
-        """
+        """The coefficients of independent columns in a column that depends on them, by Cramer's rule."""
         right, columns = self._column(wanted), [self._column(parameter) for parameter in basis]
         keys = sorted({*right, *(key for column in columns for key in column)}, key=repr)
         zero = self.domain.ring.zero
@@ -153,23 +134,17 @@ def _reduced(top: Polynomial, bottom: Polynomial) -> Coefficient:
 REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
 PRISMATIC_PARTS = ("m", "mx", "my", "mz")
 
+# Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent.
 MAX_TERMS = 20_000
-"""Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent."""
-
-_FEWEST_SAMPLES = 6
-"""Configurations at first; more where something seems dependent that is not."""
+_FEWEST_SAMPLES = 6  # configurations at first; more where something seems dependent that is not
 
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A column that others replace: column(parameter) = sum of coefficient * column(base parameter).
+    """A column that others replace: column(parameter) = sum of coefficient * column(base parameter)."""
 
-    Attributes:
-        parameter: What is grouped with others, or has no effect.
-        terms: The base parameters that take it over, with their coefficients; empty where it has no effect.
-    """
-
-    parameter: Parameter
+    parameter: Parameter  # what is grouped with others, or has no effect
+    # The base parameters that take it over, with their coefficients; empty where it has no effect.
     terms: tuple[tuple[Parameter, Coefficient], ...]
 
 
@@ -179,31 +154,17 @@ class BaseSet:
 
     The links' parameters are those in joint frames, see `derive.mechanics.chain`: on the axis of joint i, which in the
     modified convention is DH frame i.
-
-    Attributes:
-        parameters: The kept ones, joint by joint.
-        relations: Candidates that the kept ones replace.
-        domain: The ring of the coefficients in ``relations``.
-        proven: Whether there are certainly no fewer; else some are kept that others replace, in a formula too long.
     """
 
-    parameters: tuple[Parameter, ...]
-    relations: tuple[Relation, ...]
-    domain: PolynomialDomain | None
-    proven: bool
+    parameters: tuple[Parameter, ...]  # the kept ones, joint by joint
+    relations: tuple[Relation, ...]  # candidates that the kept ones replace
+    domain: PolynomialDomain | None  # the ring of the coefficients in ``relations``
+    proven: bool  # whether there are certainly no fewer; else some are kept that others replace, in a formula too long
 
 
 @lru_cache(maxsize=64)
 def base_set(robot: Robot) -> BaseSet:
-    """The base parameters of a robot with links.
-
-    Args:
-        robot: The robot.
-
-    Returns:
-        The set; friction, rotors and armatures among it where the file gives them. Its relations are in the robot's
-        symbols where these tell the same parameters apart as their numbers do.
-    """
+    """The base parameters of a robot with links."""
     numbers = {name: value for name, value in number_of(robot).items() if name not in robot.runtime}
     found = _base_set(robot, numbers)
     if not numbers or not any(relation.terms for relation in found.relations):
@@ -283,9 +244,6 @@ def absorbed_rotors(robot: Robot) -> tuple[int, ...]:
 
     The square of its speed, (w.u + k qd)^2, is (1 - k) (w.u)^2 + k (w.u + qd)^2 + (k^2 - k) qd^2: links i-1 and i and
     the armature take it over.
-
-    Args:
-        robot: A robot with links.
     """
     pairs = enumerate(zip(robot.joints, robot.links, strict=True), start=1)
     return tuple(i for i, (j, link) in pairs if j.is_revolute and link.motor is not None and link.armature != ZERO)

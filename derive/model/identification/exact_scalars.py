@@ -20,19 +20,11 @@ from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, P
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
 
-Exact = Any
-"""A rational number (flint.fmpq) or a ball (flint.arb)."""
+Exact = Any  # a rational number (flint.fmpq) or a ball (flint.arb)
 
 
 class ExactDomain:
-    """Cells of a robot whose parameters all have numbers, every angle and offset of its joints zero.
-
-    Args:
-        robot: The robot.
-
-    Raises:
-        ExpressionError: A symbol has no number, or its number does not exist.
-    """
+    """Cells of a robot whose parameters all have numbers, every angle and offset of its joints zero."""
 
     def __init__(self, robot: Robot) -> None:
         self._values: dict[str, Exact] = {}
@@ -44,33 +36,18 @@ class ExactDomain:
             raise ExpressionError(found, remedy="give them under parameters of the robot file")
 
     def number(self, value: int | Fraction) -> Exact:
-        """A rational.
-
-        Args:
-            value: The number.
-        """
+        """A rational."""
         return fmpq(value.numerator, value.denominator)
 
     def constant(self, expression: Expression) -> Exact:
-        """The value of a cell.
-
-        Args:
-            expression: The cell.
-
-        Raises:
-            ExpressionError: It has no finite value.
-        """
+        """The value of a cell."""
         found = self._value(expression)
         if isinstance(found, arb) and not found.is_finite():
             raise ExpressionError("an expression has no finite value")
         return found
 
     def cosine_sine(self, angle: Expression) -> tuple[Exact, Exact]:
-        """Cosine and sine of a constant angle, rational where it is a multiple of pi/2.
-
-        Args:
-            angle: The angle [rad].
-        """
+        """Cosine and sine of a constant angle, rational where it is a multiple of pi/2."""
         value = arb(self.constant(angle))
         quarters = value * 2 / arb.pi()
         whole = round(float(quarters))
@@ -80,21 +57,11 @@ class ExactDomain:
         return value.cos(), value.sin()
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Exact, Exact]:
-        """Those of zero: nothing that is asked of these scalars depends on where the joints stand.
-
-        Args:
-            index: Number of the joint.
-            joint: Its row.
-        """
+        """Those of zero: nothing that is asked of these scalars depends on where the joints stand."""
         return fmpq(1), fmpq(0)
 
     def joint_offset(self, index: int, joint: Joint) -> Exact:
-        """Zero, see `joint_cosine_sine`.
-
-        Args:
-            index: Number of the joint.
-            joint: Its row.
-        """
+        """Zero, see `joint_cosine_sine`."""
         return fmpq(0)
 
     def _value(self, expression: Expression) -> Exact:
@@ -122,29 +89,17 @@ class ExactDomain:
 
 
 def is_zero(value: Exact) -> bool:
-    """Whether a scalar is zero; of a ball, whether it is within `NOTHING` of it.
-
-    Args:
-        value: A scalar.
-    """
+    """Whether a scalar is zero; of a ball, whether it is within `NOTHING` of it."""
     return bool(value == 0) if isinstance(value, fmpq) else bool(abs(value) < NOTHING)
 
 
 def is_rational(value: Exact) -> bool:
-    """Whether a scalar is known without any error.
-
-    Args:
-        value: A scalar.
-    """
+    """Whether a scalar is known without any error."""
     return isinstance(value, fmpq)
 
 
 def as_fraction(value: Exact) -> Fraction:
-    """A scalar as a rational number; of a ball its middle.
-
-    Args:
-        value: A scalar.
-    """
+    """A scalar as a rational number; of a ball its middle."""
     if isinstance(value, fmpq):
         return Fraction(int(value.p), int(value.q))
     mantissa, exponent = value.mid().man_exp()
@@ -152,15 +107,7 @@ def as_fraction(value: Exact) -> Fraction:
 
 
 def null_space(rows: Sequence[Sequence[Exact]], width: int) -> dict[int, list[Exact]]:
-    """Vectors that span what all rows send to zero, by elimination with the largest pivots.
-
-    Args:
-        rows: Of a matrix.
-        width: Number of its columns.
-
-    Returns:
-        A basis, each vector by the column where it has a 1 and all others have a 0.
-    """
+    """Vectors that span what all rows send to zero, by elimination with the largest pivots."""
     matrix = [list(row) for row in rows]
     pivots: list[int] = []
     for column in range(width):

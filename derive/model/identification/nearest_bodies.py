@@ -27,52 +27,30 @@ MARGIN = 1e-5
 """Least eigenvalue of a pseudo-inertia in the link's own units, where the arm leaves room for it; programs that read
 models compute principal moments in floats and refuse those that do not hold after rounding."""
 
-UNIT = packed(np.eye(4))
-"""The unit matrix as a vector."""
-
-BORDER = 1e-8
-"""Least eigenvalues that are smaller than the solver can tell from zero."""
-
-EXISTING = 1e-9
-"""Where all given eigenvalues are above it nothing changes."""
-
-KEPT = 1e-4
-"""A link whose change is a smaller part of the largest one does not change."""
-
-HEAVIEST = 1e-6
-"""A link counts at least this part of the heaviest."""
-
-LARGEST = 1e-3
-"""A link is at least this part of the arm's largest length."""
-
+UNIT = packed(np.eye(4))  # the unit matrix as a vector
+BORDER = 1e-8  # least eigenvalues that are smaller than the solver can tell from zero
+EXISTING = 1e-9  # where all given eigenvalues are above it nothing changes
+KEPT = 1e-4  # a link whose change is a smaller part of the largest one does not change
+HEAVIEST = 1e-6  # a link counts at least this part of the heaviest
+LARGEST = 1e-3  # a link is at least this part of the arm's largest length
+# The same of links that are given without a mass, or with less: the units of what they get, if they get something.
 LIGHT, SHORT = 1e-2, 0.1
-"""The same of links that are given without a mass, or with less: the units of what they get, if they get something."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bodies:
-    """An arm's bodies in their own units, as an affine function of how far they go along each direction.
+    """An arm's bodies in their own units, as an affine function of how far they go along each direction."""
 
-    Attributes:
-        given: (n, 10) pseudo-inertias as vectors, see `derive.model.identification.semidefinite`.
-        along: (n, 10, k) their change along each direction.
-        units: (n, 4, 4) what takes a pseudo-inertia in the joint frame to these units, from both sides.
-        masses: (n,) the least that links given without a mass, or with a negative one, must get, lest they be much
-            wider than the arm; zero for all others.
-    """
-
-    given: Array
-    along: Array
-    units: Array
+    given: Array  # (n, 10) pseudo-inertias as vectors, see `derive.model.identification.semidefinite`
+    along: Array  # (n, 10, k) their change along each direction
+    units: Array  # (n, 4, 4) what takes a pseudo-inertia in the joint frame to these units, from both sides
+    # (n,) the least that links given without a mass, or with a negative one, must get, lest they be much wider than
+    # the arm; zero for all others.
     masses: Array
 
 
 def size_of(chain: Chain[Exact]) -> float:
-    """The largest length of an arm [m]; 1 where it has none.
-
-    Args:
-        chain: Its links and frames.
-    """
+    """The largest length of an arm [m]; 1 where it has none."""
     lengths = [abs(float(c)) for joint in chain.joints for c in (*joint.fixed.position, joint.offset)]
     lengths += [abs(float(c)) for end in chain.ends for c in end.position]
     for body in chain.bodies:
@@ -85,9 +63,6 @@ def pseudo_inertias(parameters: Array) -> Array:
 
     Args:
         parameters: (n, 10, ...) in the order of `LINK_PARTS`.
-
-    Returns:
-        (n, 4, 4, ...).
     """
     m, hx, hy, hz, xx, yy, zz, xy, xz, yz = np.moveaxis(parameters, 1, 0)
     rows = [
@@ -101,13 +76,7 @@ def pseudo_inertias(parameters: Array) -> Array:
 
 
 def in_own_units(parameters: Sequence[Exact], basis: Sequence[Direction], size: float) -> Bodies:
-    """Bodies, and their changes, each in the units of its link.
-
-    Args:
-        parameters: Of all links, in joint frames.
-        basis: Changes of them.
-        size: See `size_of`.
-    """
+    """Bodies, and their changes, each in the units of its link."""
     numbers = np.array([float(value) for value in parameters]).reshape(-1, WIDTH)
     columns = np.array([[float(value) for value in direction] for direction in basis])
     along = columns.T.reshape(len(numbers), WIDTH, -1) if len(basis) else np.zeros((len(numbers), WIDTH, 0))
@@ -135,7 +104,6 @@ def least_eigenvalues(bodies: Bodies, steps: Array | None = None) -> Array:
     """Least eigenvalue of each pseudo-inertia.
 
     Args:
-        bodies: The arm's.
         steps: How far they go along each direction; None for the given ones.
 
     Returns:
@@ -148,26 +116,17 @@ def least_eigenvalues(bodies: Bodies, steps: Array | None = None) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Room:
-    """How far from the limit all bodies can be at once.
+    """How far from the limit all bodies can be at once."""
 
-    Attributes:
-        value: Their least eigenvalue, at most `MARGIN`; negative where no bodies exist.
-        weights: (n,) by which that of each body counts: less for one that is given nearer to the limit.
-        prices: (n, 4, 4) positive semidefinite; the sum of their products with the pseudo-inertias is the same for all
-            bodies with these torques, and is ``value`` where no bodies exist.
-    """
-
-    value: float
-    weights: Array
+    value: float  # their least eigenvalue, at most `MARGIN`; negative where no bodies exist
+    weights: Array  # (n,) by which that of each body counts: less for one that is given nearer to the limit
+    # (n, 4, 4) positive semidefinite; the sum of their products with the pseudo-inertias is the same for all bodies
+    # with these torques, and is ``value`` where no bodies exist.
     prices: Array
 
 
 def most_room(bodies: Bodies) -> Room:
-    """Bodies as far from the limit as they can be.
-
-    Args:
-        bodies: The arm's.
-    """
+    """Bodies as far from the limit as they can be."""
     given = least_eigenvalues(bodies)
     weights = np.where(given > 0, np.clip(given / (2 * MARGIN), EXISTING / MARGIN, 1.0), 1.0)
     slopes, width = _slopes(bodies), bodies.along.shape[2]
@@ -183,10 +142,6 @@ def most_room(bodies: Bodies) -> Room:
 
 def targets(bodies: Bodies, room: Room) -> Array:
     """The least eigenvalue of each body to keep to: half of what it can have while others have theirs.
-
-    Args:
-        bodies: The arm's.
-        room: What they have.
 
     Returns:
         (n,); less than zero, by what a solver does not see, for bodies that torques keep at the limit.
@@ -212,10 +167,6 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
 
     One that has moments of inertia would else get next to nothing, and a radius of gyration of kilometres. Those that
     are at the limit of what exists anyway stay what they are, to the last digit.
-
-    Args:
-        bodies: The arm's.
-        target: Least eigenvalues to keep to.
     """
     massless, (n, _, width) = (bodies.given[:, -1] <= 0) & (target > 0), bodies.along.shape
     if not massless.any():
@@ -244,15 +195,7 @@ def _masses(bodies: Bodies, more: int) -> list[Limit]:
 
 
 def needed(bodies: Bodies, target: Array) -> list[int]:
-    """The links that change where the sum of changes is least.
-
-    Args:
-        bodies: The arm's.
-        target: Least eigenvalues to keep to.
-
-    Returns:
-        Their numbers, from 0.
-    """
+    """The links that change where the sum of changes is least."""
     slopes, (n, _, width) = _slopes(bodies), bodies.along.shape
     sizes = np.eye(n + width)[width:]
     limits = [
@@ -269,15 +212,7 @@ def needed(bodies: Bodies, target: Array) -> list[int]:
 
 
 def nearest(bodies: Bodies, target: Array) -> Array:
-    """How far along each direction the nearest bodies are.
-
-    Args:
-        bodies: The arm's.
-        target: Least eigenvalues to keep to.
-
-    Returns:
-        The steps.
-    """
+    """How far along each direction the nearest bodies are."""
     slopes = _slopes(bodies)
     limits = [_beyond(*each) for each in zip(bodies.given, slopes, target, strict=True)] + _masses(bodies, 0)
     every = slopes.reshape(-1, slopes.shape[2])

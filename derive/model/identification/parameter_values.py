@@ -22,16 +22,7 @@ from derive.robot.robot import Robot
 
 
 def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domain[S]) -> list[S]:
-    """The parameters as the file gives them, each link's in its DH frame, about the frame's origin.
-
-    Args:
-        robot: The robot.
-        parameters: Standard parameters of it.
-        domain: The scalars.
-
-    Returns:
-        One value for each parameter.
-    """
+    """The parameters as the file gives them, each link's in its DH frame, about the frame's origin."""
     bodies = []
     for link in robot.links:
         mass, r = domain.constant(link.mass), constant_vector(link.com, domain)
@@ -43,17 +34,7 @@ def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domai
 
 
 def base_values(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Callable[[Coefficient], S]) -> list[S]:
-    """The base parameters: what the general rule groups, and what the relations of the set add.
-
-    Args:
-        robot: The robot.
-        base: Its base parameters.
-        domain: The scalars.
-        coefficient: A coefficient of a relation as a scalar.
-
-    Returns:
-        One value for each base parameter.
-    """
+    """The base parameters: what the general rule groups, and what the relations of the set add."""
     values = grouped_values(robot, base, domain)
     for relation in base.relations:
         for parameter, factor in relation.terms:
@@ -62,16 +43,7 @@ def base_values(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Cal
 
 
 def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Parameter, S]:
-    """The parameters in joint frames after the general rule.
-
-    Args:
-        robot: The robot.
-        base: Its base parameters.
-        domain: The scalars.
-
-    Returns:
-        By parameter its value; those that the relations replace are among them.
-    """
+    """The parameters in joint frames after the general rule."""
     # links and the masses of rotors, without their spin; what absorbed rotors add to links and armatures
     still = [
         link if link.motor is None else replace(link, motor=replace(link.motor, inertia=ZERO)) for link in robot.links
@@ -115,17 +87,11 @@ def _joint_part(link: Link, part: str, domain: Domain[S]) -> S:
     return domain.constant(cells[part])
 
 
-MAX_TEXT = 1000
-"""Longest formula, in characters, that is written."""
+MAX_TEXT = 1000  # longest formula, in characters, that is written
 
 
 class ParameterFormulas:
-    """Formulas of a robot's parameters; empty where a cell is outside of what polynomials can hold.
-
-    Args:
-        robot: The robot.
-        base: Its base parameters.
-    """
+    """Formulas of a robot's parameters; empty where a cell is outside of what polynomials can hold."""
 
     def __init__(self, robot: Robot, base: BaseSet) -> None:
         self._robot = robot
@@ -136,14 +102,7 @@ class ParameterFormulas:
             self._domain = None
 
     def standard(self, parameters: Sequence[Parameter]) -> list[str]:
-        """What the file gives: ``m1*com1``.
-
-        Args:
-            parameters: Standard parameters of the robot.
-
-        Returns:
-            One formula for each.
-        """
+        """What the file gives: ``m1*com1``."""
         domain = self._domain
         if domain is None:
             return [""] * len(parameters)

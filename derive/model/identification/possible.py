@@ -58,29 +58,20 @@ from derive.robot.writer import robot_text
 
 Array = npt.NDArray[Any]
 
+# Which bodies are taken: those of the robot, or the nearest ones that exist and move alike.
 INERTIAS = ("given", "possible")
-"""Which bodies are taken: those of the robot, or the nearest ones that exist and move alike."""
-
-MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
-"""Entries of an inertia tensor."""
-
+MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")  # entries of an inertia tensor
+# To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse.
 UNITS = (1e-8, 1e-11, 1e-14)
-"""To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What became of a link.
+    """What became of a link."""
 
-    Attributes:
-        link: Number, from 1.
-        size: Of the change, without units; see `derive.model.identification.nearest_bodies`.
-        cells: Cells that changed: name, old and new.
-    """
-
-    link: int
-    size: float
-    cells: tuple[tuple[str, Expression, Expression], ...]
+    link: int  # number, from 1
+    size: float  # of the change, without units; see `derive.model.identification.nearest_bodies`
+    cells: tuple[tuple[str, Expression, Expression], ...]  # cells that changed: name, old and new
 
     def __str__(self) -> str:
         cells = ", ".join(f"{name} {_short(old)} -> {_short(new)}" for name, old, new in self.cells)
@@ -89,16 +80,11 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Possible:
-    """A robot whose links exist.
+    """A robot whose links exist."""
 
-    Attributes:
-        robot: The robot.
-        changes: The links that changed.
-        border: Links, from 1, that are limits of bodies, such as a point or a thin rod, since torques leave no choice.
-    """
-
-    robot: Robot
-    changes: tuple[Change, ...]
+    robot: Robot  # the robot
+    changes: tuple[Change, ...]  # the links that changed
+    # Links, from 1, that are limits of bodies, such as a point or a thin rod, since torques leave no choice.
     border: tuple[int, ...] = ()
 
     @property
@@ -124,19 +110,7 @@ class Possible:
 
 
 def possible(robot: Robot) -> Possible:
-    """The nearest bodies that exist and give the same torques.
-
-    Args:
-        robot: A robot with links, whose symbols all have numbers. Rotors, armatures and friction stay as they are.
-
-    Returns:
-        The robot with these links; cells that need no change are kept as they stand.
-
-    Raises:
-        NoSuchBodies: There are none.
-        DeriveError: No links, or the packages of the extra are missing.
-        ExpressionError: A symbol has no number.
-    """
+    """The nearest bodies that exist and give the same torques."""
     if not robot.links:
         raise DeriveError(f"{robot.name}: no masses and inertias", remedy="give links in the robot file")
     with exactly():
@@ -168,14 +142,7 @@ def possible(robot: Robot) -> Possible:
 
 
 def wants_possible(inertia: str) -> bool:
-    """Whether bodies that exist are asked for.
-
-    Args:
-        inertia: One of `INERTIAS`.
-
-    Raises:
-        DeriveError: No such choice.
-    """
+    """Whether bodies that exist are asked for."""
     if inertia not in INERTIAS:
         allowed = f"allowed: {', '.join(INERTIAS)}"
         raise DeriveError(
@@ -185,18 +152,7 @@ def wants_possible(inertia: str) -> bool:
 
 
 def with_chosen_bodies(robot: Robot, inertia: str) -> tuple[Robot, tuple[str, ...]]:
-    """A robot with its own bodies, or with the nearest that exist.
-
-    Args:
-        robot: The robot.
-        inertia: One of `INERTIAS`.
-
-    Returns:
-        The robot, whose comments say what was changed, and these sentences.
-
-    Raises:
-        DeriveError: No such choice, or no such bodies.
-    """
+    """A robot with its own bodies, or with the nearest that exist."""
     if not wants_possible(inertia):
         return robot, ()
     found = possible(robot)
@@ -207,10 +163,6 @@ def _without_mass(parameters: Sequence[Exact], basis: list[Direction]) -> list[D
     """The changes that also leave a link without a first moment where torques leave it no mass.
 
     A solver would not see it: a small first moment beside large second ones is within its tolerance.
-
-    Args:
-        parameters: Of all links.
-        basis: All changes.
     """
     masses = range(0, len(parameters), WIDTH)
     kept = [k for k in masses if is_zero(parameters[k]) and all(is_zero(direction[k]) for direction in basis)]

@@ -27,55 +27,30 @@ from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zer
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 
-WIDTH = len(LINK_PARTS)
-"""Parameters of a link."""
-
-Direction = list[Exact]
-"""A change of all links' parameters."""
+WIDTH = len(LINK_PARTS)  # parameters of a link
+Direction = list[Exact]  # a change of all links' parameters
 
 
 def bare_chain(robot: Robot, domain: ExactDomain) -> Chain[Exact]:
-    """The links of an arm without the rotors that they carry.
-
-    Args:
-        robot: A robot with links.
-        domain: Of it.
-    """
+    """The links of an arm without the rotors that they carry."""
     links = tuple(replace(link, motor=None) for link in robot.links)
     return build_chain(replace(robot, links=links), domain)
 
 
 def parameters_of(body: Body[Exact]) -> list[Exact]:
-    """A body's ten parameters in the order of `LINK_PARTS`.
-
-    Args:
-        body: The body.
-    """
+    """A body's ten parameters in the order of `LINK_PARTS`."""
     i = body.inertia
     return [body.mass, *body.first_moment, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz]
 
 
 def body_of(parameters: Sequence[Exact]) -> Body[Exact]:
-    """The body of ten parameters.
-
-    Args:
-        parameters: In the order of `LINK_PARTS`.
-    """
+    """The body of ten parameters."""
     mass, x, y, z, *tensor = parameters
     return Body(mass, (x, y, z), Symmetric(*tensor))
 
 
 def directions(robot: Robot, chain: Chain[Exact], domain: ExactDomain) -> list[Direction]:
-    """A basis of the changes of bodies that no torque notices.
-
-    Args:
-        robot: A robot with links.
-        chain: Its `bare_chain`.
-        domain: Of it.
-
-    Returns:
-        The directions; fewer than there are where base parameters could not be proven.
-    """
+    """A basis of the changes of bodies that no torque notices."""
     base = base_set(robot)
     return [*_moved_inward(chain), *_replaced(base, chain.n, domain)]
 
@@ -118,15 +93,7 @@ def _place(parameter: Parameter) -> int:
 
 
 def keeping(basis: Sequence[Direction], links: Sequence[int]) -> list[Direction]:
-    """Those changes that leave some links as they are.
-
-    Args:
-        basis: A basis of all changes.
-        links: From 0.
-
-    Returns:
-        A basis of these.
-    """
+    """Those changes that leave some links as they are."""
     places = [WIDTH * i + k for i in links for k in range(WIDTH)]
     rows = [[direction[place] for direction in basis] for place in places]
     rows = [row for row in rows if not all(map(is_zero, row))]
@@ -134,12 +101,7 @@ def keeping(basis: Sequence[Direction], links: Sequence[int]) -> list[Direction]
 
 
 def combined(basis: Sequence[Direction], weights: Sequence[Exact]) -> Direction:
-    """A sum of changes.
-
-    Args:
-        basis: Changes.
-        weights: One for each of them.
-    """
+    """A sum of changes."""
     chosen = [(weight, direction) for weight, direction in zip(weights, basis, strict=True) if not is_zero(weight)]
     if not chosen:
         return [entry * 0 for entry in basis[0]]

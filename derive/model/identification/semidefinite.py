@@ -20,8 +20,7 @@ from derive.errors import DeriveError, TargetError, install_extra
 
 Array = npt.NDArray[Any]
 
-TOLERANCE = 1e-11
-"""Of gap and feasibility."""
+TOLERANCE = 1e-11  # of gap and feasibility
 
 
 class Cone(Enum):
@@ -34,46 +33,26 @@ class Cone(Enum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Limit:
-    """An affine function of x, in a cone.
+    """An affine function of x, in a cone."""
 
-    Attributes:
-        cone: The cone.
-        constant: Its value at x = 0.
-        slope: A row for each value, a column for each variable.
-    """
-
-    cone: Cone
-    constant: Array
-    slope: Array
+    cone: Cone  # the cone
+    constant: Array  # its value at x = 0
+    slope: Array  # a row for each value, a column for each variable
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimum:
-    """Where the least is.
+    """Where the least is."""
 
-    Attributes:
-        x: The variables.
-        prices: For each limit the dual vector.
-    """
-
-    x: Array
-    prices: tuple[Array, ...]
+    x: Array  # the variables
+    prices: tuple[Array, ...]  # for each limit the dual vector
 
 
 def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None) -> Optimum:
     """The least of a function within limits.
 
     Args:
-        linear: c.
-        limits: Where x may be.
         quadratic: Q, positive semidefinite; None for zero.
-
-    Returns:
-        The optimum.
-
-    Raises:
-        DeriveError: There is none.
-        TargetError: Clarabel or SciPy is not installed.
     """
     try:
         import clarabel
@@ -102,28 +81,14 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
 
 
 def packed(matrices: Array) -> Array:
-    """Symmetric matrices as vectors.
-
-    Args:
-        matrices: (..., m, m).
-
-    Returns:
-        (..., m (m + 1)/2).
-    """
+    """Symmetric matrices as vectors."""
     rows, columns = _triangle(matrices.shape[-1])
     found: Array = matrices[..., rows, columns] * np.where(rows == columns, 1.0, sqrt(2))
     return found
 
 
 def unpacked(vectors: Array) -> Array:
-    """Vectors as symmetric matrices.
-
-    Args:
-        vectors: (..., m (m + 1)/2).
-
-    Returns:
-        (..., m, m).
-    """
+    """Vectors as symmetric matrices."""
     size = round((sqrt(8 * vectors.shape[-1] + 1) - 1) / 2)
     rows, columns = _triangle(size)
     values = vectors / np.where(rows == columns, 1.0, sqrt(2))

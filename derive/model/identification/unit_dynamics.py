@@ -21,20 +21,13 @@ from derive.mechanics.regressor import Screw, next_screws, rotor_place
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, transpose
 from derive.robot.inertial_parameters import Parameter
 
+# Entries (a, b), a <= b, of a symmetric matrix; joints from 0, what is missing is zero.
 Pairs = Mapping[tuple[int, int], S]
-"""Entries (a, b), a <= b, of a symmetric matrix; joints from 0, what is missing is zero."""
-
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
 class UnitDynamics(Generic[S]):
-    """B and g of every unit parameter.
-
-    Args:
-        chain: The chain of the robot with unit rotors, see `derive.mechanics.regressor.with_unit_rotors`.
-        ends: Whether the parameters of links are those in the DH frames of the file; else in joint frames, see
-            `derive.mechanics.chain`. In the modified convention the two are the same.
-    """
+    """B and g of every unit parameter."""
 
     def __init__(self, chain: Chain[S], ends: bool) -> None:
         self.chain = chain
@@ -44,14 +37,7 @@ class UnitDynamics(Generic[S]):
         self._known_gravities: list[Vector[S]] = []
 
     def inertia(self, parameter: Parameter) -> Pairs[S]:
-        """B per unit of a parameter; of friction none.
-
-        Args:
-            parameter: The parameter.
-
-        Returns:
-            Entries (a, b), a <= b, joints from 0; what is missing is zero.
-        """
+        """B per unit of a parameter; of friction none."""
         i, part, signs = parameter.joint - 1, parameter.part, [joint.sign for joint in self.chain.joints]
         if part == "Ia":
             return {(i, i): self.chain.one}
@@ -72,14 +58,7 @@ class UnitDynamics(Generic[S]):
         return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
 
     def gravity(self, parameter: Parameter) -> list[S]:
-        """g per unit of a parameter.
-
-        Args:
-            parameter: The parameter.
-
-        Returns:
-            Entries 1..k; those further out are zero.
-        """
+        """g per unit of a parameter."""
         i, part = parameter.joint - 1, parameter.part
         along_z: list[S] = []
         if part == "mm":

@@ -43,54 +43,35 @@ from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
 
-ADDED = (0.0, *(10.0**-k for k in range(10, 0, -1)))
-"""Parts of kinetic energy that are tried."""
-
-DIGITS = (6, 12)
-"""Of the largest coefficient of a function, in the units of the links; few are easier to read."""
-
-SHOWN = 100
-"""Coefficients smaller by this factor are left out of messages."""
-
-STILL = 1e-9
-"""Part of a link's kinetic energy that is rounding."""
-
-STATES = 12
-"""Of which kinetic energies are added up."""
-
+ADDED = (0.0, *(10.0**-k for k in range(10, 0, -1)))  # parts of kinetic energy that are tried
+DIGITS = (6, 12)  # of the largest coefficient of a function, in the units of the links; few are easier to read
+SHOWN = 100  # coefficients smaller by this factor are left out of messages
+STILL = 1e-9  # part of a link's kinetic energy that is rounding
+STATES = 12  # of which kinetic energies are added up
+# Terms of a function of place, and where their coefficients stand in its symmetric matrix.
 MONOMIALS = {"x^2": (0, 0), "y^2": (1, 1), "z^2": (2, 2), "x y": (0, 1), "x z": (0, 2), "y z": (1, 2)} | {
     "x": (0, 3),
     "y": (1, 3),
     "z": (2, 3),
     "": (3, 3),
 }
-"""Terms of a function of place, and where their coefficients stand in its symmetric matrix."""
 
 
 class NoSuchBodies(DeriveError):
-    """No bodies move as these numbers say.
+    """No bodies move as these numbers say."""
 
-    Attributes:
-        witness: Why; None where only the search says so.
-    """
-
-    witness: Witness | None = None
+    witness: Witness | None = None  # why; None where only the search says so
 
 
 @dataclass(frozen=True, slots=True)
 class Witness:
-    """A sum that no bodies can have.
+    """A sum that no bodies can have."""
 
-    Attributes:
-        functions: By link, from 1, the symmetric 4x4 matrix of its function of (x, y, z, 1) in the joint frame; links
-            whose function is zero are left out.
-        value: The sum of their integrals for the given numbers; negative.
-        exact: Whether all is rational; else it is true within balls of 256 bits.
-    """
-
+    # By link, from 1, the symmetric 4x4 matrix of its function of (x, y, z, 1) in the joint frame; links whose
+    # function is zero are left out.
     functions: tuple[tuple[int, tuple[tuple[Fraction, ...], ...]], ...]
-    value: Fraction
-    exact: bool
+    value: Fraction  # the sum of their integrals for the given numbers; negative
+    exact: bool  # whether all is rational; else it is true within balls of 256 bits
 
     def __str__(self) -> str:
         sizes = {link: _largest(matrix) for link, matrix in self.functions}
@@ -121,15 +102,7 @@ def _polynomial(matrix: Sequence[Sequence[Fraction]]) -> str:
 
 
 def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array, units: Array) -> NoSuchBodies:
-    """The error that says why there are no bodies.
-
-    Args:
-        robot: The robot.
-        chain: Its links and frames.
-        basis: All changes that no torque notices.
-        prices: See `find_witness`.
-        units: See `find_witness`.
-    """
+    """The error that says why there are no bodies."""
     witness = find_witness(robot, chain, basis, prices, units) if base_set(robot).proven else None
     found = f"no bodies have these torques: {witness}" if witness else "no bodies with these torques were found"
     if witness is None:
@@ -145,9 +118,6 @@ def find_witness(
     """A witness from approximate functions.
 
     Args:
-        robot: The robot.
-        chain: Its links and frames.
-        basis: All changes that no torque notices.
         prices: (n, 4, 4) matrices of functions that nearly are one, in the units of the links.
         units: (n, 4, 4) what takes pseudo-inertias in joint frames to these units, from both sides.
 
@@ -244,39 +214,21 @@ def _still(chain: Chain[Exact]) -> list[Direction]:
 
 
 def coefficients(matrix: Array) -> Array:
-    """What multiplies a body's ten parameters in the integral of a function over its mass.
-
-    Args:
-        matrix: Symmetric 4x4, of (x, y, z, 1).
-
-    Returns:
-        (10,) in the order of `LINK_PARTS`.
-    """
+    """What multiplies a body's ten parameters in the integral of a function over its mass."""
     (xx, xy, xz, x), (_, yy, yz, y), (_, _, zz, z), (*_, one) = matrix
     turning = [(yy + zz - xx) / 2, (xx + zz - yy) / 2, (xx + yy - zz) / 2, -2 * xy, -2 * xz, -2 * yz]
     return np.array([one, 2 * x, 2 * y, 2 * z, *turning])
 
 
 def function_matrix(factors: Sequence[Exact]) -> list[list[Exact]]:
-    """The function whose integral over a body is the sum of its parameters times some factors.
-
-    Args:
-        factors: In the order of `LINK_PARTS`.
-
-    Returns:
-        Symmetric 4x4, of (x, y, z, 1).
-    """
+    """The function whose integral over a body is the sum of its parameters times some factors."""
     one, x, y, z, xx, yy, zz, xy, xz, yz = factors
     x, y, z, xy, xz, yz = x / 2, y / 2, z / 2, -xy / 2, -xz / 2, -yz / 2
     return [[yy + zz, xy, xz, x], [xy, xx + zz, yz, y], [xz, yz, xx + yy, z], [x, y, z, one]]
 
 
 def is_semidefinite(matrix: Sequence[Sequence[Exact]]) -> bool:
-    """Whether a symmetric matrix has no negative eigenvalue, by elimination.
-
-    Args:
-        matrix: Its rows.
-    """
+    """Whether a symmetric matrix has no negative eigenvalue, by elimination."""
     if not matrix:
         return True
     (pivot, *row), *rest = matrix

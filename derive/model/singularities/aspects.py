@@ -34,67 +34,39 @@ from derive.model.singularities.nonsingular_path import (
 )
 from derive.model.singularities.singularities import Outcome, Singularities
 
-POSES = 200
-"""Random poses whose solutions are looked at: few have more than two in an arm that is hardly cuspidal."""
-
-_LOOKED_AT = 12
-"""Random poses at which the signs of each branch are looked at."""
-
-MILESTONES = 500
-"""Random configurations by way of which a path is looked for."""
-
-GRIDS = {1: 4096, 2: 300, 3: 72}
-"""Cells along each joint, for factors of so many joints."""
-
-SPECK = 2e-4
-"""Sets smaller than this part of a grid lie between its lines where two curves cross."""
-
-PAIRS = 8
-"""Pairs of solutions between which a path is looked for."""
+POSES = 200  # random poses whose solutions are looked at: few have more than two in an arm that is hardly cuspidal
+_LOOKED_AT = 12  # random poses at which the signs of each branch are looked at
+MILESTONES = 500  # random configurations by way of which a path is looked for
+GRIDS = {1: 4096, 2: 300, 3: 72}  # cells along each joint, for factors of so many joints
+SPECK = 2e-4  # sets smaller than this part of a grid lie between its lines where two curves cross
+PAIRS = 8  # pairs of solutions between which a path is looked for
 
 
 @dataclass(frozen=True)
 class Group:
-    """Joints that stand together in factors of det J.
+    """Joints that stand together in factors of det J."""
 
-    Attributes:
-        joints: Their indices, from 0.
-        factors: Indices of the factors.
-        parts: Into how many connected sets the zeros of the factors cut them; None for too many joints.
-    """
-
-    joints: tuple[int, ...]
-    factors: tuple[int, ...]
-    parts: int | None
+    joints: tuple[int, ...]  # their indices, from 0
+    factors: tuple[int, ...]  # indices of the factors
+    parts: int | None  # into how many connected sets the zeros of the factors cut them; None for too many joints
 
 
 @dataclass(frozen=True, eq=False)
 class Aspects:
-    """The aspects of an arm whose joints have no limits.
+    """The aspects of an arm whose joints have no limits."""
 
-    Attributes:
-        inverse: Its inverse kinematics: of the position, for arms of few joints.
-        factors: Where det J is zero, factor by factor.
-        groups: The joints that stand together in them.
-        why_not: Why there are none to be told apart; empty where there are.
-        solutions: How many real solutions each of the poses has that were looked at.
-        shared: How many of these poses have two solutions with the same signs of all factors.
-        crossing: A path between two solutions of one pose; None where none was found.
-        signs: The signs of the factors in each solution of `inverse` in closed form, where they are always the same.
-        values: Numbers of the parameters with which the arm was looked at.
-        task: Whose determinant is det J; empty for all of J.
-    """
-
-    inverse: InverseKinematics
-    factors: tuple[Condition, ...] = ()
-    groups: tuple[Group, ...] = ()
-    why_not: str = ""
-    solutions: tuple[int, ...] = ()
-    shared: int = 0
-    crossing: Crossing | None = None
+    inverse: InverseKinematics  # its inverse kinematics: of the position, for arms of few joints
+    factors: tuple[Condition, ...] = ()  # where det J is zero, factor by factor
+    groups: tuple[Group, ...] = ()  # the joints that stand together in them
+    why_not: str = ""  # why there are none to be told apart; empty where there are
+    solutions: tuple[int, ...] = ()  # how many real solutions each of the poses has that were looked at
+    shared: int = 0  # how many of these poses have two solutions with the same signs of all factors
+    crossing: Crossing | None = None  # a path between two solutions of one pose; None where none was found
+    # The signs of the factors in each solution of `inverse` in closed form, where they are always the same.
     signs: tuple[tuple[int, ...] | None, ...] = ()
+    # Numbers of the parameters with which the arm was looked at.
     values: Mapping[str, float] = field(default_factory=dict)
-    task: tuple[str, ...] = ()
+    task: tuple[str, ...] = ()  # whose determinant is det J; empty for all of J
 
     @property
     def count(self) -> int | None:
@@ -109,13 +81,7 @@ class Aspects:
 
 
 def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Mapping[str, float]) -> Aspects:
-    """The aspects of an arm, and whether it changes posture within one of them.
-
-    Args:
-        inverse: Its inverse kinematics: of the position, for arms of few joints.
-        singular: Where its Jacobian loses rank.
-        values: Numbers of all parameters.
-    """
+    """The aspects of an arm, and whether it changes posture within one of them."""
     if inverse.graph.given:
         return Aspects(inverse, why_not="the arm has more joints than the task needs")
     chain = NumericChain.of(inverse.robot, values)
@@ -137,13 +103,6 @@ def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Ma
 
 class _Look:
     """Looks at one arm in numbers.
-
-    Args:
-        inverse: Its inverse kinematics.
-        chain: Its numbers.
-        determinant: det J.
-        singular: Its factors.
-        values: Numbers of all parameters.
 
     Attributes:
         is_same: Whether det J in numbers is the product of the factors.
@@ -188,11 +147,7 @@ class _Look:
         return tuple(found)
 
     def signs(self, q: Array) -> Array:
-        """The signs of all factors, (..., factors); of det J where it has none.
-
-        Args:
-            q: (..., n) configurations.
-        """
+        """The signs of all factors, (..., factors); of det J where it has none."""
         factors = [self._number(condition.expression, q) for condition in self.conditions] or [self._determinant(q)]
         return np.stack([np.where(factor > 0.0, 1, -1) for factor in factors], axis=-1)
 
@@ -230,23 +185,14 @@ class _Look:
             yield found[np.isfinite(found).all(axis=-1)]
 
     def pairs(self, q: Array) -> Iterator[tuple[Array, Array]]:
-        """Solutions of one pose with the same signs.
-
-        Args:
-            q: All of them, (solutions, n).
-        """
+        """Solutions of one pose with the same signs."""
         signs, clear = self.signs(q), np.abs(self._determinant(q)) > CLEAR
         for i, j in combinations(range(len(q)), 2):
             if clear[i] and clear[j] and (signs[i] == signs[j]).all():
                 yield q[i], q[j]
 
     def crossing(self, start: Array, end: Array) -> Crossing | None:
-        """A path without a singularity from one configuration to another.
-
-        Args:
-            start: The one.
-            end: The other.
-        """
+        """A path without a singularity from one configuration to another."""
         signs = self.signs(start)
         key = tuple(int(x) for x in signs)
         if key not in self._roads:
@@ -275,12 +221,7 @@ class _Look:
 
 
 def connected(code: Array, closed: Sequence[bool]) -> Array:
-    """A label for every cell of a grid, the same for cells of one value that hang together.
-
-    Args:
-        code: The value of every cell.
-        closed: For each axis whether its ends meet.
-    """
+    """A label for every cell of a grid, the same for cells of one value that hang together."""
     label = np.arange(code.size).reshape(code.shape)
     while True:
         before = label

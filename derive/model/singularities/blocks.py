@@ -27,25 +27,15 @@ ALL = (1, 2, 3, 4, 5, 6)
 
 @dataclass(frozen=True)
 class SquareBlock:
-    """A square block of J, exact.
+    """A square block of J, exact."""
 
-    Attributes:
-        name: ``J``, or ``J_11`` and ``J_22`` of a block triangular J.
-        rows: Its rows of J, from 1; none where they are combinations of these.
-        columns: Its columns of J, from 1.
-        reference: The point and the axes.
-        entries: Its entries, row by row.
-        others_are_zero: Whether the rows of J that are left out are zero everywhere.
-        task: What its rows are the velocities of; empty for all of J.
-    """
-
-    name: str
-    rows: tuple[int, ...]
-    columns: tuple[int, ...]
-    reference: Reference
-    entries: tuple[tuple[Polynomial, ...], ...]
-    others_are_zero: bool
-    task: tuple[str, ...] = ()
+    name: str  # ``J``, or ``J_11`` and ``J_22`` of a block triangular J
+    rows: tuple[int, ...]  # its rows of J, from 1; none where they are combinations of these
+    columns: tuple[int, ...]  # its columns of J, from 1
+    reference: Reference  # the point and the axes
+    entries: tuple[tuple[Polynomial, ...], ...]  # its entries, row by row
+    others_are_zero: bool  # whether the rows of J that are left out are zero everywhere
+    task: tuple[str, ...] = ()  # what its rows are the velocities of; empty for all of J
 
     def determinant(self) -> Polynomial:
         """Its determinant."""
@@ -53,11 +43,7 @@ class SquareBlock:
 
 
 def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
-    """The diagonal blocks whose determinants multiply to the one that is looked for; none where no square one decides.
-
-    Args:
-        kinematics: Of the arm.
-    """
+    """The diagonal blocks whose determinants multiply to the wanted one; none where no square one decides."""
     robot = kinematics.robot
     if robot.inverse.task != POSE:
         is_square = sum(FREEDOMS.get(word, 1) for word in robot.inverse.task) == robot.n
@@ -100,11 +86,7 @@ def _length(block: SquareBlock) -> int:
 
 
 def matrices(kinematics: Kinematics) -> Iterator[Sequence[Sequence[Polynomial]]]:
-    """What an arm without a square block is judged by, in several axes and about several points: its task or all of J.
-
-    Args:
-        kinematics: Of the arm.
-    """
+    """Rows of J that decide for an arm without a square block, in several axes and about several points."""
     robot = kinematics.robot
     if robot.inverse.task != POSE:
         yield from (block.entries for block in _task_rows(kinematics))

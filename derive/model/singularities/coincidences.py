@@ -23,29 +23,17 @@ from derive.lecture.point import DIGITS, value_of
 from derive.lecture.sympy_conversion import Expr
 from derive.model.singularities.singularities import SingularFactor
 
-LOOKED_AT = 3
-"""Zeros of a factor that are looked at."""
-
+LOOKED_AT = 3  # zeros of a factor that are looked at
+# Below it a condition of a step is zero: a square root halves the digits of a zero of the factor.
 _VANISHES = mpmath.mpf(10) ** -12
-"""Below it a condition of a step is zero: a square root halves the digits of a zero of the factor."""
-
 _TRIES = 40
-_GRID = 24
-"""Intervals of a joint's way in which a factor is looked for a change of its sign."""
+_GRID = 24  # intervals of a joint's way in which a factor is looked for a change of its sign
 
 
 def coincidences(
     found: InverseKinematics, factors: Sequence[SingularFactor]
 ) -> tuple[tuple[tuple[SingularFactor, ...], tuple[SingularFactor, ...]], ...]:
-    """For each step the factors of det J at whose zeros its two values are one, and those at whose zeros it is free.
-
-    Args:
-        found: The inverse kinematics.
-        factors: The factors.
-
-    Returns:
-        A pair for each step.
-    """
+    """For each step the factors of det J at whose zeros its two values are one, and those at whose zeros it is free."""
     moving = [factor for factor in factors if factor.condition is not None]
     places = {id(factor): list(_zeros(found, factor)) for factor in moving}
     pairs = []

@@ -19,38 +19,23 @@ Write = Callable[[Polynomial], Expr]
 
 
 class Posture(StrEnum):
-    """What a singular posture is called (Siciliano et al., Robotics, sec. 3.3.2 and 3.3.3).
+    """What a singular posture is called (Siciliano et al., Robotics, sec. 3.3.2 and 3.3.3)."""
 
-    Attributes:
-        WRIST: Axes 4 and 6 are aligned.
-        ELBOW: The arm is stretched out or folded: the wrist centre lies in the plane of axes 2 and 3.
-        SHOULDER: The wrist centre lies on axis 1, or in the plane through it that is parallel to axis 2.
-    """
-
-    WRIST = "wrist"
-    ELBOW = "elbow"
-    SHOULDER = "shoulder"
+    WRIST = "wrist"  # axes 4 and 6 are aligned
+    ELBOW = "elbow"  # the arm is stretched out or folded: the wrist centre lies in the plane of axes 2 and 3
+    SHOULDER = "shoulder"  # the wrist centre lies on axis 1, or in the plane through it that is parallel to axis 2
 
 
 @dataclass(frozen=True)
 class Condition:
-    """Where one factor is zero.
+    """Where one factor is zero."""
 
-    Attributes:
-        expression: The factor.
-        variable: The joint variable, or the sum of angles, that can be solved for; None if none can.
-        values: What it is there, angles in (-pi, pi]; empty if nothing can be solved.
-        posture: What the arm looks like, where that is certain.
-        joints: The joints (from 1) whose variables it holds.
-        is_certain: Whether it is known that it can be zero, whatever the parameters are.
-    """
-
-    expression: Expr
-    variable: Expr | None
-    values: tuple[Expr, ...]
-    posture: Posture | None
-    joints: tuple[int, ...]
-    is_certain: bool = True
+    expression: Expr  # the factor
+    variable: Expr | None  # the joint variable, or the sum of angles, that can be solved for; None if none can
+    values: tuple[Expr, ...]  # what it is there, angles in (-pi, pi]; empty if nothing can be solved
+    posture: Posture | None  # what the arm looks like, where that is certain
+    joints: tuple[int, ...]  # the joints (from 1) whose variables it holds
+    is_certain: bool = True  # whether it is known that it can be zero, whatever the parameters are
 
     @property
     def is_solution(self) -> bool:
@@ -62,14 +47,6 @@ def zero_condition(
     zeros: RealZeros, factor: Factor, expression: Expr, write: Write, *, is_position: bool, has_wrist: bool
 ) -> Condition | None:
     """Where a factor of the determinant is zero.
-
-    Args:
-        zeros: Of its domain.
-        factor: The factor.
-        expression: The same as it is printed.
-        write: Writes a polynomial.
-        is_position: Whether the determinant is that of the position.
-        has_wrist: Whether the determinant is that of an arm with a spherical wrist.
 
     Returns:
         The condition; None if the factor does not move, or is never zero.

@@ -31,28 +31,15 @@ from derive.robot.options.inverse import FREEDOMS, POSE
 from derive.robot.options.style import Contraction, Style
 from derive.robot.robot import Robot
 
-MAX_TERMS = 20_000
-"""Budget of any polynomial on the way to the determinant."""
-
-MAX_JOINTS = 10
-"""Of longer arms no closed form is looked for."""
-
+MAX_TERMS = 20_000  # budget of any polynomial on the way to the determinant
+MAX_JOINTS = 10  # of longer arms no closed form is looked for
 MAX_MINOR_TERMS = 3_000
 
-MOST_WHOLE = 10**9
-"""Whole numbers that are larger read no better than decimals."""
+MOST_WHOLE = 10**9  # whole numbers that are larger read no better than decimals
 
 
 def find_singularities(robot: Robot, style: Style | None = None) -> Singularities:
-    """Where the Jacobian of a robot loses rank.
-
-    Args:
-        robot: The robot.
-        style: How expressions are grouped; by default as the robot file says.
-
-    Returns:
-        The determinant of its task in factors, or the common zeros of all minors, and where each of them is zero.
-    """
+    """Where the Jacobian of a robot loses rank."""
     if robot.n == 1 and robot.inverse.task == POSE:
         return Singularities(Outcome.NEVER, shape=(6, 1), rank=1)
     chosen, stated = style or robot.style, robot.inverse.task

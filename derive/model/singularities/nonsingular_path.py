@@ -15,32 +15,21 @@ import numpy as np
 from derive.inverse.numeric.chain import Array, NumericChain
 
 _NEIGHBOURS = 12
-_STEPS = 48
-"""Places on a straight piece of a path at which it is tried."""
-
+_STEPS = 48  # places on a straight piece of a path at which it is tried
 _HALVINGS = 14
-CLEAR = 1e-7
-"""Of a configuration without a singularity det J is larger than this part of its largest value."""
+CLEAR = 1e-7  # of a configuration without a singularity det J is larger than this part of its largest value
 
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """A path between two solutions of one pose on which the arm is never singular.
+    """A path between two solutions of one pose on which the arm is never singular."""
 
-    Attributes:
-        path: Corners of the path, (k, n); straight pieces lie between them.
-        clearance: The smallest amount of det J on the way, as a part of its largest value anywhere.
-    """
-
-    path: Array
-    clearance: float
+    path: Array  # corners of the path, (k, n); straight pieces lie between them
+    clearance: float  # the smallest amount of det J on the way, as a part of its largest value anywhere
 
 
 class ScaledDeterminant:
     """det J in numbers, of the rows that decide its rank; in parts of its largest value.
-
-    Args:
-        chain: The arm.
 
     Attributes:
         basis: Orthonormal rows of what the joints move; None where they are not as many as the joints.
@@ -61,11 +50,7 @@ class ScaledDeterminant:
                 return
 
     def __call__(self, q: Array) -> Array:
-        """Its value.
-
-        Args:
-            q: (..., n) configurations.
-        """
+        """Its value."""
         basis = np.eye(6) if self.basis is None else self.basis
         found: Array = np.linalg.det(basis.T @ self._columns(q)) / self._scale
         return found
@@ -85,13 +70,7 @@ class ScaledDeterminant:
 
 
 def random_configurations(chain: NumericChain, count: int, seed: int) -> Array:
-    """Configurations of an arm without joint limits, (count, n): slides by as much as the arm reaches.
-
-    Args:
-        chain: The arm.
-        count: How many.
-        seed: Of the random numbers.
-    """
+    """Configurations of an arm without joint limits, (count, n): slides by as much as the arm reaches."""
     most = np.where(chain.revolute, math.pi, chain.reach)
     return np.random.default_rng(seed).uniform(-most, most, (count, chain.n))
 
@@ -100,10 +79,7 @@ class Roadmap:
     """Straight pieces between random configurations on which det J is not zero (a probabilistic roadmap).
 
     Args:
-        chain: The arm.
-        determinant: det J.
         places: Configurations with the same signs of all factors, (k, n).
-        active: The joints that change det J.
     """
 
     def __init__(
@@ -137,12 +113,7 @@ class Roadmap:
         return np.where(same, np.abs(values).min(axis=0, initial=np.inf), 0.0)
 
     def path(self, start: Array, end: Array) -> Crossing | None:
-        """The path that stays clearest of singularities.
-
-        Args:
-            start: A configuration.
-            end: Another one with the same signs.
-        """
+        """The path that stays clearest of singularities."""
         places = np.concatenate([self._places, start[None], end[None]])
         pairs, clear = list(self._pairs), list(self._clear)
         for own, near in zip((len(places) - 2, len(places) - 1), self._near(places[-2:]), strict=True):

@@ -25,25 +25,17 @@ from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.model.singularities.real_zeros import RealZeros
 
 Rows = Sequence[Sequence[Polynomial]]
-Equation = Mapping[str, Factor]
-"""The factors of a minor by their keys: it is zero where one of them is."""
-
+Equation = Mapping[str, Factor]  # the factors of a minor by their keys: it is zero where one of them is
 MAX_MINORS = 200
-MAX_STEPS = 400
-"""Choices of factors that are followed."""
+MAX_STEPS = 400  # choices of factors that are followed
 
 
 @dataclass(frozen=True)
 class Zero:
-    """A factor that is zero.
+    """A factor that is zero."""
 
-    Attributes:
-        factor: The factor.
-        value: Which of its solutions is meant, see `CommonZeros.images`; None for all.
-    """
-
-    factor: Factor
-    value: int | None = None
+    factor: Factor  # the factor
+    value: int | None = None  # which of its solutions is meant, see `CommonZeros.images`; None for all
 
     @property
     def key(self) -> tuple[str, int | None]:
@@ -51,37 +43,21 @@ class Zero:
         return _key(self.factor), self.value
 
 
-Family = tuple[Zero, ...]
-"""Factors that are zero together."""
+Family = tuple[Zero, ...]  # factors that are zero together
 
 
 @dataclass(frozen=True)
 class RankLoss:
-    """Where a matrix has less than its usual rank.
+    """Where a matrix has less than its usual rank."""
 
-    Attributes:
-        rank: The usual rank.
-        families: The rank is less where all factors of one of these are zero.
-        complete: Whether it is less nowhere else.
-        unless: Polynomials without a number that do not move and are taken not to be zero.
-    """
-
-    rank: int
-    families: tuple[Family, ...]
-    complete: bool
-    unless: tuple[Polynomial, ...]
+    rank: int  # the usual rank
+    families: tuple[Family, ...]  # the rank is less where all factors of one of these are zero
+    complete: bool  # whether it is less nowhere else
+    unless: tuple[Polynomial, ...]  # polynomials without a number that do not move and are taken not to be zero
 
 
 def rank_loss(domain: PolynomialDomain, matrices: Iterable[Rows]) -> RankLoss:
-    """Where the rank of a matrix falls.
-
-    Args:
-        domain: Of its entries.
-        matrices: The matrix in several axes, of which the one is taken that gets shortest.
-
-    Raises:
-        TooManyTerms: Its entries are too long.
-    """
+    """Where the rank of a matrix falls."""
     solver = CommonZeros(domain)
     found = []
     for rows in matrices:
@@ -106,9 +82,6 @@ def _key(factor: Factor) -> str:
 
 class CommonZeros:
     """Solves systems of products.
-
-    Args:
-        domain: Of the polynomials.
 
     Attributes:
         complete: Whether every common zero lies in the families that were given out.

@@ -21,27 +21,18 @@ from derive.robot.names import number_of
 
 Array = npt.NDArray[np.float64]
 
+# The number of each term, and its exponents of the generators without a number.
 _Terms = Sequence[tuple[float, dict[int, int]]]
-"""The number of each term, and its exponents of the generators without a number."""
-
 _MOVING = (Kind.SINE, Kind.COSINE, Kind.VARIABLE)
-_ZERO = 1e-12
-"""Sums below this part of their terms are zero in the numbers of a file."""
-
+_ZERO = 1e-12  # sums below this part of their terms are zero in the numbers of a file
 _SAMPLES = 2000
-_CELLS = 16
-"""Along each angle, at first; those in which a zero is not excluded are halved."""
-
+_CELLS = 16  # along each angle, at first; those in which a zero is not excluded are halved
 _MOST_CELLS = 60_000
 _MOST_ANGLES = 2
 
 
 class RealZeros:
-    """Judges the polynomials of one domain, with the numbers that the file has.
-
-    Args:
-        domain: The domain.
-    """
+    """Judges the polynomials of one domain, with the numbers that the file has."""
 
     def __init__(self, domain: PolynomialDomain) -> None:
         self.domain, numbers = domain, {name: to_float(e, {}) for name, e in number_of(domain.robot).items()}

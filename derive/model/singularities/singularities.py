@@ -17,57 +17,34 @@ Write = Callable[[Any], str]
 
 
 class Outcome(StrEnum):
-    """What was found.
+    """What was found."""
 
-    Attributes:
-        FOUND: The rank is less than usual where a condition holds.
-        NEVER: The rank is the same in every configuration.
-        EVERYWHERE: The rank is less than the numbers of rows and columns in every configuration.
-        UNSOLVED: No closed form was found of where the rank is less than usual.
-    """
-
-    FOUND = "found"
-    NEVER = "never"
-    EVERYWHERE = "everywhere"
-    UNSOLVED = "no closed form"
+    FOUND = "found"  # the rank is less than usual where a condition holds
+    NEVER = "never"  # the rank is the same in every configuration
+    EVERYWHERE = "everywhere"  # the rank is less than the numbers of rows and columns in every configuration
+    UNSOLVED = "no closed form"  # no closed form was found of where the rank is less than usual
 
 
 @dataclass(frozen=True)
 class JacobianBlock:
-    """A square block of J.
+    """A square block of J."""
 
-    Attributes:
-        name: ``J``, or ``J_11`` and ``J_22`` where J is block triangular about the wrist centre.
-        rows: Its rows of J, from 1.
-        columns: Its columns of J, from 1.
-        reference: The point and the axes that J is taken about and in.
-        others_are_zero: Whether the rows of J that are left out are zero everywhere.
-        matrix: The block.
-    """
-
-    name: str
-    rows: tuple[int, ...]
-    columns: tuple[int, ...]
-    reference: Reference
-    others_are_zero: bool
-    matrix: Matrix
+    name: str  # ``J``, or ``J_11`` and ``J_22`` where J is block triangular about the wrist centre
+    rows: tuple[int, ...]  # its rows of J, from 1
+    columns: tuple[int, ...]  # its columns of J, from 1
+    reference: Reference  # the point and the axes that J is taken about and in
+    others_are_zero: bool  # whether the rows of J that are left out are zero everywhere
+    matrix: Matrix  # the block
 
 
 @dataclass(frozen=True)
 class SingularFactor:
-    """A factor of the determinant.
+    """A factor of the determinant."""
 
-    Attributes:
-        expression: The factor.
-        exponent: Its power.
-        condition: Where it is zero; None if it does not move with the arm, or is never zero.
-        moves: Whether it changes with the arm.
-    """
-
-    expression: Expr
-    exponent: int
-    condition: Condition | None
-    moves: bool = True
+    expression: Expr  # the factor
+    exponent: int  # its power
+    condition: Condition | None  # where it is zero; None if it does not move with the arm, or is never zero
+    moves: bool = True  # whether it changes with the arm
 
 
 @dataclass(frozen=True)
@@ -124,11 +101,7 @@ class Singularities:
         return (*([] if self.determinant is None else [self.determinant]), *values, *self.unless)
 
     def latex_lines(self, write: Callable[[Expr], str] = sympy.latex) -> list[str]:
-        """The determinant, and where the rank is less, aligned for mathematics mode.
-
-        Args:
-            write: Writes an expression.
-        """
+        """The determinant, and where the rank is less, aligned for mathematics mode."""
         of = "\\mathbf{J}'" if self.task else "\\mathbf{J}"  # as in the handout
         determinant = [f"\\det {of} = {write(self.determinant)}"] if self.blocks else []
         body = (f"  & {line} \\\\" for line in (*determinant, *statement(self, write, latex=True)))
@@ -139,13 +112,7 @@ class Singularities:
 
 
 def statement(found: Singularities, write: Write, *, latex: bool = False) -> Iterator[str]:
-    """What decides, where the rank is less, and whether that is all.
-
-    Args:
-        found: The singularities.
-        write: Writes an expression.
-        latex: Whether it is for mathematics mode.
-    """
+    """What decides, where the rank is less, and whether that is all."""
 
     def words(text: str) -> str:
         return f"\\text{{{text}}}" if latex else text

@@ -15,56 +15,28 @@ from derive.plans.profile import AnyPiece, Cosine, Curve
 
 _U = Symbol("u", real=True)
 
-_KEPT = 256
-"""Peaks that are kept: joints of one motion often move alike, and a table asks for the same ones again."""
-
-_SAMPLES = 2001
-"""Times at which formulas are looked at."""
-
-_WITHIN = 17
-"""Times within a bracket at which functions are looked at, again and again in an eighth of it."""
-
-_ROUNDS = 5
-"""How often."""
-
-MORE = 1e-12
-"""What is larger between two times by less, relative to it, is not told from what it is at them."""
-
+_KEPT = 256  # peaks that are kept: joints of one motion often move alike, and a table asks for the same ones again
+_SAMPLES = 2001  # times at which formulas are looked at
+_WITHIN = 17  # times within a bracket at which functions are looked at, again and again in an eighth of it
+_ROUNDS = 5  # how often
+MORE = 1e-12  # what is larger between two times by less, relative to it, is not told from what it is at them
+# Places of a polynomial of floats at which it is looked at before its extremes are computed.
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""Places of a polynomial of floats at which it is looked at before its extremes are computed."""
-
-_SAME = 1e-9
-"""Values that differ by less, relative to themselves, are one; the earliest counts."""
-
-_NEAR = 0.8
-"""Of the largest value: what a polynomial has to reach at these places for its extremes to be computed."""
+_SAME = 1e-9  # values that differ by less, relative to themselves, are one; the earliest counts
+_NEAR = 0.8  # of the largest value: what a polynomial has to reach at these places for its extremes to be computed
 
 
 @dataclass(frozen=True, slots=True)
 class Peak:
-    """The largest magnitude of a derivative of one joint.
+    """The largest magnitude of a derivative of one joint."""
 
-    Attributes:
-        value: With its sign [rad/s, m/s, rad/s^2 or m/s^2].
-        time: When [s]; the earliest of equal ones.
-        is_exact: Whether both are exact; a `Float` otherwise.
-    """
-
-    value: Expr
-    time: Expr
-    is_exact: bool
+    value: Expr  # with its sign [rad/s, m/s, rad/s^2 or m/s^2]
+    time: Expr  # when [s]; the earliest of equal ones
+    is_exact: bool  # whether both are exact; a `Float` otherwise
 
 
 def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
-    """Where a derivative of a joint is largest in magnitude.
-
-    Args:
-        pieces: Of one joint.
-        order: 1 for the velocity, 2 for the acceleration.
-
-    Returns:
-        The peak; zero at the start where nothing moves.
-    """
+    """Where a derivative of a joint is largest in magnitude."""
     if any(isinstance(piece, Piece) and not piece.is_exact for piece in pieces):
         return numeric_peak(pieces, order)
     return _exact_peak(pieces, order)
@@ -82,15 +54,7 @@ def _exact_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
 
 
 def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
-    """Where a derivative of a joint that moves by polynomials is largest in magnitude, in floats.
-
-    Args:
-        pieces: Of one joint.
-        order: 1 for the velocity, 2 for the acceleration.
-
-    Returns:
-        The peak; zero at the start where nothing moves.
-    """
+    """Where a derivative of a joint that moves by polynomials is largest in magnitude, in floats."""
     polynomials = [piece for piece in pieces if isinstance(piece, Piece)]
     numbers = [np.array([float(value) for end in piece.values for value in end]) for piece in polynomials]
     lengths = np.array([float(piece.duration) for piece in polynomials])
@@ -117,8 +81,6 @@ def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tupl
 
     Args:
         function: A row of times for each of them, (k, places), to their values there, (k, places).
-        low: From when, (k,).
-        high: Until when, (k,).
 
     Returns:
         When, and how large, (k,) each; the latter is right to rounding where the function is smooth.
@@ -136,7 +98,6 @@ def highest(function: Callable[[Array], Array], times: Array, values: Array) -> 
     """When each of several functions of time is largest, also between the times at which they are known.
 
     Args:
-        function: All of them, (...) to (..., n).
         times: At which they are known, ascending, (k,).
         values: What they are then, (k, n).
 
@@ -196,8 +157,7 @@ def _monic(polynomial: Poly) -> tuple[Expr, Poly]:
     return leading, Poly(ratios, _U, domain=QQ if all(ratio.is_Rational for ratio in ratios) else "EX")
 
 
-_Place = tuple[Expr, Expr, bool]
-"""A place, the value of a polynomial there, and whether both are exact."""
+_Place = tuple[Expr, Expr, bool]  # a place, the value of a polynomial there, and whether both are exact
 
 
 def _at(polynomial: Poly, place: Expr, factor: Poly | None = None) -> _Place:

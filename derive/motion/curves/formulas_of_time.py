@@ -13,11 +13,9 @@ from derive.motion.curves.extremes import refined
 from derive.plans.hermite import TIME
 from derive.plans.profile import Curve
 
+# Times at which parts of a formula are looked at; zeros between two of them are found by the change of sign.
 PLACES = 4001
-"""Times at which parts of a formula are looked at; zeros between two of them are found by the change of sign."""
-
-NOTHING = 1e-12
-"""Relative to the largest value: what is smaller is zero."""
+NOTHING = 1e-12  # relative to the largest value: what is smaller is zero
 
 
 def followed(formula: Expr, duration: float) -> Expr:
@@ -27,14 +25,7 @@ def followed(formula: Expr, duration: float) -> Expr:
     one-sided at both ends.
 
     Args:
-        formula: In the symbol `TIME`.
         duration: How long it lasts from 0 on [s].
-
-    Returns:
-        The formula, without magnitudes.
-
-    Raises:
-        QuantityError: It, its velocity or its acceleration has no finite value at some time, or its velocity jumps.
     """
     times = np.linspace(0.0, duration, PLACES)
     for magnitude in sorted(formula.atoms(Abs), key=lambda node: node.count_ops()):

@@ -14,29 +14,19 @@ from derive.arrays import Array
 from derive.plans.hermite import Piece
 from derive.plans.profile import CRUISE, ZERO
 
-MOST_CRUISE = Rational(2)
-"""Speed of a trapezoid without a part of constant speed, as a multiple of distance by time."""
-
+MOST_CRUISE = Rational(2)  # speed of a trapezoid without a part of constant speed, as a multiple of distance by time
+# Times that are found by numbers are rounded up to one of these in a second, so that what follows stays exact.
 MICROSECONDS = 10**6
-"""Times that are found by numbers are rounded up to one of these in a second, so that what follows stays exact."""
-
-Bound = tuple[Expr | None, ...]
-"""The largest value of something of each joint; None where nothing limits it."""
+Bound = tuple[Expr | None, ...]  # the largest value of something of each joint; None where nothing limits it
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The largest magnitudes that a motion may have.
+    """The largest magnitudes that a motion may have."""
 
-    Attributes:
-        speed: [rad/s or m/s].
-        acceleration: [rad/s^2 or m/s^2].
-        torque: [N m or N].
-    """
-
-    speed: Bound
-    acceleration: Bound
-    torque: Bound
+    speed: Bound  # [rad/s or m/s]
+    acceleration: Bound  # [rad/s^2 or m/s^2]
+    torque: Bound  # [N m or N]
 
     def numbers(self) -> tuple[Array, Array, Array]:
         """All of them in floats, infinite where nothing limits, (n,) each."""
@@ -50,10 +40,6 @@ class Limits:
         """By how much a motion must be longer so that it keeps to speed and acceleration.
 
         In a time that is f times as long speeds are 1/f, accelerations 1/f^2 of what they were.
-
-        Args:
-            speeds: Largest magnitude of each joint.
-            accelerations: Largest magnitude of each joint.
 
         Returns:
             The factor, also below one; zero where nothing moves; None where nothing limits what moves.
@@ -74,13 +60,6 @@ class Limits:
 
         At speed V and acceleration A a way D takes T = D/V + V/A, so that V T/D = 1 + V^2/(A D); where that is above
         two the joint never gets to V, and T = 2 sqrt(D/A).
-
-        Args:
-            joint: Index of the joint.
-            way: D, positive.
-
-        Returns:
-            Above one, two at most; the usual one where nothing limits the acceleration.
         """
         speed, acceleration = self.speed[joint], self.acceleration[joint]
         if acceleration is None:
@@ -90,34 +69,19 @@ class Limits:
 
 
 def trapezoid_peaks(cruise: Expr) -> tuple[Expr, Expr]:
-    """Speed and acceleration of a trapezoid from 0 to 1 in one second.
-
-    Args:
-        cruise: Its speed, above one, two at most.
-    """
+    """Speed and acceleration of a trapezoid from 0 to 1 in one second."""
     return cruise, cruise**2 / (cruise - 1)
 
 
 def proportions(needed: Sequence[float]) -> tuple[Expr, ...]:
-    """Times of segments that are passed without a stop, before they are stretched together.
-
-    Args:
-        needed: Time that each would take alone.
-
-    Returns:
-        Short fractions near these, the longest 1.
-    """
+    """Times of segments that are passed without a stop, before they are stretched together."""
     longest = max(needed) or 1.0
     shares = (Fraction(max(value / longest, 0.01)).limit_denominator(100) for value in needed)
     return tuple(Rational(share.numerator, share.denominator) for share in shares)
 
 
 def rounded_up(seconds: float) -> Rational:
-    """The next microsecond.
-
-    Args:
-        seconds: [s].
-    """
+    """The next microsecond."""
     return Rational(ceil(seconds * MICROSECONDS * (1 + 1e-12)), MICROSECONDS)
 
 
@@ -125,9 +89,7 @@ def placed(piece: Piece, start: Expr, factor: Expr) -> Piece:
     """A piece that is slower and later.
 
     Args:
-        piece: One that begins after time 0.
         start: When time 0 shall be [s].
-        factor: By how much it shall take longer.
     """
     if isinstance(piece.duration, float):
         if factor == 1 and start == 0:

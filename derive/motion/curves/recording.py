@@ -17,14 +17,10 @@ from derive.robot.load import file_bytes
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
-ROWS = 200_000
-"""Most rows of a file."""
-
-BYTES = 100_000_000
-"""Most bytes of a file."""
-
+ROWS = 200_000  # most rows of a file
+BYTES = 100_000_000  # most bytes of a file
+# Units that a column may name after its variable, ``q1 [deg]``; without one it is rad or m.
 UNITS = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
-"""Units that a column may name after its variable, ``q1 [deg]``; without one it is rad or m."""
 
 
 def read_recording(path: Path, robot: Robot) -> Trajectory:
@@ -32,16 +28,6 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
 
     Between the rows it is the cubic spline; with velocities of all joints in the file it is cubic polynomials that have
     them, with accelerations, too, quintic ones.
-
-    Args:
-        path: The file.
-        robot: Whose joints they are.
-
-    Returns:
-        The motion; it begins with the first row at t = 0.
-
-    Raises:
-        RobotFileError: No such file, a column is missing, a cell is no number, or times do not ascend.
     """
     source = str(path)
     try:

@@ -15,33 +15,21 @@ from derive.motion.curves.extremes import Peak, peak
 from derive.plans.hermite import TIME, Piece, power_coefficients, sampled
 from derive.plans.profile import ZERO, AnyPiece, Cosine, Curve
 
-Joints = tuple[tuple[AnyPiece, ...], ...]
-"""The pieces of each joint."""
-
-Corner = tuple[Expr, ...]
-"""Joint variables at a point."""
-
+Joints = tuple[tuple[AnyPiece, ...], ...]  # the pieces of each joint
+Corner = tuple[Expr, ...]  # joint variables at a point
 ONE = Integer(1)
 
-JUMP = 1e-6
-"""Of the largest acceleration of a joint: what is a jump, and no rounding."""
+JUMP = 1e-6  # of the largest acceleration of a joint: what is a jump, and no rounding
 
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """The way from one point to the next.
+    """The way from one point to the next."""
 
-    Attributes:
-        name: ``rest -> A``.
-        start: When it begins [s].
-        duration: How long it takes [s].
-        joints: The pieces of each joint.
-    """
-
-    name: str
-    start: Expr
-    duration: Expr
-    joints: Joints
+    name: str  # ``rest -> A``
+    start: Expr  # when it begins [s]
+    duration: Expr  # how long it takes [s]
+    joints: Joints  # the pieces of each joint
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -49,23 +37,15 @@ class Segment:
         return tuple(sorted({float(piece.start) for pieces in self.joints for piece in pieces[1:]}))
 
     def peaks(self, order: int) -> tuple[Peak, ...]:
-        """The largest velocity or acceleration of each joint.
-
-        Args:
-            order: 1 for the velocity, 2 for the acceleration.
-        """
+        """The largest velocity or acceleration of each joint."""
         return tuple(peak(pieces, order) for pieces in self.joints)
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Joint variables as functions of time.
+    """Joint variables as functions of time."""
 
-    Attributes:
-        segments: One after the other.
-    """
-
-    segments: tuple[Segment, ...]
+    segments: tuple[Segment, ...]  # one after the other
 
     @property
     def duration(self) -> Expr:
@@ -77,14 +57,7 @@ class Trajectory:
         return np.array([float(segment.start) for segment in self.segments])
 
     def segment_at(self, times: Array) -> Indices:
-        """Which segment the arm is in.
-
-        Args:
-            times: [s], (...).
-
-        Returns:
-            Indices, (...); at the end of one it is in the next.
-        """
+        """Which segment the arm is in."""
         found = np.searchsorted(self._starts, times, side="right") - 1
         return np.asarray(np.clip(found, 0, len(self.segments) - 1))
 
@@ -165,11 +138,7 @@ class _Track:
         return found
 
     def at(self, t: float) -> tuple[float, float, float]:
-        """Position, velocity, acceleration at one time, without the cost of arrays.
-
-        Args:
-            t: [s].
-        """
+        """Position, velocity, acceleration at one time, without the cost of arrays."""
         index = max(bisect_right(self._start_list, t) - 1, 0)
         if self.kinds[index] <= 0 or not self._start_list[0] <= t <= self.end:
             q, qd, qdd = self(np.array([t]))[:, 0]
@@ -220,11 +189,7 @@ def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
     """Joint variables by formulas of time.
 
     Args:
-        formulas: One a joint, in the symbol `TIME`.
         duration: How long they last [s].
-
-    Returns:
-        The trajectory, of one segment.
     """
     pieces = []
     for formula in formulas:

@@ -13,39 +13,24 @@ from derive.plans.plan import Plan
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
 
-ROUNDING = 1e-9
-"""What exceeds a limit by less, relative to it, does not exceed it."""
-
-Bound = tuple[Array, Array]
-"""Lowest and highest values, (n,) each."""
-
-Function = Callable[[Array], Array]
-"""Values at times, (...) to (..., n)."""
-
+ROUNDING = 1e-9  # what exceeds a limit by less, relative to it, does not exceed it
+Bound = tuple[Array, Array]  # lowest and highest values, (n,) each
+Function = Callable[[Array], Array]  # values at times, (...) to (..., n)
+# A motion comes near a limit that is closer than this part of half the way between both limits, or of the only one.
 NEAR = 0.35
-"""A motion comes near a limit that is closer than this part of half the way between both limits, or of the only one."""
-
+# By `position`, `speed`, `acceleration`, `torque` the lowest and highest values, (n,) each, or infinite.
 Bounds = Mapping[str, Bound]
-"""By `position`, `speed`, `acceleration`, `torque` the lowest and highest values, (n,) each, or infinite."""
 
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A limit of the robot or the plan that a motion exceeds.
+    """A limit of the robot or the plan that a motion exceeds."""
 
-    Attributes:
-        joint: Index of the joint.
-        what: ``position``, ``speed``, ``acceleration`` or ``torque``.
-        time: When it is exceeded most [s].
-        value: What it is then [rad or m, per s, per s^2, N m or N].
-        limit: What is allowed.
-    """
-
-    joint: int
-    what: str
-    time: float
-    value: float
-    limit: float
+    joint: int  # index of the joint
+    what: str  # ``position``, ``speed``, ``acceleration`` or ``torque``
+    time: float  # when it is exceeded most [s]
+    value: float  # what it is then [rad or m, per s, per s^2, N m or N]
+    limit: float  # what is allowed
 
     @property
     def excess(self) -> float:
@@ -54,15 +39,7 @@ class Violation:
 
 
 def bounds_of(plan: Plan, values: Mapping[str, float]) -> Bounds:
-    """What robot and plan allow.
-
-    Args:
-        plan: The plan.
-        values: Numbers of symbols; a limit with another symbol does not limit.
-
-    Returns:
-        Of position, speed, acceleration and torque.
-    """
+    """What robot and plan allow."""
     joints = plan.robot.joints
 
     def _least(*rows: Sequence[Expression | None]) -> Array:
@@ -96,8 +73,6 @@ def exceeded(
     Args:
         times: Of the rows [s], (rows,).
         values: What is compared, by the names of the bounds, (rows, n) each.
-        bounds: What is allowed.
-        functions: The same at any times, (...) to (..., n), where what lies between the rows counts, too.
     """
     found = []
     for what, rows in values.items():
@@ -130,11 +105,7 @@ def nearby(values: Mapping[str, Array], bounds: Bounds, kinds: Array) -> Bounds:
 
     Args:
         values: What is compared, by the names of the bounds, (rows, n) each.
-        bounds: What is allowed.
         kinds: Of each joint whether it turns, (n,): angles and slides have plots of their own.
-
-    Returns:
-        The bounds of these names, infinite where a limit is not near.
     """
     found = {}
     for what, rows in values.items():

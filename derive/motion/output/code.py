@@ -37,15 +37,9 @@ from derive.version import __version__
 
 FILES = HEADER, CODE, MODULE = "motion.h", "motion.c", "motion_casadi.py"
 
-TIMES = 200
-"""Random times at which generated code is compared with Python, beside all at which a piece begins or ends."""
-
-LONG = 2000
-"""Pieces from which on CasADi looks them up in a table, on MX, instead of choosing among them on SX."""
-
-MOST = 100_000
-"""Most pieces; the code of more has tens of megabytes."""
-
+TIMES = 200  # random times at which generated code is compared with Python, beside all at which a piece begins or ends
+LONG = 2000  # pieces from which on CasADi looks them up in a table, on MX, instead of choosing among them on SX
+MOST = 100_000  # most pieces; the code of more has tens of megabytes
 _C = with_names(C, C_NAMES)
 
 _CASADI_NAMES = {op: f"casadi.{name}" for op, name in {**FUNCTION_NAMES, **BRANCHING_NAMES}.items()} | {
@@ -60,32 +54,18 @@ _CASADI = with_names(PYTHON, _CASADI_NAMES)
 
 @dataclass(frozen=True, slots=True)
 class VerifiedCode:
-    """The files, and how far their values are from Python's.
+    """The files, and how far their values are from Python's."""
 
-    Attributes:
-        files: Contents by name.
-        worst: Largest relative error of position, velocity and acceleration.
-        left_out: Files that were not verified since there is no C compiler.
-    """
-
-    files: Mapping[str, bytes]
-    worst: float
-    left_out: tuple[str, ...]
+    files: Mapping[str, bytes]  # contents by name
+    worst: float  # largest relative error of position, velocity and acceleration
+    left_out: tuple[str, ...]  # files that were not verified since there is no C compiler
 
 
 def verified_code(motion: Motion, name: str | None = None) -> VerifiedCode:
     """Generate the code of a motion and verify it.
 
     Args:
-        motion: The motion.
         name: What stands before ``_motion`` in C; None for the name of the robot.
-
-    Returns:
-        The files that may be written.
-
-    Raises:
-        VerificationError: The code differs from Python's values.
-        QuantityError: More pieces than code can hold.
     """
     code = MotionCode(motion, c_prefix(name or motion.plan.robot.name))
     texts, compiler = code.texts, find_compiler()
@@ -95,15 +75,10 @@ def verified_code(motion: Motion, name: str | None = None) -> VerifiedCode:
 
 @dataclass(frozen=True)
 class MotionCode:
-    """The code of a motion.
+    """The code of a motion."""
 
-    Attributes:
-        motion: The motion.
-        prefix: How its names begin in C.
-    """
-
-    motion: Motion
-    prefix: str
+    motion: Motion  # the motion
+    prefix: str  # how its names begin in C
 
     @cached_property
     def texts(self) -> dict[str, str]:
@@ -184,29 +159,16 @@ class MotionCode:
 
 @dataclass(frozen=True, slots=True)
 class _Joint:
-    """The pieces of a joint as texts.
+    """The pieces of a joint as texts."""
 
-    Attributes:
-        variable: Its name.
-        kinds: Places of their kernels, in lines.
-        rows: Their numbers.
-        pairs: Kernel and numbers of each, in Python.
-    """
-
-    variable: str
-    kinds: tuple[str, ...]
-    rows: tuple[str, ...]
-    pairs: tuple[str, ...]
+    variable: str  # its name
+    kinds: tuple[str, ...]  # places of their kernels, in lines
+    rows: tuple[str, ...]  # their numbers
+    pairs: tuple[str, ...]  # kernel and numbers of each, in Python
 
     @classmethod
     def of(cls, variable: str, pieces: Sequence[AnyPiece], places: Mapping[str, int]) -> _Joint:
-        """The texts of some pieces.
-
-        Args:
-            variable: Name of the joint.
-            pieces: Its pieces.
-            places: Of the kernels by name.
-        """
+        """The texts of some pieces."""
         kinds = [places[kernel_name(piece, variable)] for piece in pieces]
         rows = [", ".join(map(repr, row_of(piece))) for piece in pieces]
         pairs = tuple(f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True))
@@ -217,16 +179,7 @@ def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler:
     """Compare generated code with the motion at random times, at all ends of pieces, before and after.
 
     Args:
-        motion: The motion.
-        texts: The files by name.
-        prefix: How names begin in C.
         compiler: The C compiler; None where there is none, and C is left out.
-
-    Returns:
-        The largest relative error.
-
-    Raises:
-        VerificationError: A value differs by more than 1e-9.
     """
     times = _times(motion)
     expected = np.array(motion(times))
@@ -263,14 +216,7 @@ def _times(motion: Motion) -> Array:
 
 
 def module_of(folder: Path) -> ModuleType:
-    """The module ``motion_casadi.py`` of a folder.
-
-    Args:
-        folder: Where it is.
-
-    Returns:
-        The module, imported under no name that others would find.
-    """
+    """The module ``motion_casadi.py`` of a folder."""
     spec = spec_from_file_location("derive_motion_casadi", folder / MODULE)
     assert spec is not None
     assert spec.loader is not None

@@ -29,33 +29,17 @@ from derive.motion.simulation.simulation import Run
 
 SUFFIXES = (".gif", ".mp4")
 
-RATE = 20
-"""Frames per second."""
-
-MOST_FRAMES = 1500
-"""Of a film; a motion of more than a minute is shown faster than it is."""
-
-WIDTH, HEIGHT = 480, 360
-"""Of a frame [pixels]; even, as MP4 wants."""
-
-FINE = 2
-"""Frames are drawn so many times larger and made smaller, which makes their edges smooth."""
-
-MARGIN = 46
-"""Around everything that the arm reaches in the film, room for joints and hand [pixels]."""
-
-COLORS = 96
-"""Of a GIF, the same in all its frames."""
-
+RATE = 20  # frames per second
+MOST_FRAMES = 1500  # of a film; a motion of more than a minute is shown faster than it is
+WIDTH, HEIGHT = 480, 360  # of a frame [pixels]; even, as MP4 wants
+FINE = 2  # frames are drawn so many times larger and made smaller, which makes their edges smooth
+MARGIN = 46  # around everything that the arm reaches in the film, room for joints and hand [pixels]
+COLORS = 96  # of a GIF, the same in all its frames
 _GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
 
 
 def require_pillow() -> Any:
-    """The module PIL.
-
-    Raises:
-        TargetError: It is not installed.
-    """
+    """The module PIL."""
     if find_spec("PIL") is None:
         raise TargetError("films need Pillow, which is not installed", remedy=install_extra("motion"))
     import PIL
@@ -64,11 +48,7 @@ def require_pillow() -> Any:
 
 
 def ffmpeg() -> str:
-    """The path of ffmpeg: of the system, or that of the package imageio-ffmpeg.
-
-    Raises:
-        TargetError: There is none.
-    """
+    """The path of ffmpeg: of the system, or that of the package imageio-ffmpeg."""
     if found := shutil.which("ffmpeg"):
         return found
     if find_spec("imageio_ffmpeg") is not None:
@@ -81,15 +61,10 @@ def ffmpeg() -> str:
 
 @dataclass(frozen=True)
 class Film:
-    """A motion in pictures.
+    """A motion in pictures."""
 
-    Attributes:
-        motion: The motion.
-        run: A simulation of it, which is shown instead; the way that is wanted is faint.
-    """
-
-    motion: Motion
-    run: Run | None = None
+    motion: Motion  # the motion
+    run: Run | None = None  # a simulation of it, which is shown instead; the way that is wanted is faint
 
     @property
     def pace(self) -> int:
@@ -154,11 +129,7 @@ class Film:
         return next(s.name for s in reversed(segments) if float(s.start) <= time + 1e-9)
 
     def gif(self) -> bytes:
-        """The film as GIF, which repeats itself.
-
-        Raises:
-            TargetError: Pillow is not installed.
-        """
+        """The film as GIF, which repeats itself."""
         frames = list(self.frames())
         palette = frames[-1].quantize(COLORS)
         first, *others = (frame.quantize(palette=palette, dither=0) for frame in frames)
@@ -167,12 +138,7 @@ class Film:
         return file.getvalue()
 
     def mp4(self) -> bytes:
-        """The film as MP4.
-
-        Raises:
-            TargetError: Pillow or ffmpeg is not installed.
-            OutputError: ffmpeg refused.
-        """
+        """The film as MP4."""
         program = ffmpeg()
         raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{WIDTH}x{HEIGHT}", "-r", str(RATE), "-i", "-"]
         plain = ["-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-threads", "1"]
@@ -200,12 +166,7 @@ class _Stage:
     wanted: Array
 
     def draw(self, pen: Any, k: int) -> None:
-        """One frame.
-
-        Args:
-            pen: An ``ImageDraw``.
-            k: Which one, from 0.
-        """
+        """One frame."""
         right, up = self.middle * self.scale
         page = FINE * np.array(((1.0, 0.0, WIDTH / 2 - right), (0.0, -1.0, HEIGHT / 2 + up)))
         lines = (self.trace, self.wanted)

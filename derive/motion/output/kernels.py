@@ -30,12 +30,8 @@ from derive.programs.tape.value import Value
 from derive.targets.kernel import Language, temporary_names, write_statements
 from derive.targets.kernel import Piece as Text
 
-CLOCK, ROW = "t", "row"
-"""Arguments of a tape: the time [s], and the numbers of a piece."""
-
-NAMES = {2: "cubic", 3: "quintic", 4: "septic"}
-"""Polynomials by the number of values at each end."""
-
+CLOCK, ROW = "t", "row"  # arguments of a tape: the time [s], and the numbers of a piece
+NAMES = {2: "cubic", 3: "quintic", 4: "septic"}  # polynomials by the number of values at each end
 HARMONIC = "harmonic"
 
 _FUNCTIONS: dict[type[Expr], Callable[..., Value]] = {
@@ -52,22 +48,13 @@ _FUNCTIONS: dict[type[Expr], Callable[..., Value]] = {
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """How one kind of piece is computed.
+    """How one kind of piece is computed."""
 
-    Attributes:
-        name: For instance ``quintic``, or ``curve_q1``.
-        tape: Its outputs are position, velocity and acceleration.
-    """
-
-    name: str
-    tape: Tape
+    name: str  # for instance ``quintic``, or ``curve_q1``
+    tape: Tape  # its outputs are position, velocity and acceleration
 
     def written(self, language: Language) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Its statements and results, with ``t``, ``row[0]``, ... for the arguments.
-
-        Args:
-            language: How they are written.
-        """
+        """Its statements and results, with ``t``, ``row[0]``, ... for the arguments."""
         texts: dict[int, Text] = {}
         for i, node in enumerate(self.tape.nodes):
             if node.op is Op.CONSTANT:
@@ -87,27 +74,14 @@ class Kernel:
 
 
 def kernel_name(piece: AnyPiece, joint: str) -> str:
-    """The kernel of a piece.
-
-    Args:
-        piece: Of a joint.
-        joint: Its variable, to which a formula belongs.
-    """
+    """The kernel of a piece."""
     if isinstance(piece, Piece):
         return NAMES[piece.k]
     return HARMONIC if isinstance(piece, Cosine) else f"curve_{joint}"
 
 
 def kernel_of(piece: AnyPiece, joint: str) -> Kernel:
-    """How a piece is computed, and all others of its kind.
-
-    Args:
-        piece: Of a joint.
-        joint: Its variable, to which a formula belongs.
-
-    Raises:
-        QuantityError: A formula has a function that no generated code has.
-    """
+    """How a piece is computed, and all others of its kind."""
     graph = Graph()
     if isinstance(piece, Piece):
         outputs = _hermite(graph, piece.k)
@@ -119,14 +93,7 @@ def kernel_of(piece: AnyPiece, joint: str) -> Kernel:
 
 
 def row_of(piece: AnyPiece) -> tuple[float, ...]:
-    """The numbers of a piece as its kernel takes them.
-
-    Args:
-        piece: Of a joint.
-
-    Returns:
-        Start, duration and, but for a formula, the values at its ends.
-    """
+    """The numbers of a piece as its kernel takes them."""
     values = piece.values if isinstance(piece, Piece | Cosine) else ()
     return tuple(map(float, (piece.start, piece.duration, *(value for end in values for value in end))))
 
@@ -206,15 +173,10 @@ def _value(graph: Graph, formula: Expr, clock: Value) -> Value:
     return _FUNCTIONS[formula.func](*(_value(graph, argument, clock) for argument in formula.args))
 
 
+# Functions of <math.h>: one time is no batch for which branches would be too dear.
 C_NAMES = {Op.ARCTANGENT: "atan2", Op.ABSOLUTE: "fabs", Op.MAXIMUM: "fmax", Op.MINIMUM: "fmin"}
-"""Functions of <math.h>: one time is no batch for which branches would be too dear."""
 
 
 def with_names(language: Language, names: dict[Op, str]) -> Language:
-    """A language with other names of functions.
-
-    Args:
-        language: The language.
-        names: What it calls some functions.
-    """
+    """A language with other names of functions."""
     return replace(language, names={**language.names, **names})

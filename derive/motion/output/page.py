@@ -33,27 +33,12 @@ from derive.plans.profile import VALUES
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 
-DRAWN = 361
-"""Times at which curves are drawn on paper."""
-
-PARTS = ("table", "parameters")
-"""What of the robot's own handout stands on the page."""
+DRAWN = 361  # times at which curves are drawn on paper
+PARTS = ("table", "parameters")  # what of the robot's own handout stands on the page
 
 
 def motion_page(motion: Motion, run: Run | None = None) -> str:
-    """The page of a motion.
-
-    Args:
-        motion: The motion; the language is that of its robot's handout.
-        run: A simulation of it, which the arm then plays.
-
-    Returns:
-        HTML that needs no other file.
-
-    Raises:
-        TargetError: There is no such language, or a package for the web page is missing.
-        QuantityError: A symbol of the robot has no number.
-    """
+    """The page of a motion."""
     robot = motion.plan.robot
     context = context_of(robot)
     text = context.text
@@ -65,16 +50,7 @@ def motion_page(motion: Motion, run: Run | None = None) -> str:
 
 
 def motion_figure(motion: Motion, context: Context, run: Run | None = None) -> Viewer:
-    """The arm that plays the motion, with its plots, for a page.
-
-    Args:
-        motion: The motion.
-        context: The handout of its robot.
-        run: A simulation of it, which the arm then plays.
-
-    Returns:
-        The figure.
-    """
+    """The arm that plays the motion, with its plots, for a page."""
     robot = motion.plan.robot
     values = {name: value for name, value, _ in context.poses.assumed} if context.poses else {}
     values |= {name: motion.values[name] for name in motion.plan.values}
@@ -85,19 +61,7 @@ def motion_figure(motion: Motion, context: Context, run: Run | None = None) -> V
 
 
 def motion_sheet(motion: Motion, suffix: str) -> bytes:
-    """The handout's part about a plan as a sheet.
-
-    Args:
-        motion: The motion; the language is that of its robot's handout.
-        suffix: ``.tex`` for LaTeX that stands alone, ``.pdf``.
-
-    Returns:
-        The contents of a file.
-
-    Raises:
-        TargetError: There is no such language.
-        LatexError: LaTeX is missing, or refused the document.
-    """
+    """The handout's part about a plan as a sheet."""
     robot = motion.plan.robot
     context = context_of(robot)
     sections = (plan_part(motion, context, drawn=True), *(section_of(context, name) for name in PARTS))
@@ -108,16 +72,7 @@ def motion_sheet(motion: Motion, suffix: str) -> bytes:
 
 
 def plan_part(motion: Motion, context: Context, *, drawn: bool = False) -> Section:
-    """The handout's part about a plan.
-
-    Args:
-        motion: The motion.
-        context: The handout of its robot.
-        drawn: Whether what the joints do is drawn, too.
-
-    Returns:
-        Its section.
-    """
+    """The handout's part about a plan."""
     segments = tuple(
         PlannedSegment(
             peaks.segment.name,

@@ -12,21 +12,11 @@ from derive.handouts.figure.scene import arm_scene
 from derive.motion.motion import Motion
 from derive.workspace.poses import RobotPoses
 
-TIMES = 9
-"""When is looked whether a base that moves leaves the plane."""
+TIMES = 9  # when is looked whether a base that moves leaves the plane
 
 
 def frames_of(motion: Motion, times: Array, q: Array) -> Array:
-    """Where the frames of the arm are.
-
-    Args:
-        motion: Of any kind; symbols without a number get one to draw.
-        times: When [s], (times,).
-        q: Joint variables then, (times, n).
-
-    Returns:
-        Base frame 0, frames 1 to n and the end effector in the world, (times, n + 2, 4, 4).
-    """
+    """Where the frames of the arm are."""
     robot = motion.plan.robot
     values = (*robot.parameters, *motion.plan.values.items())
     poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
@@ -37,9 +27,6 @@ def frames_of(motion: Motion, times: Array, q: Array) -> Array:
 
 def motion_normal(motion: Motion) -> Array | None:
     """The normal of the plane in which an arm moves.
-
-    Args:
-        motion: Of any kind.
 
     Returns:
         A unit vector; None where it moves in space, by its joints or by its base.

@@ -30,6 +30,7 @@ from derive.plans.points import Payload
 from derive.plans.profile import AnyPiece, Curve
 from derive.targets.kernel import JAVASCRIPT
 
+# What the page calls the operations of formulas.
 OPERATIONS: dict[type[Expr], str] = {
     Add: "add",
     Mul: "multiply",
@@ -42,20 +43,14 @@ OPERATIONS: dict[type[Expr], str] = {
     atan2: "atan2",
     atan: "atan",
 }
-"""What the page calls the operations of formulas."""
-
-SAMPLES = 1001
-"""Times at which the ranges of the joints are looked for."""
-
-
+SAMPLES = 1001  # times at which the ranges of the joints are looked for
 MOST_NUMBERS = 80_000
 """Of a motion on the page, about 1.5 megabytes, half of them where a simulation has the other half.
 
 Of a longer simulation every second row, every third, ...; of a longer motion as many places.
 """
 
-DIGITS = 12
-"""Significant ones of the numbers of a simulation."""
+DIGITS = 12  # significant ones of the numbers of a simulation
 
 
 class _Base(TypedDict, total=False):
@@ -67,15 +62,7 @@ class _Base(TypedDict, total=False):
 
 
 def playback(motion: Motion, run: Run | None = None) -> Playback:
-    """The motion as the page plays it.
-
-    Args:
-        motion: The motion.
-        run: A simulation of it, which is played instead.
-
-    Returns:
-        Its pieces in floats: those from which the motion is computed here, too.
-    """
+    """The motion as the page plays it."""
     trajectory, steps = motion.trajectory, motion.plan.steps
     functions: tuple[str, ...] = ()
     payloads: list[tuple[tuple[int, float], ...]] = []
@@ -189,14 +176,7 @@ def _played(piece: AnyPiece) -> PlayedPiece:
 
 
 def tree(formula: Expr) -> Formula:
-    """A formula of time as lists of operations and their operands.
-
-    Args:
-        formula: In the symbol `TIME`, in what the grammar of cells and its derivatives know.
-
-    Returns:
-        A number, ``t``, or the name of an operation and its operands.
-    """
+    """A formula of time as lists of operations and their operands."""
     if formula == TIME:
         return "t"
     if not formula.has(TIME):

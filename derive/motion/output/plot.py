@@ -15,60 +15,27 @@ from derive.motion.curves.violations import Bounds, Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
 
-WIDTH = 460.0
-"""Width of the plot [pt]."""
-
-ROW = 105.0
-"""Height of a row of panels [pt]."""
-
-PLACES = 2000
-"""Times at which a line is drawn, however far samples are apart; more are not told apart."""
-
+WIDTH = 460.0  # width of the plot [pt]
+ROW = 105.0  # height of a row of panels [pt]
+PLACES = 2000  # times at which a line is drawn, however far samples are apart; more are not told apart
+# Room for the name of an axis, its ticks, and the distances between them [pt]; the numbers of a y axis are beside.
 AXIS = 25.0
-"""Room for the name of an axis, its ticks, and the distances between them [pt]; the numbers of a y axis are beside."""
-
-DIGIT = 5.1
-"""Width of a digit beside an axis [pt]."""
-
-LINE = 15.0
-"""Height of a line of the legend, and of the names of points [pt]."""
-
-GAP = 10.0
-"""Between panels [pt]."""
-
-SHORT = 4
-"""Letters of a point's name of which half has room beside the panels."""
-
-LEGEND = 8
-"""Joints in a line of the legend."""
-
-Mark = tuple[int, float, float]
-"""A joint, and the time and the value of its peak."""
-
-Curves = tuple[Array, Array]
-"""Times, and the values of all joints at them."""
-
-LEAST = 0.02
-"""Peaks below this part of the largest one are not marked."""
-
-CONSTANT = 1e-6
-"""By which part of itself a curve without a peak varies at most."""
-
+DIGIT = 5.1  # width of a digit beside an axis [pt]
+LINE = 15.0  # height of a line of the legend, and of the names of points [pt]
+GAP = 10.0  # between panels [pt]
+SHORT = 4  # letters of a point's name of which half has room beside the panels
+LEGEND = 8  # joints in a line of the legend
+Mark = tuple[int, float, float]  # a joint, and the time and the value of its peak
+Curves = tuple[Array, Array]  # times, and the values of all joints at them
+LEAST = 0.02  # peaks below this part of the largest one are not marked
+CONSTANT = 1e-6  # by which part of itself a curve without a peak varies at most
+# What is behind a number, so that curves do not strike it through.
 CLEAR = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3}
-"""What is behind a number, so that curves do not strike it through."""
-
-SMALL = 1e-4
-"""Largest number of a panel below which those beside its axis are written with powers of ten."""
-
-LETTER, HEIGHT, BESIDE = 4.7, 7.0, 3.0
-"""Of a number beside a peak: width of a letter, height, and distance [pt]."""
-
+SMALL = 1e-4  # largest number of a panel below which those beside its axis are written with powers of ten
+LETTER, HEIGHT, BESIDE = 4.7, 7.0, 3.0  # of a number beside a peak: width of a letter, height, and distance [pt]
+# Of joints, told apart with colour-blind eyes and on grey paper.
 COLORS = ("#1b4f9c", "#c2571a", "#2d7d46", "#8a3a8f", "#a8861a", "#4d5560", "#b0304a", "#23808f")
-"""Of joints, told apart with colour-blind eyes and on grey paper."""
-
-BEYOND = "#b3121d"
-"""Of a band along what exceeds a limit, and of a ring where it does so most."""
-
+BEYOND = "#b3121d"  # of a band along what exceeds a limit, and of a ring where it does so most
 SETTINGS = {
     "font.size": 8.0,
     "axes.linewidth": 0.6,
@@ -77,32 +44,20 @@ SETTINGS = {
     "path.simplify": True,  # a line of a thousand samples has few corners that are seen
 }
 
+# What is drawn from the top, with the units of revolute and of prismatic joints.
 ROWS = (
     ("position", "rad", "m"),
     ("speed", "rad/s", "m/s"),
     ("acceleration", "rad/s$^2$", "m/s$^2$"),
     ("torque", "N m", "N"),
 )
-"""What is drawn from the top, with the units of revolute and of prismatic joints."""
-
-ERROR = ("error", "rad", "m")
-"""What happens less what is wanted, of simulations, which have no accelerations."""
-
+ERROR = ("error", "rad", "m")  # what happens less what is wanted, of simulations, which have no accelerations
+# How what is wanted is drawn beside what happens.
 REFERENCE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.7}
-"""How what is wanted is drawn beside what happens."""
 
 
 def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
-    """The plot as the contents of a file.
-
-    Args:
-        motion: The motion.
-        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
-        run: A simulation of it, drawn over what is wanted.
-
-    Raises:
-        DeriveError: Matplotlib is not installed.
-    """
+    """The plot as the contents of a file."""
     matplotlib = require_matplotlib()
     robot = motion.plan.robot
     kinds = [kind for kind in (True, False) if any(joint.is_revolute is kind for joint in robot.joints)]
@@ -145,11 +100,6 @@ def _arrange(panels: Any, height: float, below: float) -> None:
     """Room for the labels of the axes, by the lengths of their numbers.
 
     The layout engines of matplotlib set every text twice over for that, which takes as long as all the rest.
-
-    Args:
-        panels: The panels, (rows, columns).
-        height: Of the figure [pt].
-        below: What stands below the panels [pt].
     """
     rows, columns = panels.shape
     figure = panels[0][0].figure

@@ -12,26 +12,13 @@ from derive.plans.hermite import MOST_PRINTED
 from derive.plans.profile import AnyPiece, Cosine, Curve
 from derive.targets.escape import latex_text
 
-TIME = Symbol("t")
-"""Time since the segment began."""
-
-DIGITS = 12
-"""Of coefficients that are not exact."""
-
-ROUNDING = 1e-12
-"""What a coefficient is, relative to the largest one, where it is nothing but rounding."""
+TIME = Symbol("t")  # time since the segment began
+DIGITS = 12  # of coefficients that are not exact
+ROUNDING = 1e-12  # what a coefficient is, relative to the largest one, where it is nothing but rounding
 
 
 def formula(piece: AnyPiece, segment: Segment) -> Expr:
-    """The position of a joint as a formula of the time since its segment began.
-
-    Args:
-        piece: Of the joint.
-        segment: In which it stands.
-
-    Returns:
-        Exact where the piece is, else in decimals throughout.
-    """
+    """The position of a joint as a formula of the time since its segment began."""
     if isinstance(piece, Curve):
         return piece.formulas[0].subs(next(iter(piece.formulas[0].free_symbols), TIME), TIME)
     u = (TIME - piece.start + segment.start) / piece.duration
@@ -48,16 +35,7 @@ def formula(piece: AnyPiece, segment: Segment) -> Expr:
 
 
 def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
-    """All formulas, segment by segment.
-
-    Args:
-        motion: The motion.
-        as_latex: Whether they are LaTeX.
-
-    Yields:
-        Lines: a heading for each segment, then its joints; a joint that stands has one number. In LaTeX the formulas of
-        a segment are one ``align*``.
-    """
+    """All formulas, segment by segment."""
     joints = motion.plan.robot.joints
     for segment in motion.trajectory.segments:
         heading, lines = f"{segment.name}, 0 <= t <= {_time(segment.duration)} s", []
@@ -74,15 +52,7 @@ def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
 
 
 def aligned(heading: str, lines: Sequence[str]) -> Iterator[str]:
-    """Formulas as one display of LaTeX.
-
-    Args:
-        heading: What they are, for a comment.
-        lines: The formulas, each with the place where they are aligned.
-
-    Yields:
-        Lines of an ``align*`` that stands in notes as it is.
-    """
+    """Formulas as one display of LaTeX."""
     yield f"% {' '.join(heading.split())}"
     yield r"\begin{align*}"
     yield from (f"{line} \\\\" for line in lines[:-1])

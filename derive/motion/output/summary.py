@@ -16,16 +16,7 @@ from derive.robot.robot import Robot
 
 
 def summary(motion: Motion, run: Run | None = None) -> dict[str, Any]:
-    """What a motion asks of its robot.
-
-    Args:
-        motion: The motion.
-        run: A simulation of it.
-
-    Returns:
-        The robot, the segments with the peaks of each joint, limits that are exceeded, and the simulation where there
-        is one; SI units and radians.
-    """
+    """What a motion asks of its robot."""
     robot = motion.plan.robot
     found: dict[str, Any] = {
         "plan": motion.plan.source,

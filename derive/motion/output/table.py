@@ -25,19 +25,12 @@ JOINT_HEADER = ("segment", "joint", "peak speed", "peak acceleration", "peak tor
 
 SIMULATED_HEADER = ("simulated", "largest error", "peak torque", "work", "lost to friction")
 
+# What a simulated arm gets besides the work of its motors, as `Run` has it, where it gets any.
 GIVEN = {"base": "work of base", "pushed": "work of disturbances", "brought": "brought by loads"}
-"""What a simulated arm gets besides the work of its motors, as `Run` has it, where it gets any."""
 
 
 def table(motion: Motion) -> list[tuple[str, ...]]:
-    """A row for each segment: of every quantity the joint with the largest value in its unit, angles before slides.
-
-    Args:
-        motion: The motion.
-
-    Returns:
-        Cells as `HEADER` names them; torque and works only where the robot has dynamics.
-    """
+    """A row for each segment: of every quantity the joint with the largest value in its unit, angles before slides."""
     return [_row(motion.plan.robot, peaks) for peaks in motion.peaks]
 
 
@@ -64,14 +57,7 @@ def _joules(work: float, most: float) -> str:
 
 
 def joint_table(motion: Motion) -> list[tuple[str, ...]]:
-    """A row for each segment and joint: what the joint does.
-
-    Args:
-        motion: The motion.
-
-    Returns:
-        Cells as `JOINT_HEADER` names them; those from the torque on only where the robot has dynamics.
-    """
+    """A row for each segment and joint: what the joint does."""
     rows, robot = [], motion.plan.robot
     for peaks in motion.peaks:
         name = peaks.segment.name
@@ -96,16 +82,7 @@ def _torque(robot: Robot, joint: int, value: float, time: float) -> str:
 
 
 def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
-    """A row for each segment of a simulation, as far as it came.
-
-    Args:
-        motion: What is wanted.
-        run: What happens.
-
-    Returns:
-        Cells as `SIMULATED_HEADER` names them: the largest position error of angles and of slides, the largest torque,
-        the work of the motors, what friction took, and what of `GIVEN` there is.
-    """
+    """A row for each segment of a simulation, as far as it came."""
     robot = motion.plan.robot
     rows: list[tuple[str, ...]] = []
     errors, ledger = run.q - motion(run.t)[0], [run.work, run.lost, *(getattr(run, name) for name in given_in(run))]
@@ -146,15 +123,7 @@ def _worst(robot: Robot, errors: Array, times: Array) -> str:
 
 
 def diverged(motion: Motion, run: Run) -> str:
-    """Where a simulation was given up.
-
-    Args:
-        motion: What is wanted.
-        run: A simulation that did not reach its end.
-
-    Returns:
-        Time and state.
-    """
+    """Where a simulation was given up."""
     found = run.divergence
     assert found is not None
     state = []
@@ -186,15 +155,7 @@ def _number(value: object) -> str:
 
 
 def violations(motion: Motion, run: Run | None = None) -> list[str]:
-    """What a motion asks beyond the limits of its robot and its plan, a line each.
-
-    Args:
-        motion: The motion.
-        run: A simulation of it, in which they are looked for instead.
-
-    Returns:
-        Joint, time, value, limit and excess.
-    """
+    """What a motion asks beyond the limits of its robot and its plan, a line each."""
     lines = []
     for found in motion.violations if run is None else motion.violations_of(run):
         joint = motion.plan.robot.joints[found.joint]
@@ -211,16 +172,7 @@ def violations(motion: Motion, run: Run | None = None) -> list[str]:
 
 
 def samples(motion: Motion, run: Run | None = None) -> tuple[tuple[str, ...], Array]:
-    """The motion row by row, as it is wanted or as it was simulated.
-
-    Args:
-        motion: The motion.
-        run: A simulation of it, whose rows are wanted.
-
-    Returns:
-        Names of the columns, and a row for each sample: time, positions, velocities, accelerations, torques; of a
-        simulation time, positions, velocities, torques, energy, work of the motors, losses, what of `GIVEN` there is.
-    """
+    """The motion row by row, as it is wanted or as it was simulated."""
     robot = motion.plan.robot
     variables = [joint.variable for joint in robot.joints]
     names = ["t", *variables, *map(velocity_name, variables)]
@@ -238,15 +190,7 @@ def samples(motion: Motion, run: Run | None = None) -> tuple[tuple[str, ...], Ar
 
 
 def csv_bytes(motion: Motion, run: Run | None = None) -> bytes:
-    """The rows of `samples` as comma-separated values with all digits.
-
-    Args:
-        motion: The motion.
-        run: A simulation of it.
-
-    Returns:
-        The contents of a file; its first line names the columns.
-    """
+    """The rows of `samples` as comma-separated values with all digits."""
     names, values = samples(motion, run)
     lines = [",".join(names), *(",".join(map(repr, row)) for row in values.tolist())]
     return ("\n".join(lines) + "\n").encode()

@@ -24,77 +24,42 @@ from derive.errors import QuantityError, install_extra
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.paths.smooth import VALUES, Nodes
 
+# Torques of steps by their index, at positions, velocities and accelerations: (...), then (..., n) each.
 Torques = Callable[[Indices, Array, Array, Array], Array]
-"""Torques of steps by their index, at positions, velocities and accelerations: (...), then (..., n) each."""
-
+# Largest speed, acceleration and torque of each joint, infinite where there is none, (n,) each.
 Bounds = tuple[Array, Array, Array]
-"""Largest speed, acceleration and torque of each joint, infinite where there is none, (n,) each."""
-
+# How far from the ends of an interval its bounds are held: on the right side of turns and of changes of payload.
 INSIDE = 1e-9
-"""How far from the ends of an interval its bounds are held: on the right side of turns and of changes of payload."""
-
-SAMPLES = 24
-"""Places of an interval at which a motion is looked at."""
-
-ROUNDS = 12
-"""How often viscous friction and the bounds are corrected."""
-
-SETTLED = 1e-6
-"""Change of x, relative to its largest value, below which viscous friction is right."""
-
-SPARE = 1e-11
-"""What is left of each bound, relative to it, for the rounding of who looks later."""
-
-CURVED = 1e-4
-"""Most that is left, relative to a bound, for what may lie between two samples."""
+SAMPLES = 24  # places of an interval at which a motion is looked at
+ROUNDS = 12  # how often viscous friction and the bounds are corrected
+SETTLED = 1e-6  # change of x, relative to its largest value, below which viscous friction is right
+SPARE = 1e-11  # what is left of each bound, relative to it, for the rounding of who looks later
+CURVED = 1e-4  # most that is left, relative to a bound, for what may lie between two samples
 
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """What is at most one at an end of each interval: a u + b x + v sqrt(x) + c + dry.
+    """What is at most one at an end of each interval: a u + b x + v sqrt(x) + c + dry."""
 
-    Attributes:
-        a: (intervals, rows).
-        b: (intervals, rows).
-        v: (intervals, rows).
-        c: (intervals, rows).
-        dry: Dry friction, whose sign is that of the velocity, (intervals, rows).
-    """
-
-    a: Array
-    b: Array
-    v: Array
-    c: Array
-    dry: Array
+    a: Array  # (intervals, rows)
+    b: Array  # (intervals, rows)
+    v: Array  # (intervals, rows)
+    c: Array  # (intervals, rows)
+    dry: Array  # dry friction, whose sign is that of the velocity, (intervals, rows)
 
 
 @dataclass(frozen=True)
 class FastestMotion:
-    """A path whose time is looked for.
+    """A path whose time is looked for."""
 
-    Attributes:
-        path: Joint variables as functions of s.
-        grid: Values of s, ascending, (nodes,).
-        steps: Index of the step of each interval, (intervals,).
-        bounds: Largest speeds, accelerations and torques.
-        torques: Of what moves.
-    """
-
-    path: Trajectory
-    grid: Array
-    steps: Indices
-    bounds: Bounds
-    torques: Torques
+    path: Trajectory  # joint variables as functions of s
+    grid: Array  # values of s, ascending, (nodes,)
+    steps: Indices  # index of the step of each interval, (intervals,)
+    bounds: Bounds  # largest speeds, accelerations and torques
+    torques: Torques  # of what moves
 
     def solve(self) -> Nodes:
-        """The motion from rest to rest.
-
-        Returns:
-            A motion that keeps to all bounds.
-
-        Raises:
-            QuantityError: Nothing bounds the motion, or none keeps to the bounds.
-        """
+        """The motion from rest to rest."""
         ends = self._ends()
         if max(ends[0].c[0].max(), ends[1].c[-1].max()) > 1:
             raise self._refused(ends)
@@ -231,17 +196,8 @@ def _tangent(x: Array) -> tuple[Array, Array]:
 def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
     """The largest x from rest to rest with a u + b x + c <= 1 at each node.
 
-    Args:
-        grid: (nodes,).
-        a: (nodes, rows).
-        b: (nodes, rows).
-        c: (nodes, rows).
-
     Returns:
         (nodes,); None where there is no such x.
-
-    Raises:
-        QuantityError: toppra is not installed.
     """
     try:
         from toppra.algorithm import TOPPRA

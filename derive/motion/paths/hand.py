@@ -30,22 +30,12 @@ from derive.robot.robot import Robot
 if TYPE_CHECKING:  # inverse kinematics and closed forms, which take long to import, are for hands that are led
     from derive.motion.paths.fastest import Torques
 
-MET = 1e-9
-"""Largest difference, relative, of both sides of a condition that holds."""
-
-ARRIVED = 1e-6
-"""Largest difference between a configuration and where a line ends [rad or m]."""
+MET = 1e-9  # largest difference, relative, of both sides of a condition that holds
+ARRIVED = 1e-6  # largest difference between a configuration and where a line ends [rad or m]
 
 
 class Hand:
-    """Knows where the points of a plan are.
-
-    Args:
-        plan: The plan.
-        values: Numbers of all symbols.
-        exact: Cells with the numbers of their symbols.
-        torques: What the joints need in steps by their index.
-    """
+    """Knows where the points of a plan are."""
 
     def __init__(
         self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner], torques: Torques
@@ -81,14 +71,7 @@ class Hand:
         """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch.
 
         Args:
-            name: Of the point.
             before: Where the arm comes from; None at the start.
-
-        Returns:
-            Exact where the plan gives joint variables.
-
-        Raises:
-            RobotFileError: The arm does not reach the pose, or has no such branch.
         """
         point = self._plan.points[name]
         if point.q is not None:
@@ -109,11 +92,7 @@ class Hand:
 
     @cached_property
     def branches(self) -> Mapping[str, tuple[int, ...]]:
-        """The solutions on which the points are that name a branch.
-
-        Raises:
-            RobotFileError: The arm has no such branch.
-        """
+        """The solutions on which the points are that name a branch."""
         return {name: self._branches(point) for name, point in self._plan.points.items() if point.branch}
 
     @cached_property
@@ -154,22 +133,7 @@ class Hand:
         return pose
 
     def follow(self, step: Step, before: Corner, start: Expr, unit: Trajectory) -> Joints:
-        """The pieces of each joint while the end effector moves on a line or an arc.
-
-        Args:
-            step: The segment.
-            before: Joint variables at its start.
-            start: When it begins [s].
-            unit: The fraction of the way, from 0 to 1, as a function of the time since then.
-
-        Returns:
-            Polynomials of degree five between places at which the arm is put exactly; where a line has no length one
-            polynomial, at rest.
-
-        Raises:
-            RobotFileError: The way leaves what the arm reaches, leads through a singular configuration, or ends in
-                another posture than the point has.
-        """
+        """The pieces of each joint while the end effector moves on a line or an arc."""
         end, q = self._plan.points[step.to], np.array(before, dtype=float)
         here = self._functions("forward_kinematics", q)
         try:
@@ -207,16 +171,7 @@ class Hand:
         """The pieces of each joint, segment by segment, while the end effector moves on a spline.
 
         Args:
-            run: Segments without a stop between them.
-            before: Joint variables at their start.
             times: When each begins, and the last one ends [s].
-
-        Returns:
-            Polynomials of degree five between places at which the arm is put exactly.
-
-        Raises:
-            RobotFileError: The spline leaves what the arm reaches, leads through a singular configuration, or comes to
-                a point in another posture than that has.
         """
         q = np.array(before, dtype=float)
         local = [time - times[0] for time in times]
@@ -298,19 +253,7 @@ class Hand:
         return None
 
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
-        """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0.
-
-        Args:
-            run: Segments without a stop between them.
-            first: Index of the first one in the plan.
-            corners: Joint variables at all their ends; where the end effector moves on a line or an arc, at the start.
-
-        Returns:
-            Polynomials of degree five; of joints that stand one in each segment.
-
-        Raises:
-            RobotFileError: Nothing limits the motion, none keeps to the limits, or toppra is not installed.
-        """
+        """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0."""
         from derive.motion.paths.fastest import FastestMotion
 
         step = run[0]
@@ -357,16 +300,7 @@ def _words(branch: str) -> set[str]:
 
 
 def why_not(robot: Robot, pose: Array, values: Mapping[str, float]) -> str:
-    """The first condition on a pose that an arm does not reach which does not hold, from its inverse kinematics.
-
-    Args:
-        robot: The robot.
-        pose: (4, 4).
-        values: Numbers of all symbols.
-
-    Returns:
-        Words that follow "does not reach it"; nothing where the conditions of the formulas do not say it.
-    """
+    """The first condition on a pose that an arm does not reach which does not hold, from its inverse kinematics."""
     from derive.model.kinematic_model import KinematicModel
 
     found = KinematicModel(robot).inverse

@@ -18,8 +18,7 @@ from derive.motion.curves.trajectory import Segment, Trajectory
 from derive.motion.paths.poses import Way, rotation_of, rotation_vector
 from derive.plans.profile import spline
 
-TERMS = 24
-"""Of the power series of a and b, which are exact to rounding up to a whole turn."""
+TERMS = 24  # of the power series of a and b, which are exact to rounding up to a whole turn
 
 
 def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
@@ -27,10 +26,6 @@ def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
 
     Args:
         times: When each is passed [s], rationals from 0 on.
-        poses: (4, 4) each.
-
-    Returns:
-        Place and orientation with continuous accelerations, standing at both ends.
     """
     start = poses[0][:3, :3]
     turns = [np.zeros(3)]
@@ -65,8 +60,6 @@ def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
 
     Args:
         w: The rotation vector, (3,) [rad].
-        rate: Its derivative by time.
-        bend: Its second derivative.
 
     Returns:
         omega = V w' and its derivative V w'' + V' w', (3,) each.

@@ -19,31 +19,16 @@ NODES = (64, 128, 256, 512)
 """Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them;
 between places it moves by polynomials of degree five."""
 
-NEAR = 1e-9
-"""Largest distance of the end effector from its way between these [m or rad]."""
-
-CLOSED = 1e-12
-"""Error of a pose that is reached, relative to the arm's size."""
-
-ITERATIONS = 20
-"""Newton steps from one place to the next."""
-
-SINGULAR = 1e-6
-"""Smallest singular value of J, relative to the largest, below which the hand cannot follow a line."""
-
+NEAR = 1e-9  # largest distance of the end effector from its way between these [m or rad]
+CLOSED = 1e-12  # error of a pose that is reached, relative to the arm's size
+ITERATIONS = 20  # Newton steps from one place to the next
+SINGULAR = 1e-6  # smallest singular value of J, relative to the largest, below which the hand cannot follow a line
+# Rows of a twist that a row of a task asks for.
 ROWS = {"x": (0,), "y": (1,), "z": (2,), "phi": (5,), "orientation": (3, 4, 5)}
-"""Rows of a twist that a row of a task asks for."""
 
 
 def rotation_vector(rotation: Array) -> Array:
-    """The axis of a rotation times its angle, from 0 to pi.
-
-    Args:
-        rotation: (3, 3).
-
-    Returns:
-        (3,) [rad].
-    """
+    """The axis of a rotation times its angle, from 0 to pi."""
     skew = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
     sine, cosine = np.linalg.norm(skew) / 2, (np.trace(rotation) - 1) / 2
     angle = np.arctan2(sine, cosine)
@@ -62,9 +47,6 @@ def rotation_of(vector: Array) -> Array:
 
     Args:
         vector: The axis times the angle, (3,) [rad].
-
-    Returns:
-        (3, 3).
     """
     angle = float(np.linalg.norm(vector))
     x, y, z = vector / angle if angle else vector
@@ -74,24 +56,15 @@ def rotation_of(vector: Array) -> Array:
 
 @dataclass(frozen=True)
 class Way:
-    """A way of the end effector by its fraction s from 0 to 1.
+    """A way of the end effector by its fraction s from 0 to 1."""
 
-    Attributes:
-        place: Position at s, and its first and second derivative.
-        turned: Rotation at s (3, 3), and in the world frame its angular velocity and acceleration by s (3,) [rad].
-    """
-
-    place: Callable[[float], tuple[Array, Array, Array]]
+    place: Callable[[float], tuple[Array, Array, Array]]  # position at s, and its first and second derivative
+    # Rotation at s (3, 3), and in the world frame its angular velocity and acceleration by s (3,) [rad].
     turned: Callable[[float], tuple[Array, Array, Array]]
 
     @classmethod
     def line(cls, a: Array, b: Array) -> Way:
-        """The straight line between two poses.
-
-        Args:
-            a: (4, 4).
-            b: (4, 4).
-        """
+        """The straight line between two poses."""
         p, way = a[:3, 3], b[:3, 3] - a[:3, 3]
         zero = np.zeros(3)
         return cls(lambda s: (p + s * way, way, zero), _about_one_axis(a, b))
@@ -101,12 +74,7 @@ class Way:
         """The arc of the circle through three positions.
 
         Args:
-            a: (4, 4).
             through: (4, 4); its orientation is not looked at.
-            b: (4, 4).
-
-        Raises:
-            ValueError: The three positions lie on one line.
         """
         p, m, q = a[:3, 3], through[:3, 3] - a[:3, 3], b[:3, 3] - a[:3, 3]
         normal = np.cross(m, q)
@@ -131,14 +99,7 @@ class Way:
         return cls(_place, _about_one_axis(a, b))
 
     def pose(self, s: float) -> Array:
-        """The pose at a fraction of the way.
-
-        Args:
-            s: From 0 to 1.
-
-        Returns:
-            (4, 4).
-        """
+        """The pose at a fraction of the way."""
         found = np.eye(4)
         found[:3, :3], found[:3, 3] = self.turned(s)[0], self.place(s)[0]
         return found
@@ -152,19 +113,12 @@ def _about_one_axis(a: Array, b: Array) -> Callable[[float], tuple[Array, Array,
 
 @dataclass(frozen=True)
 class Follower:
-    """Moves an arm along a way of its end effector.
+    """Moves an arm along a way of its end effector."""
 
-    Attributes:
-        functions: ``forward_kinematics``, ``jacobian`` and ``jacobian_dot``.
-        rows: Rows of the twist that the task asks for.
-        location: Where the plan asks for it.
-        factor: Which formula vanishes at a singular configuration.
-    """
-
-    functions: Functions
-    rows: tuple[int, ...]
-    location: Location
-    factor: Callable[[Array], str]
+    functions: Functions  # ``forward_kinematics``, ``jacobian`` and ``jacobian_dot``
+    rows: tuple[int, ...]  # rows of the twist that the task asks for
+    location: Location  # where the plan asks for it
+    factor: Callable[[Array], str]  # which formula vanishes at a singular configuration
 
     def pieces(
         self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array, Array]
@@ -172,16 +126,9 @@ class Follower:
         """The pieces of each joint.
 
         Args:
-            way: Where the end effector goes.
             q: Joint variables at its start, (n,).
             times: When the end effector is at the nodes [s], (nodes,).
             fractions: s, its derivative by time, and the second one before and after each node, (nodes,) each.
-
-        Returns:
-            Pieces joint by joint.
-
-        Raises:
-            RobotFileError: The way leaves what the arm reaches, or leads through a singular configuration.
         """
         befores: list[tuple[Array, ...]] = []
         afters: list[tuple[Array, ...]] = []
@@ -209,23 +156,12 @@ class Follower:
         )
 
     def farthest(self, way: Way, pieces: Sequence[Sequence[Piece]], s: Array) -> float:
-        """How far the end effector is from its way between the nodes [m or rad].
-
-        Args:
-            way: Where it goes.
-            pieces: Of each joint.
-            s: The fraction of the way in the middle of each piece.
-        """
+        """How far the end effector is from its way between the nodes [m or rad]."""
         middles = np.array([[piece.middle for piece in track] for track in pieces]).T
         return max(float(np.abs(self._off(way.pose(float(at)), q)).max()) for at, q in zip(s, middles, strict=True))
 
     def arrived(self, way: Way, q: Array) -> bool:
-        """Whether the end effector is where its way ends.
-
-        Args:
-            way: Where it goes.
-            q: Joint variables, (n,).
-        """
+        """Whether the end effector is where its way ends."""
         end = way.pose(1.0)
         return bool(np.abs(self._off(end, q)).max() <= CLOSED * (1 + np.abs(end[:3, 3]).max()))
 

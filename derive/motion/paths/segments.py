@@ -39,71 +39,34 @@ class Arm(Protocol):
         """The largest speeds, accelerations and torques of the plan."""
 
     def exact(self, value: Expression) -> Expr:
-        """A cell with the numbers of its symbols.
-
-        Args:
-            value: The cell.
-        """
+        """A cell with the numbers of its symbols."""
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
         """Joint variables at a point.
 
         Args:
-            name: Of the point.
             before: Where the arm comes from; None at the start.
         """
 
     def follow(self, step: Step, before: Corner, start: Expr, unit: Trajectory) -> Joints:
-        """The pieces of each joint while the end effector moves on a line or an arc.
-
-        Args:
-            step: The segment.
-            before: Joint variables at its start.
-            start: When it begins [s].
-            unit: The fraction of the way, from 0 to 1, as a function of the time since then.
-        """
+        """The pieces of each joint while the end effector moves on a line or an arc."""
 
     def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
         """The pieces of each joint, segment by segment, while the end effector moves on a spline.
 
         Args:
-            run: Segments without a stop between them.
-            before: Joint variables at their start.
             times: When each begins, and the last one ends [s].
         """
 
     def distances(self, run: Sequence[Step], before: Corner) -> list[float]:
-        """How far the end effector goes from point to point.
-
-        Args:
-            run: Segments.
-            before: Joint variables at their start.
-        """
+        """How far the end effector goes from point to point."""
 
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
-        """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0.
-
-        Args:
-            run: Segments without a stop between them.
-            first: Index of the first one in the plan.
-            corners: Joint variables at all their ends; where the end effector moves on a line or an arc, at the start.
-        """
+        """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0."""
 
 
 def trajectory_of(plan: Plan, arm: Arm) -> Trajectory:
-    """The segments of a plan with a path.
-
-    Args:
-        plan: The plan.
-        arm: Who knows where its points are.
-
-    Returns:
-        The trajectory, exact where the points and times are.
-
-    Raises:
-        RobotFileError: A segment without a time where nothing else gives one, a trapezoid that no speed allows, or a
-            pose that is not reached.
-    """
+    """The segments of a plan with a path."""
     segments: list[Segment] = []
     name, start = plan.start, ZERO
     here = arm.configuration(name, None)
@@ -138,8 +101,7 @@ def _last(piece: AnyPiece) -> Expr:
     return symbolic(piece.values[1][0])
 
 
-Timed = tuple[list[Expr], list[Joints]]
-"""When each of some segments begins, and the last one ends; their pieces."""
+Timed = tuple[list[Expr], list[Joints]]  # when each of some segments begins, and the last one ends; their pieces
 
 
 def _run(arm: Arm, run: Sequence[Step], first: int, corners: Sequence[Corner], start: Expr) -> Timed:

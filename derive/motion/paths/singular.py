@@ -16,20 +16,12 @@ from derive.robot.robot import Robot
 if TYPE_CHECKING:
     from derive.model.singularities.conditions import Condition
 
-NEAR = 0.25
-"""Of what a factor is elsewhere: below it a singularity is near."""
-
-PROBES = 8
-"""Configurations at which the rank of J is looked at."""
+NEAR = 0.25  # of what a factor is elsewhere: below it a singularity is near
+PROBES = 8  # configurations at which the rank of J is looked at
 
 
 def usual_rank(functions: Functions, rows: Sequence[int]) -> int:
-    """In how many directions the end effector moves where the arm is not singular.
-
-    Args:
-        functions: With ``jacobian``.
-        rows: Of the twist.
-    """
+    """In how many directions the end effector moves where the arm is not singular."""
     places = np.random.default_rng(0).uniform(-1, 1, (PROBES, functions.n))
     return max(int(np.linalg.matrix_rank(functions("jacobian", q)[list(rows)], tol=1e-9)) for q in places)
 
@@ -41,16 +33,7 @@ def all_directions(functions: Functions) -> int:
 
 
 def vanishing_factor(robot: Robot, values: Mapping[str, float], q: Array) -> str:
-    """What vanishes at the singularity that is nearest: a factor of det J, or factors that are zero together.
-
-    Args:
-        robot: The arm.
-        values: Numbers of its symbols.
-        q: Joint variables, (n,).
-
-    Returns:
-        The formula, to be followed by ``= 0``; nothing where no singularity of the arm is near.
-    """
+    """What vanishes at the singularity that is nearest: a factor of det J, or factors that are zero together."""
     from derive.model.kinematic_model import KinematicModel  # closed forms are needed for this message alone
 
     try:

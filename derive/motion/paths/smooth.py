@@ -14,30 +14,18 @@ from derive.motion.curves.trajectory import ONE, Corner, Joints, Segment, Trajec
 from derive.plans.hermite import MOST_PRINTED, Piece, joined, sampled, symbolic
 from derive.plans.profile import ZERO
 
-INTERVALS = 192
-"""Of each segment."""
-
-NOISE = 1e-9
-"""Slope of a joint, relative to the largest of all, below which it does not move."""
-
-HALVINGS = 50
-"""Of an interval in which a joint turns back."""
-
-VALUES = 3
-"""Position, velocity and acceleration stand at both ends of each piece."""
+INTERVALS = 192  # of each segment
+NOISE = 1e-9  # slope of a joint, relative to the largest of all, below which it does not move
+HALVINGS = 50  # of an interval in which a joint turns back
+VALUES = 3  # position, velocity and acceleration stand at both ends of each piece
 
 
 def one_second(joints: Joints) -> Trajectory:
-    """A path of pieces from s = 0 to 1.
-
-    Args:
-        joints: The pieces of each joint.
-    """
+    """A path of pieces from s = 0 to 1."""
     return Trajectory((Segment("", ZERO, ONE, joints),))
 
 
-UNIFORM = one_second(((Piece(ZERO, ONE, ((ZERO, ONE), (ONE, ONE))),),))
-"""s itself."""
+UNIFORM = one_second(((Piece(ZERO, ONE, ((ZERO, ONE), (ONE, ONE))),),))  # s itself
 
 
 def smooth_path(knots: Array, corners: Array) -> Trajectory:
@@ -45,10 +33,6 @@ def smooth_path(knots: Array, corners: Array) -> Trajectory:
 
     Args:
         knots: s at each point, from 0 to 1, (points,).
-        corners: Joint variables, (points, n).
-
-    Returns:
-        The path, with continuous second derivatives.
     """
     from scipy.interpolate import CubicSpline
 
@@ -63,33 +47,17 @@ def smooth_path(knots: Array, corners: Array) -> Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class Nodes:
-    """A motion by polynomials of degree five between times.
+    """A motion by polynomials of degree five between times."""
 
-    Attributes:
-        times: Ascending from 0 [s], (nodes,).
-        ends: Position, velocity and acceleration at both ends of each interval, (intervals, 2, 3, n).
-    """
-
-    times: Array
-    ends: Array
+    times: Array  # ascending from 0 [s], (nodes,)
+    ends: Array  # position, velocity and acceleration at both ends of each interval, (intervals, 2, 3, n)
 
     def slower(self, factor: float) -> Nodes:
-        """The same in more time.
-
-        Args:
-            factor: Above one.
-        """
+        """The same in more time."""
         return Nodes(self.times * factor, self.ends / factor ** np.arange(VALUES)[:, None])
 
     def inside(self, u: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration at the same places of each interval.
-
-        Args:
-            u: From 0 to 1, (places,).
-
-        Returns:
-            (intervals, places, n) each.
-        """
+        """Position, velocity and acceleration at the same places of each interval."""
         count, n = self.ends.shape[0], self.ends.shape[-1]
         lengths = np.repeat(np.diff(self.times), u.size)
         places = np.tile(u, count)
@@ -102,13 +70,7 @@ class Nodes:
         return q, qd, qdd
 
     def pieces(self, first: int, last: int, exact: Mapping[int, Corner]) -> Joints:
-        """The pieces of each joint between two nodes; of one that stands a single one.
-
-        Args:
-            first: Index of the first node.
-            last: Index of the last one.
-            exact: Positions at some nodes.
-        """
+        """The pieces of each joint between two nodes; of one that stands a single one."""
         number: Callable[[float], Expr] = Float if last - first <= MOST_PRINTED else float
         zero = number(0) if number is float else ZERO
         times = [number(t) if t else zero for t in self.times[first : last + 1]]
@@ -129,15 +91,7 @@ class Nodes:
 
 
 def grid_of(path: Trajectory, knots: Array) -> Array:
-    """Values of s at which a motion is computed: closer at both ends, where it is slow.
-
-    Args:
-        path: Joint variables as functions of s.
-        knots: Where segments begin and end, ascending from 0 to 1.
-
-    Returns:
-        Ascending values with the knots and the places where a joint turns back; there dry friction changes its sign.
-    """
+    """Values of s at which a motion is computed: closer at both ends, where it is slow."""
     grid: Array = (1 - np.cos(np.linspace(0, np.pi, INTERVALS * (len(knots) - 1) + 1))) / 2
     slopes = path(grid)[1]
     slopes[:, np.abs(slopes).max(axis=0) < NOISE * np.abs(slopes).max()] = 0

@@ -13,15 +13,14 @@ import numpy as np
 from derive.arrays import Array
 from derive.motion.torques.functions import Functions
 
+# Position, velocity and acceleration that are wanted at a time.
 Reference = Callable[[float], tuple[Array, Array, Array]]
-"""Position, velocity and acceleration that are wanted at a time."""
 
 
 def looked_up(reference: Callable[[Array], tuple[Array, Array, Array]], period: float, duration: float) -> Reference:
     """What is wanted at the looks of a sampled controller, computed for all of them at once.
 
     Args:
-        reference: What is wanted at many times.
         period: Time between two looks [s].
         duration: How long the motion lasts [s].
     """
@@ -34,33 +33,26 @@ def looked_up(reference: Callable[[Array], tuple[Array, Array, Array]], period: 
     return _at
 
 
+# Generated functions of each law.
 NEEDS: dict[str, frozenset[str]] = {
     "none": frozenset(),
     "pd": frozenset(),
     "pd-gravity": frozenset({"gravity_vector"}),
     "computed-torque": frozenset({"inverse_dynamics"}),
 }
-"""Generated functions of each law."""
 
 
 @dataclass(frozen=True)
 class Controller:
-    """A control law with its gains.
+    """A control law with its gains."""
 
-    Attributes:
-        law: One of `NEEDS`.
-        kp: Gains of the position, (n,).
-        kd: Gains of the velocity, (n,).
-        reference: What is wanted.
-        functions: The model that the controller knows, without dry friction; None where the law needs none.
-        inertial: What that model says that a base that moves adds; None where it stands.
-    """
-
-    law: str
-    kp: Array
-    kd: Array
-    reference: Reference
+    law: str  # one of `NEEDS`
+    kp: Array  # gains of the position, (n,)
+    kd: Array  # gains of the velocity, (n,)
+    reference: Reference  # what is wanted
+    # The model that the controller knows, without dry friction; None where the law needs none.
     functions: Functions | None
+    # What that model says that a base that moves adds; None where it stands.
     inertial: Callable[[float, Array, Array], Array] | None = None
 
     def __call__(self, t: float, q: Array, qd: Array) -> Array:
@@ -69,11 +61,6 @@ class Controller:
             pd               tau = Kp e + Kd de/dt
             pd-gravity       tau = Kp e + Kd de/dt + g(q)
             computed-torque  tau = B(q) (qdd_d + Kd de/dt + Kp e) + C(q, qd) qd + g(q)
-
-        Args:
-            t: Time [s].
-            q: Joint variables, (n,).
-            qd: Velocities, (n,).
 
         Returns:
             tau, (n,) [N m or N].

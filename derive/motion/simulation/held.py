@@ -20,26 +20,15 @@ from derive.programs.program import Program
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler
 
-NAMES = frozenset({"forward_dynamics"})
-"""Generated functions that a step asks for."""
-
-SAVED = 1e-5
-"""What C saves an evaluation of the rates of a state [s]."""
-
+NAMES = frozenset({"forward_dynamics"})  # generated functions that a step asks for
+SAVED = 1e-5  # what C saves an evaluation of the rates of a state [s]
 OPTIONS = ("-std=c99", "-O2", "-fno-math-errno")
 
-FIRST = 1e-4
-"""Length of the first step that is tried [s]."""
+FIRST = 1e-4  # length of the first step that is tried [s]
 
 
 class HeldArm:
-    """Steps of an arm whose motors hold their torques.
-
-    Args:
-        program: Functions of the robot.
-        library: The compiled code.
-        values: Numbers of symbols that are arguments.
-    """
+    """Steps of an arm whose motors hold their torques."""
 
     def __init__(self, program: Program, library: _Library, values: Mapping[str, float]) -> None:
         self._program, self._library = program, library
@@ -52,11 +41,7 @@ class HeldArm:
         self._library.constants(_pointer(params), _pointer(self._constants))
 
     def given(self, values: Mapping[str, float]) -> HeldArm:
-        """The same arm with other numbers.
-
-        Args:
-            values: Numbers of symbols that are arguments.
-        """
+        """The same arm with other numbers."""
         other = copy(self)
         other._constants = self._constants.copy()
         other._prepare(values)
@@ -66,14 +51,7 @@ class HeldArm:
         """A motion by DOP853 with the tolerance of all simulations; dry friction is smooth.
 
         Args:
-            plant: What pushes and rubs.
             motors: Torques of the motors, (n,).
-            state: At the start.
-            span: Start and end [s].
-            times: Times that are wanted, ascending, within it.
-
-        Returns:
-            A row for each time.
         """
         clock, rows = np.array([span[0], self._step]), np.empty((times.size, state.size))
         given = [np.ascontiguousarray(part, dtype=float) for part in (times, motors)]
@@ -88,11 +66,6 @@ class HeldArm:
 
 def held_arm(robot: Robot, values: Mapping[str, float], evaluations: float) -> HeldArm | None:
     """The arm in C.
-
-    Args:
-        robot: The robot, without dry friction.
-        values: Numbers of symbols that are arguments.
-        evaluations: How many rates of states about are asked for.
 
     Returns:
         The arm; None where there is no compiler, or where it takes longer than it saves.

@@ -12,38 +12,24 @@ from derive.arrays import Array
 from derive.motion.simulation.stepping import Divergence, Law, Plant, smooth
 from derive.motion.simulation.sticking import exact
 
-SAME = 1e-9
-"""Times closer than this are one [s]."""
+SAME = 1e-9  # times closer than this are one [s]
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A simulated motion.
+    """A simulated motion."""
 
-    Attributes:
-        t: Times [s], (samples,).
-        q: Joint variables, (samples, n).
-        qd: Velocities, (samples, n).
-        tau: Torques of the motors, (samples, n).
-        energy: Kinetic and potential energy [J], (samples,); in the world where the base moves.
-        work: Of the motors up to then, the integral of tau qd [J], (samples,).
-        brought: What bodies brought that were taken up, less what those took that were put down [J], (samples,).
-        lost: To friction up to then [J], (samples,).
-        divergence: Where it was given up, with the samples up to then; None where the end was reached.
-        pushed: Work of the disturbances up to then [J], (samples,).
-        base: Work up to then of the force and moment by which a moving base holds the arm [J], (samples,).
-    """
-
-    t: Array
-    q: Array
-    qd: Array
-    tau: Array
-    energy: Array
-    work: Array
-    brought: Array
-    lost: Array
-    divergence: Divergence | None
-    pushed: Array = field(default_factory=lambda: np.zeros(1))
+    t: Array  # times [s], (samples,)
+    q: Array  # joint variables, (samples, n)
+    qd: Array  # velocities, (samples, n)
+    tau: Array  # torques of the motors, (samples, n)
+    energy: Array  # kinetic and potential energy [J], (samples,); in the world where the base moves
+    work: Array  # of the motors up to then, the integral of tau qd [J], (samples,)
+    brought: Array  # what bodies brought that were taken up, less what those took that were put down [J], (samples,)
+    lost: Array  # to friction up to then [J], (samples,)
+    divergence: Divergence | None  # where it was given up, with the samples up to then; None where the end was reached
+    pushed: Array = field(default_factory=lambda: np.zeros(1))  # work of the disturbances up to then [J], (samples,)
+    # Work up to then of the force and moment by which a moving base holds the arm [J], (samples,).
     base: Array = field(default_factory=lambda: np.zeros(1))
 
     @property
@@ -60,17 +46,11 @@ class Run:
 
 @dataclass(frozen=True)
 class Stage:
-    """A time in which neither the load nor a disturbance changes.
+    """A time in which neither the load nor a disturbance changes."""
 
-    Attributes:
-        start: When it begins [s]; it ends with the next.
-        plant: The arm with what it carries.
-        law: What its motors do.
-    """
-
-    start: float
-    plant: Plant
-    law: Law
+    start: float  # when it begins [s]; it ends with the next
+    plant: Plant  # the arm with what it carries
+    law: Law  # what its motors do
 
 
 def simulate(
@@ -85,16 +65,11 @@ def simulate(
     """A motion.
 
     Args:
-        stages: One after the other, the first at the first time.
         start: Positions and velocities at the first time, (n,) each.
         times: Times of the samples [s], ascending.
         period: Time between two looks of a controller that holds its torques in between [s]; None for a continuous one,
             infinite where nothing is controlled.
-        sticks: Whether dry friction is exact.
         jumps: Times at which what a continuous controller wants jumps; no integration goes across them [s].
-
-    Returns:
-        The motion; up to where it diverges.
     """
     n = start[0].size
     begins = [stage.start for stage in stages]

@@ -21,14 +21,10 @@ from derive.plans.points import Payload
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO
 
+# Calls of a simulated second, about, by how friction is treated.
 RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}
-"""Calls of a simulated second, about, by how friction is treated."""
-
-MOST_LOOKS = 1_000_000
-"""Of a sampled controller."""
-
-CALLS_PER_LOOK = 30.0
-"""Calls from one look of a sampled controller to the next, about."""
+MOST_LOOKS = 1_000_000  # of a sampled controller
+CALLS_PER_LOOK = 30.0  # calls from one look of a sampled controller to the next, about
 
 
 def stages_of(
@@ -44,14 +40,8 @@ def stages_of(
     disturbances and of what stands under ``plant``.
 
     Args:
-        plan: The plan, of a robot with dynamics.
-        trajectory: Its motion.
-        values: Numbers of all symbols.
         calls: How often functions will be called; None for an estimate.
         added: What the motion of the base adds to the torques; None where it stands.
-
-    Returns:
-        One stage for each time between two changes of load or disturbance.
     """
     robot, control = plan.robot, plan.control
     numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)

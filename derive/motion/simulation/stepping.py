@@ -12,50 +12,31 @@ from derive.errors import TargetError, install_extra
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.functions import Functions
 
-TOLERANCE = 2e-11
-"""Relative and absolute error of a step."""
-
-STICTION_SPEED = 1e-4
-"""Speed at which smooth friction has three quarters of its value [rad/s or m/s]: f tanh(qd/1e-4)."""
-
+TOLERANCE = 2e-11  # relative and absolute error of a step
+STICTION_SPEED = 1e-4  # speed at which smooth friction has three quarters of its value [rad/s or m/s]: f tanh(qd/1e-4)
 STIFF = 5000.0
 """Rate of decay from which on an implicit solver takes fewer steps than an explicit one [1/s]; light links under large
 gains have it."""
 
-SHORT = 0.1
-"""Time in which no solver takes many steps [s]."""
-
-ASIDE = 1e-6
-"""By how much a state is moved to see how its rates change."""
-
-DIVERGED = 1e4
-"""Speed beyond which a simulation is given up [rad/s or m/s]."""
-
+SHORT = 0.1  # time in which no solver takes many steps [s]
+ASIDE = 1e-6  # by how much a state is moved to see how its rates change
+DIVERGED = 1e4  # speed beyond which a simulation is given up [rad/s or m/s]
+# Generated functions of a plant.
 PLANT = frozenset({"forward_dynamics", "inertia_matrix", "kinetic_energy", "potential_energy"})
-"""Generated functions of a plant."""
-
-Law = Callable[[float, Array, Array], Array]
-"""Torques of the motors at a time, position and velocity."""
+Law = Callable[[float, Array, Array], Array]  # torques of the motors at a time, position and velocity
 
 
 @dataclass(frozen=True)
 class Plant:
-    """The arm that is simulated.
+    """The arm that is simulated."""
 
-    Attributes:
-        functions: Those of `PLANT`, without dry friction.
-        viscous: Coefficients of friction by velocity, which the functions hold.
-        coulomb: Coefficients of dry friction, which they do not.
-        push: What acts on the joints besides motors and friction [N m or N].
-        held: Its steps in C while the motors hold their torques; None where that is not worth a compiler.
-        base: What the motion of the base adds to the torques, and its work; None where it stands.
-    """
-
-    functions: Functions
-    viscous: Array
-    coulomb: Array
-    push: Array
+    functions: Functions  # those of `PLANT`, without dry friction
+    viscous: Array  # coefficients of friction by velocity, which the functions hold
+    coulomb: Array  # coefficients of dry friction, which they do not
+    push: Array  # what acts on the joints besides motors and friction [N m or N]
+    # Its steps in C while the motors hold their torques; None where that is not worth a compiler.
     held: Held | None = None
+    # What the motion of the base adds to the torques, and its work; None where it stands.
     base: BaseTorques | None = None
 
     def felt(self, driven: Array, t: float, q: Array, qd: Array) -> Array:
@@ -79,17 +60,11 @@ class Plant:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """Where a simulation was given up.
+    """Where a simulation was given up."""
 
-    Attributes:
-        time: When [s].
-        q: Joint variables then, (n,).
-        qd: Velocities then, (n,).
-    """
-
-    time: float
-    q: Array
-    qd: Array
+    time: float  # when [s]
+    q: Array  # joint variables then, (n,)
+    qd: Array  # velocities then, (n,)
 
     @property
     def joint(self) -> int:
@@ -104,11 +79,9 @@ A state holds positions, velocities, the work of motors and pushes, what frictio
 moves, in one vector.
 """
 
+# Steps of an arm, from torques of the motors, a state, start and end, to the times that are wanted.
 Held = Callable[[Plant, Array, Array, tuple[float, float], Array], Steps]
-"""Steps of an arm, from torques of the motors, a state, start and end, to the times that are wanted."""
-
-Change = tuple[float, Array]
-"""Time and state at which something else begins."""
+Change = tuple[float, Array]  # time and state at which something else begins
 
 
 def integrated(
@@ -120,20 +93,7 @@ def integrated(
     margin: Callable[[float, Array], float] | None = None,
     longest: float = np.inf,
 ) -> tuple[Array, Change | None, Divergence | None]:
-    """A motion by one of scipy's solvers, up to where it changes or diverges.
-
-    Args:
-        rates: Derivatives of a state.
-        state: At the start.
-        span: Start and end [s].
-        times: Times that are wanted, within it.
-        method: Name of the solver.
-        margin: What ends it as it comes to zero from above.
-        longest: Longest step [s].
-
-    Returns:
-        A row for each time, fewer where it ended earlier; then also why.
-    """
+    """A motion by one of scipy's solvers, up to where it changes or diverges."""
     try:
         from scipy.integrate import solve_ivp
     except ImportError:
@@ -170,18 +130,7 @@ def integrated(
 
 
 def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
-    """With friction f tanh(qd/v0): LSODA, or DOP853 where there is no dry friction and no fast decay.
-
-    Args:
-        plant: The arm.
-        law: What the motors do.
-        state: At the start.
-        span: Start and end [s].
-        times: Times that are wanted, within it.
-
-    Returns:
-        A row for each time.
-    """
+    """With friction f tanh(qd/v0): LSODA, or DOP853 where there is no dry friction and no fast decay."""
     n = plant.coulomb.size
     dry, frozen, nothing = plant.coulomb, np.zeros_like(state), np.zeros(n)
     rough = bool(dry.any())
@@ -204,13 +153,7 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
 
 
 def solver(rates: Callable[[float, Array], Array], state: Array, span: tuple[float, float]) -> str:
-    """Which of scipy's solvers takes few steps: an implicit one where something decays fast.
-
-    Args:
-        rates: Derivatives of a state.
-        state: At the start.
-        span: Start and end [s].
-    """
+    """Which of scipy's solvers takes few steps: an implicit one where something decays fast."""
     stiff = span[1] - span[0] > SHORT and _fastest_decay(rates, span[0], state) > STIFF
     return "LSODA" if stiff else "DOP853"
 

@@ -11,38 +11,21 @@ import numpy as np
 from derive.arrays import Array, Flags
 from derive.motion.simulation.stepping import DIVERGED, Divergence, Law, Plant, Steps, integrated, solver
 
-LONGEST = 2e-2
-"""Longest step: changes of slip and stick are looked for at its end [s]."""
-
-STEP = 1e-3
-"""Longest time step of `stepped` [s]."""
-
-SWEEPS = 2000
-"""Most sweeps for the friction of joints that depend on one another."""
-
-RESTS = 1e-12
-"""Speed against its own direction at which a joint has come to rest [rad/s or m/s]."""
-
-BREAKS = 1e-11
-"""What a joint needs beyond its friction to break away, relative to it."""
-
-BUSY, MOMENT = 12, 1e-6
-"""So many changes within such a time [s] have no end: time steps lead on."""
+LONGEST = 2e-2  # longest step: changes of slip and stick are looked for at its end [s]
+STEP = 1e-3  # longest time step of `stepped` [s]
+SWEEPS = 2000  # most sweeps for the friction of joints that depend on one another
+RESTS = 1e-12  # speed against its own direction at which a joint has come to rest [rad/s or m/s]
+BREAKS = 1e-11  # what a joint needs beyond its friction to break away, relative to it
+BUSY, MOMENT = 12, 1e-6  # so many changes within such a time [s] have no end: time steps lead on
 
 
 @dataclass(frozen=True)
 class Contact:
-    """An arm of which some joints slip and others stand.
+    """An arm of which some joints slip and others stand."""
 
-    Attributes:
-        plant: The arm.
-        law: What the motors do.
-        way: Which way joints with dry friction slip, 1 or -1; 0 where they stand, or without dry friction, (n,).
-    """
-
-    plant: Plant
-    law: Law
-    way: Array
+    plant: Plant  # the arm
+    law: Law  # what the motors do
+    way: Array  # which way joints with dry friction slip, 1 or -1; 0 where they stand, or without dry friction, (n,)
 
     @classmethod
     def at(cls, plant: Plant, law: Law, t: float, q: Array, qd: Array) -> Contact | None:
@@ -52,10 +35,6 @@ class Contact:
         them do depends on all: accelerations a = a(tau) - B^-1 p with |p| <= f, and p = f sign(a) where a is not zero.
 
         Args:
-            plant: The arm.
-            law: What the motors do.
-            t: Time [s].
-            q: Joint variables, (n,).
             qd: Velocities, zero where a joint is at rest, (n,).
 
         Returns:
@@ -103,13 +82,7 @@ class Contact:
     def forces(self, t: float, q: Array, qd: Array) -> tuple[Array, Array, Array]:
         """What acts on the joints.
 
-        Args:
-            t: Time [s].
-            q: Joint variables, (n,).
-            qd: Velocities, (n,).
-
         Returns:
-            Torques of motors and pushes, accelerations, and dry friction: f sign(qd) of joints that slip, what it takes
             to hold those that stand, (n,) each.
         """
         plant, driven = self.plant, self.law(t, q, qd) + self.plant.push
@@ -123,12 +96,7 @@ class Contact:
         return driven, qdd, friction
 
     def rates(self, t: float, state: Array) -> Array:
-        """Derivatives of a state by time.
-
-        Args:
-            t: Time [s].
-            state: As in `derive.motion.simulation.stepping.Steps`.
-        """
+        """Derivatives of a state by time."""
         n, rates = self.way.size, np.zeros_like(state)
         qd = state[n : 2 * n]
         if qd @ qd < 4 * n * DIVERGED**2:
@@ -138,12 +106,7 @@ class Contact:
         return rates
 
     def margin(self, t: float, state: Array) -> float:
-        """Above zero as long as what slips goes on and what stands is held.
-
-        Args:
-            t: Time [s].
-            state: As in `derive.motion.simulation.stepping.Steps`.
-        """
+        """Above zero as long as what slips goes on and what stands is held."""
         n, dry = self.way.size, self.plant.coulomb
         qd = state[n : 2 * n]
         found = np.where(self.way != 0, self.way * qd + RESTS, np.inf)
@@ -153,11 +116,7 @@ class Contact:
         return float(found.min())
 
     def rested(self, state: Array) -> Array:
-        """A state at the end of this contact: what no longer slips its way is at rest.
-
-        Args:
-            state: As in `derive.motion.simulation.stepping.Steps`.
-        """
+        """A state at the end of this contact: what no longer slips its way is at rest."""
         n, after = self.way.size, state.copy()
         after[n : 2 * n][(self.way != 0) & (self.way * after[n : 2 * n] <= 2 * RESTS)] = 0.0
         return after
@@ -169,16 +128,6 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
     A solver leads to the time at which a joint that slips comes to rest, or one that stands needs more than friction;
     there it is decided anew which of them slip (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems,
     2008, chapter 8). Where changes follow one another without end, time steps of `stepped` lead across them.
-
-    Args:
-        plant: The arm.
-        law: What the motors do.
-        state: At the start.
-        span: Start and end [s].
-        times: Times that are wanted, ascending, the last of them the end.
-
-    Returns:
-        A row for each time.
     """
     n, t = plant.coulomb.size, span[0]
     rows: list[Array] = []
@@ -216,16 +165,6 @@ def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], tim
     A step of time h solves ``qd+ = qd + h qdd(tau) - B^-1 p`` for impulses p of friction with p = h f sign(qd+) where a
     joint slips and |p| <= h f where it sticks, by projected Gauss-Seidel (Moreau's time stepping; Acary and Brogliato,
     Numerical Methods for Nonsmooth Dynamical Systems, 2008).
-
-    Args:
-        plant: The arm.
-        law: What the motors do.
-        state: At the start.
-        span: Start and end [s].
-        times: Times that are wanted, ascending, the last of them the end.
-
-    Returns:
-        A row for each time.
     """
     n, t = plant.coulomb.size, span[0]
     q, qd, done = state[:n], state[n : 2 * n], state[2 * n :]
@@ -257,8 +196,6 @@ def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Ar
 
     Args:
         mobility: What friction of one does to all, (n, n).
-        free: Without friction, (n,).
-        most: Largest friction, (n,).
     """
     rows, velocity, bounds = mobility.tolist(), free.tolist(), most.tolist()
     joints: Sequence[int] = [j for j, bound in enumerate(bounds) if bound]

@@ -44,24 +44,18 @@ from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 
+# Argument of a tape: the upper three rows of the transform of the base, of its rate and of its second derivative.
 BASE = "base"
-"""Argument of a tape: the upper three rows of the transform of the base, of its rate and of its second derivative."""
 
 
 @dataclass(frozen=True, slots=True)
 class OnBase(Generic[S]):
-    """An arm on a base that moves, at an instant, over any scalar type.
+    """An arm on a base that moves, at an instant, over any scalar type."""
 
-    Attributes:
-        chain: The arm at its configuration.
-        motion: Of frame 0 in its own axes, its acceleration less gravity.
-        velocity: Of the origin of frame 0, in the same axes.
-        weight: Gravity in the same axes, and times the way from the origin of the world to that of frame 0.
-    """
-
-    chain: Chain[S]
-    motion: LinkMotion[S]
-    velocity: Vector[S]
+    chain: Chain[S]  # the arm at its configuration
+    motion: LinkMotion[S]  # of frame 0 in its own axes, its acceleration less gravity
+    velocity: Vector[S]  # of the origin of frame 0, in the same axes
+    # Gravity in the same axes, and times the way from the origin of the world to that of frame 0.
     weight: tuple[Vector[S], S]
 
     @classmethod
@@ -101,9 +95,7 @@ class ArrayDomain(FloatDomain):
     """Cells of a robot as floats, at many configurations at once.
 
     Args:
-        robot: The robot.
         q: Joint variables [rad or m], (..., n).
-        values: Numbers of the parameters.
     """
 
     def __init__(self, robot: Robot, q: Array, values: Mapping[str, float]) -> None:
@@ -111,53 +103,31 @@ class ArrayDomain(FloatDomain):
         super().__init__(robot, columns, values)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Any, Any]:
-        """Cosine and sine of the angle of a revolute joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
+        """Cosine and sine of the angle of a revolute joint."""
         value = joint.sign * self.q[index] + self.constant(joint.theta)
         return np.cos(value), np.sin(value)
 
 
 class NumberedDomain(TapeDomain):
-    """Cells of a robot as numbers on a graph, and its configuration as arguments.
-
-    Args:
-        robot: The robot.
-        graph: Where the values live.
-        values: Numbers of the parameters.
-    """
+    """Cells of a robot as numbers on a graph, and its configuration as arguments."""
 
     def __init__(self, robot: Robot, graph: Graph, values: Mapping[str, float]) -> None:
         super().__init__(robot, graph)
         self._values = values
 
     def constant(self, expression: Expression) -> Value:
-        """The value of a cell.
-
-        Args:
-            expression: Of the robot's symbols.
-        """
+        """The value of a cell."""
         return self.number(Fraction(evaluate(expression, self._values)))
 
 
 @dataclass(frozen=True)
 class BaseTorques:
-    """Torques that an arm needs since its base moves.
+    """Torques that an arm needs since its base moves."""
 
-    Attributes:
-        robot: The robot; its gravity is that of the world in which the base moves.
-        values: Numbers of all symbols.
-        base: The motion of its base.
-        duration: How long it moves [s]; before and after it stands.
-    """
-
-    robot: Robot
-    values: Mapping[str, float]
-    base: BaseCurve
-    duration: float
+    robot: Robot  # the robot; its gravity is that of the world in which the base moves
+    values: Mapping[str, float]  # numbers of all symbols
+    base: BaseCurve  # the motion of its base
+    duration: float  # how long it moves [s]; before and after it stands
 
     def carrying(self, *payloads: Payload | None) -> BaseTorques:
         """Those of the arm whose last link is as heavy as with what the tool carries."""
@@ -211,11 +181,7 @@ class BaseTorques:
         return lambda t, q, qd: np.array(carried.at(t, q).added(qd.tolist()))
 
     def tape(self, payload: Payload | None = None) -> Tape:
-        """The same as a program with the arguments ``q``, ``qd`` and `BASE`.
-
-        Args:
-            payload: What the tool carries.
-        """
+        """The same as a program with the arguments ``q``, ``qd`` and `BASE`."""
         carried, graph = self.carrying(payload), Graph()
         domain = NumberedDomain(carried.robot, graph, carried.values)
         frames = [

@@ -20,27 +20,15 @@ _ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2)
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body in the frame of the last link.
+    """A rigid body in the frame of the last link."""
 
-    Attributes:
-        mass: [kg].
-        com: Centre of mass, (3,) [m].
-        inertia: About it, (3, 3) [kg m^2].
-    """
-
-    mass: float
-    com: Array
-    inertia: Array
+    mass: float  # [kg]
+    com: Array  # centre of mass, (3,) [m]
+    inertia: Array  # about it, (3, 3) [kg m^2]
 
     @classmethod
     def payload(cls, robot: Robot, payload: Payload, values: Mapping[str, float]) -> Body:
-        """What the tool carries.
-
-        Args:
-            robot: The robot.
-            payload: In the frame of the end effector.
-            values: Numbers of all symbols.
-        """
+        """What the tool carries."""
         tool = np.array([[evaluate(cell, values) for cell in row] for row in robot.tool])
         rotation, place = tool[:3, :3], tool[:3, 3]
         com = rotation @ [evaluate(cell, values) for cell in payload.com] + place
@@ -49,12 +37,7 @@ class Body:
 
     @classmethod
     def last_link(cls, robot: Robot, values: Mapping[str, float]) -> Body:
-        """The last link without its motor.
-
-        Args:
-            robot: The robot.
-            values: Numbers of all symbols.
-        """
+        """The last link without its motor."""
         link, inertia = robot.links[-1], np.zeros((3, 3))
         for entry, (i, j) in _ENTRIES.items():
             inertia[i, j] = inertia[j, i] = evaluate(getattr(link.inertia, entry), values)
@@ -76,11 +59,7 @@ class Body:
         return Body(mass, com, self.about(com) + other.about(com))
 
     def columns(self, n: int) -> dict[str, float]:
-        """Its parameters as the columns of the regressor are named, the inertia about the origin of the frame.
-
-        Args:
-            n: Number of the link.
-        """
+        """Its parameters as the columns of the regressor are named, the inertia about the origin of the frame."""
         parts = {"m": self.mass, **dict(zip(("mx", "my", "mz"), self.mass * self.com, strict=True))}
         inertia = self.about(np.zeros(3))
         parts |= {f"I{entry}": inertia[place] for entry, place in _ENTRIES.items()}
@@ -89,23 +68,14 @@ class Body:
 
 @dataclass(frozen=True)
 class OpenLink:
-    """A robot whose last link has symbols instead of numbers, so that what it carries may change.
+    """A robot whose last link has symbols instead of numbers, so that what it carries may change."""
 
-    Attributes:
-        robot: With these symbols.
-        names: Of mass, centre of mass and inertia about it.
-    """
-
-    robot: Robot
-    names: tuple[str, ...]
+    robot: Robot  # with these symbols
+    names: tuple[str, ...]  # of mass, centre of mass and inertia about it
 
     @classmethod
     def of(cls, robot: Robot) -> OpenLink:
-        """Open the last link.
-
-        Args:
-            robot: The robot.
-        """
+        """Open the last link."""
         taken, stem = set(robot_symbols(robot)), "carried"
         while any(name.startswith(stem) for name in taken):
             stem += "_"
@@ -115,10 +85,6 @@ class OpenLink:
         return cls(replace(robot, links=(*robot.links[:-1], link)), tuple(names))
 
     def values(self, body: Body) -> dict[str, float]:
-        """Numbers of the symbols.
-
-        Args:
-            body: The last link and what it carries.
-        """
+        """Numbers of the symbols."""
         entries = [body.inertia[place] for place in _ENTRIES.values()]
         return {name: float(v) for name, v in zip(self.names, (body.mass, *body.com, *entries), strict=True)}

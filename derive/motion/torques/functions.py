@@ -21,26 +21,13 @@ from derive.targets.compiler import find_compiler
 from derive.targets.target import Source
 from derive.version import __version__
 
-COMPILING = 2.0
-"""What a compiler takes [s]."""
-
-SAVED = 2e-8
-"""What compiled code saves an operation of a single call [s]."""
-
-KEPT = 64
-"""How many robots' functions a process keeps."""
+COMPILING = 2.0  # what a compiler takes [s]
+SAVED = 2e-8  # what compiled code saves an operation of a single call [s]
+KEPT = 64  # how many robots' functions a process keeps
 
 
 class Functions:
-    """Functions of ``model_numpy.py`` or ``model_native.py`` with the numbers of a plan.
-
-    Args:
-        robot: The robot.
-        names: Which functions.
-        values: Numbers of symbols that are arguments.
-        calls: How many times about one configuration is asked for; many are worth a compiler's seconds.
-        inverse: Whether inverse kinematics is wanted, too.
-    """
+    """Functions of ``model_numpy.py`` or ``model_native.py`` with the numbers of a plan."""
 
     def __init__(
         self,
@@ -69,11 +56,7 @@ class Functions:
         return {"params": self._module.precompute(numbers)} if numbers else {}
 
     def given(self, values: Mapping[str, float]) -> Functions:
-        """The same functions with other numbers.
-
-        Args:
-            values: Numbers of symbols that are arguments.
-        """
+        """The same functions with other numbers."""
         other = copy(self)
         other._options = self._numbers(values)
         return other
@@ -84,15 +67,7 @@ class Functions:
         return tuple(self._module.STANDARD_PARAMETERS)
 
     def __call__(self, name: str, *arguments: Array) -> Array:
-        """The value of a function.
-
-        Args:
-            name: Its name.
-            *arguments: (..., n) each.
-
-        Returns:
-            (..., *shape).
-        """
+        """The value of a function."""
         value: Array = getattr(self._module, name)(*arguments, **self._options)
         return value
 
@@ -103,11 +78,6 @@ class Functions:
 
     def nearest(self, pose: Array, q: Array, branches: Sequence[int] = ()) -> Array:
         """The solution of a pose nearest to a configuration.
-
-        Args:
-            pose: (4, 4).
-            q: (n,).
-            branches: Those that are looked at, by their place among the solutions; empty for all.
 
         Returns:
             (n,); not numbers where there is none.
@@ -123,23 +93,13 @@ class Functions:
 
 
 def bare_robot(robot: Robot) -> Robot:
-    """A robot without what its functions do not depend on.
-
-    Args:
-        robot: The robot.
-    """
+    """A robot without what its functions do not depend on."""
     return replace(robot, title="", digest="", source="", remarks=())
 
 
 @lru_cache(KEPT)
 def program_of(robot: Robot, names: frozenset[str], *, inverse: bool = False) -> Program:
-    """Functions of a robot, found quickly and kept.
-
-    Args:
-        robot: Of `bare_robot`.
-        names: Which functions.
-        inverse: Whether inverse kinematics is wanted, too.
-    """
+    """Functions of a robot, found quickly and kept."""
     return build_program(robot, Effort.QUICK, names=names, inverse=inverse)
 
 

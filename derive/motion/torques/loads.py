@@ -12,46 +12,30 @@ from derive.arrays import Array
 from derive.motion.curves.extremes import Peak, highest
 from derive.motion.curves.trajectory import Segment
 
+# Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule.
 LEAST_INTERVALS = 64
-"""Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule."""
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What a joint does in a segment.
+    """What a joint does in a segment."""
 
-    Attributes:
-        peak: The torque that is largest in magnitude, also between samples [N m or N].
-        time: When [s]; the earliest of equal ones.
-        rms: Root of the mean of its square.
-        power: The largest mechanical power in magnitude [W].
-        work: Integral of torque by velocity [J].
-    """
-
-    peak: float
-    time: float
-    rms: float
-    power: float
-    work: float
+    peak: float  # the torque that is largest in magnitude, also between samples [N m or N]
+    time: float  # when [s]; the earliest of equal ones
+    rms: float  # root of the mean of its square
+    power: float  # the largest mechanical power in magnitude [W]
+    work: float  # integral of torque by velocity [J]
 
 
 @dataclass(frozen=True, slots=True)
 class SegmentPeaks:
-    """The largest values of every joint in a segment.
+    """The largest values of every joint in a segment."""
 
-    Attributes:
-        segment: Its name and times.
-        speeds: Largest velocities, exact where the profile allows.
-        accelerations: Largest accelerations.
-        loads: Torques; empty where the robot has no dynamics.
-        base: Power of a base that moves, as the torque at a speed of one; None where it stands.
-    """
-
-    segment: Segment
-    speeds: tuple[Peak, ...]
-    accelerations: tuple[Peak, ...]
-    loads: tuple[Load, ...]
-    base: Load | None = None
+    segment: Segment  # its name and times
+    speeds: tuple[Peak, ...]  # largest velocities, exact where the profile allows
+    accelerations: tuple[Peak, ...]  # largest accelerations
+    loads: tuple[Load, ...]  # torques; empty where the robot has no dynamics
+    base: Load | None = None  # power of a base that moves, as the torque at a speed of one; None where it stands
 
     @property
     def work(self) -> float:
@@ -61,9 +45,6 @@ class SegmentPeaks:
 
 def mean_weights(count: int) -> Array:
     """The mean of a function by its values at evenly spaced places: Boole's rule, Simpson's where two are left over.
-
-    Args:
-        count: Number of intervals, even.
 
     Returns:
         Weights of the places, (count + 1,); polynomials of degree five are exact where four divides the number.
@@ -85,14 +66,8 @@ def loads(
     """What each joint does in a segment.
 
     Args:
-        start: When it begins [s].
         end: When it ends, and the next one begins [s].
-        samples: How many intervals between rows of a table it has.
-        state: Torques and velocities at times, (...) to (..., n) each.
         corners: Times in between at which torques may jump [s].
-
-    Returns:
-        One for each joint; integrals by `mean_weights`.
     """
     count, length = max(2 * samples, LEAST_INTERVALS), end - start
     places, parts = [], []

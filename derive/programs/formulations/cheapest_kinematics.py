@@ -40,10 +40,6 @@ from derive.programs.tape.value import Value
 class Stations:
     """Stations 0 to ``last`` of one arm whose base and tool are exact rotations.
 
-    Args:
-        chain: The arm, one joint at least.
-        runs: Its runs of parallel axes.
-
     Attributes:
         few: Whether all ways over them can be tried.
     """
@@ -85,56 +81,22 @@ class Stations:
         return found[::-1]
 
     def turned(self, r: int, place: Placement) -> Matrix[Value]:
-        """The axes of a station in the world, turned about z as far as a joint of its run is.
-
-        Args:
-            r: The station.
-            place: The joint.
-
-        Returns:
-            A rotation.
-        """
+        """The axes of a station in the world, turned about z as far as a joint of its run is."""
         return _turned_about_z(self.rotations[r], place)
 
     def world(self, r: int, v: Vector[Value], meeting: int) -> Vector[Value]:
-        """A vector of a station in the world.
-
-        Args:
-            r: The station.
-            v: The vector in its axes.
-            meeting: Up to this station it is turned inwards, then by the station's rotation.
-
-        Returns:
-            The vector in the world's axes.
-        """
+        """A vector of a station in the world."""
         while r > meeting:
             v, r = self.inward(r, v), r - 1
         return multiply(self.rotations[r], v)
 
     def inward(self, r: int, v: Vector[Value]) -> Vector[Value]:
-        """A vector of a station in the axes of the one before.
-
-        Args:
-            r: The station, from 1.
-            v: The vector in its axes.
-
-        Returns:
-            The vector in the axes of station r-1.
-        """
+        """A vector of a station in the axes of the one before."""
         last = self.runs[r - 1].last
         return about_z(last.cosine, last.sine, multiply(self.constants[r], v))
 
     def reach(self, r: int, joint: int = -1, *, beyond: bool) -> Vector[Value]:
-        """From a joint of a run to the run's last joint, or on to the end effector.
-
-        Args:
-            r: The run.
-            joint: Counted in the run; -1 for its station.
-            beyond: Whether it leads to the end effector, summed from there inwards.
-
-        Returns:
-            The vector in the axes of station r.
-        """
+        """From a joint of a run to the run's last joint, or on to the end effector."""
         return self._with_steps(r, joint, self._beyond[r] if beyond else (self.chain.zero,) * 3)
 
     def _with_steps(self, r: int, joint: int, total: Vector[Value]) -> Vector[Value]:
@@ -153,14 +115,7 @@ Ways = list[Vector[Value]]
 
 
 def cheapest_pose(stations: Stations) -> Frame[Value]:
-    """T: the end effector in the world frame, tool included.
-
-    Args:
-        stations: Of the arm.
-
-    Returns:
-        As `derive.mechanics.forward_kinematics.forward_kinematics`.
-    """
+    """T: the end effector in the world frame, tool included."""
     end = stations.last
     axes = [[stations.world(end, _unit(stations, k), m) for m in _meetings(stations, end)] for k in range(3)]
     crossed = [[cross(a, b) for a, b in product(axes[(k + 1) % 3], axes[(k + 2) % 3])] for k in range(3)]
@@ -171,14 +126,7 @@ def cheapest_pose(stations: Stations) -> Frame[Value]:
 
 
 def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
-    """J, the geometric Jacobian in the world frame.
-
-    Args:
-        stations: Of the arm.
-
-    Returns:
-        6xn, rows first: as `derive.mechanics.forward_kinematics.jacobian`.
-    """
+    """J, the geometric Jacobian in the world frame."""
     chain = stations.chain
     groups: list[Ways] = []
     for r, run in enumerate(stations.runs):
@@ -198,14 +146,7 @@ def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
 
 
 def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
-    """J, the geometric Jacobian of the end effector in its own axes.
-
-    Args:
-        stations: Of the inverted arm, `derive.mechanics.chain.Chain.inverted`, whose world is the end effector.
-
-    Returns:
-        6xn, rows first: as `derive.mechanics.forward_kinematics.jacobian_end`.
-    """
+    """J, the geometric Jacobian of the end effector in its own axes."""
     chain, zero = stations.chain, stations.chain.zero
     groups: list[Ways] = []
     poses = iter(joint_poses(chain))
@@ -234,14 +175,7 @@ def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
 
 
 def cheapest_links(stations: Stations) -> list[Frame[Value]]:
-    """DH frames 1..n in the world frame, without the tool: first all rotations, then all origins.
-
-    Args:
-        stations: Of the arm.
-
-    Returns:
-        As `derive.mechanics.forward_kinematics.link_transforms`.
-    """
+    """DH frames 1..n in the world frame, without the tool: first all rotations, then all origins."""
     chain = stations.chain
     places = [(r, place) for r, run in enumerate(stations.runs) for place in run.placements]
     needed: list[Ref] = []
@@ -342,16 +276,11 @@ def _linear_ways(stations: Stations, r: int, k: int) -> Ways:
 
 
 class _Route(NamedTuple):
-    """A way from a joint to the end effector, in the world.
+    """A way from a joint to the end effector, in the world."""
 
-    Attributes:
-        end: From this station on it is one vector; before, there is one for each run.
-        meeting: Where these meet the rotation from the base, at the latest.
-        scaled: Whether a vector along an axis of its station is a multiple of the axis, which other columns may need.
-    """
-
-    end: int
-    meeting: int
+    end: int  # from this station on it is one vector; before, there is one for each run
+    meeting: int  # where these meet the rotation from the base, at the latest
+    # Whether a vector along an axis of its station is a multiple of the axis, which other columns may need.
     scaled: bool
 
 
@@ -365,15 +294,7 @@ def _routes(stations: Stations, r: int) -> Iterator[_Route]:
 
 
 def _reach(stations: Stations, r: int, joint: int, route: _Route) -> Vector[Value]:
-    """From a joint to the end effector in the world.
-
-    Args:
-        stations: Of the arm.
-        r: The joint's run.
-        joint: Its place there; what is parallel to its axis in the run is left out. -1 means that the vector starts
-            where the run before ends.
-        route: The way.
-    """
+    """From a joint to the end effector in the world."""
     total: Vector[Value] | None = None
     for k in range(route.end, r - 1, -1):
         start = joint if k == r else -1

@@ -24,25 +24,14 @@ from derive.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class Formulation:
-    """One way to compute a function.
+    """One way to compute a function."""
 
-    Attributes:
-        words: What it is, for the generated file.
-        trace: Gives the outputs, row by row.
-    """
-
-    words: str
-    trace: Callable[[], Sequence[Value]]
+    words: str  # what it is, for the generated file
+    trace: Callable[[], Sequence[Value]]  # gives the outputs, row by row
 
 
 class FormulationChoice:
-    """Chooses among the formulations of the functions of one robot.
-
-    Args:
-        robot: The robot.
-        graph: The graph that a `TapeDomain` of this robot has filled.
-        effort: How long programs are improved.
-    """
+    """Chooses among the formulations of the functions of one robot."""
 
     def __init__(self, robot: Robot, graph: Graph, effort: Effort = Effort.FULL) -> None:
         self._graph = graph
@@ -51,25 +40,14 @@ class FormulationChoice:
         self._priced, self._known = Graph(), dict[int, Ref]()
 
     def price(self, outputs: Sequence[Ref]) -> Cost:
-        """What some outputs cost with the robot's numbers, before they are improved.
-
-        Args:
-            outputs: References into the traced graph.
-
-        Returns:
-            The cost.
-        """
+        """What some outputs cost with the robot's numbers, before they are improved."""
         return program_cost(self._priced, copy(self._graph, outputs, self._priced, self._known, self.numbers))
 
     def near(self, formulations: Iterable[Formulation], margin: float | None) -> tuple[Formulation, ...]:
         """The formulations worth improving.
 
         Args:
-            formulations: All of them.
             margin: How many times the cheapest they may cost as traced with symbols; None for any cost.
-
-        Returns:
-            Those that cost no more, traced.
         """
         if margin is None:
             return tuple(Formulation(f.words, _given(f.trace())) for f in tuple(formulations))
@@ -81,13 +59,6 @@ class FormulationChoice:
         """The cheapest formulation once all are improved, the first of equals.
 
         All are improved for a short time; a longer search is spent on those close to the best.
-
-        Args:
-            formulations: Of the same values.
-            search: Whether the longer search pays.
-
-        Returns:
-            The formulation and its tape.
         """
         outputs = [[value.ref for value in formulation.trace()] for formulation in formulations]
         programs = [bake(self._graph, refs, self.numbers) for refs in outputs]

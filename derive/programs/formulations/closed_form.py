@@ -27,17 +27,11 @@ from derive.robot.robot import Robot
 
 _ARGUMENTS = {Kind.VARIABLE: Q, Kind.RATE: QD, Kind.ACCELERATION: QDD}
 
-Monomial = tuple[tuple[int, int], ...]
-"""Generator indices with their exponents, ascending."""
+Monomial = tuple[tuple[int, int], ...]  # generator indices with their exponents, ascending
 
 
 class ClosedForm:
     """The dynamics of one robot as polynomials in one choice of angles.
-
-    Args:
-        robot: The robot.
-        tape: Where the values go.
-        sums: Whether sums of parallel joints' angles are the generators, else each angle by itself.
 
     Attributes:
         words: In which angles.
@@ -61,9 +55,6 @@ class ClosedForm:
 
     def values(self, function: str) -> list[Value] | None:
         """The closed form of a generated function.
-
-        Args:
-            function: Its name, one of `CLOSED_FORMS`.
 
         Returns:
             Its outputs, row by row, torques without friction; None where they are long.
@@ -93,6 +84,7 @@ def _kinetic(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Pol
     return [kinetic_energy(chain, rates, domain.number(Fraction(1, 2)))]
 
 
+# The functions that have one.
 CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial]], Sequence[Polynomial]]] = {
     "inertia_matrix": lambda domain, chain: [entry for row in inertia_matrix(chain) for entry in row],
     "coriolis_matrix": _coriolis,
@@ -101,7 +93,6 @@ CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial]], Seque
     "potential_energy": lambda domain, chain: [potential_energy(chain)],
     "inverse_dynamics": _torques,
 }
-"""The functions that have one."""
 
 
 class PolynomialTape:
@@ -109,10 +100,6 @@ class PolynomialTape:
 
     They become sums of products of sines, cosines, variables and rates. What stands beside such a product, parameters
     and numbers, is gathered first, so that it is hoisted.
-
-    Args:
-        polynomials: Where the polynomials live.
-        tape: Where the values go.
     """
 
     def __init__(self, polynomials: PolynomialDomain, tape: TapeDomain) -> None:
@@ -126,14 +113,7 @@ class PolynomialTape:
         return [self._generator(generator) for generator in self._polynomials.generators]
 
     def value(self, p: Polynomial) -> Value:
-        """A polynomial, expanded.
-
-        Args:
-            p: The polynomial.
-
-        Returns:
-            Its value on the tape's graph.
-        """
+        """A polynomial, expanded."""
         zero, one = self._tape.number(0), self._tape.number(1)
         groups: dict[Monomial, Value] = {}
         for exponents, coefficient in p.terms():

@@ -24,61 +24,31 @@ from derive.programs.tape.derivative import gradient_columns
 from derive.programs.tape.scalars import QD, QDD, TAU, Q
 from derive.programs.tape.value import Value
 
-Recursion = Callable[[FrameChoices], list[Value]]
-"""The outputs of a recursion with some frame choices."""
-
+Recursion = Callable[[FrameChoices], list[Value]]  # the outputs of a recursion with some frame choices
 _BASE = "in base parameters"
 
 
 def inertia_matrices(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of B.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of B."""
     yield from _searched(trace, "inertia", f"composite bodies {_BASE}", _inertia(trace))
     yield from _closed(trace, "inertia_matrix")
 
 
 def coriolis_matrices(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of C.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of C."""
     yield from _searched(trace, "coriolis", f"composite bodies and their inner motion {_BASE}", _coriolis(trace))
     yield from _closed(trace, "coriolis_matrix")
 
 
 def gravity_vectors(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of g.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        One entry per joint.
-    """
+    """Formulations of g."""
     words = f"composite first moments {_BASE}"
     yield from _searched(trace, "gravity", words, lambda choices: gravity_vector(trace.arranged(choices)))
     yield from _closed(trace, "gravity_vector")
 
 
 def kinetic_energies(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of the kinetic energy.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        One value.
-    """
+    """Formulations of the kinetic energy."""
     rates = trace.arguments(QD)
 
     def _values(choices: FrameChoices) -> list[Value]:
@@ -89,14 +59,7 @@ def kinetic_energies(trace: Trace) -> Iterator[Formulation]:
 
 
 def potential_energies(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of the potential energy.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        One value.
-    """
+    """Formulations of the potential energy."""
 
     def _values(choices: FrameChoices, meeting: int = 0) -> list[Value]:
         return [potential_energy(trace.arranged(choices), meeting)]
@@ -108,27 +71,13 @@ def potential_energies(trace: Trace) -> Iterator[Formulation]:
 
 
 def torques(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of tau.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        One entry per joint.
-    """
+    """Formulations of tau."""
     yield from _searched(trace, "torques", f"Newton-Euler {_BASE}", _newton_euler(trace, QDD), ALL_CHOICES)
     yield from _closed(trace, "inverse_dynamics", trace.with_friction)
 
 
 def coriolis_vectors(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of C qd.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        One entry per joint.
-    """
+    """Formulations of C qd."""
     zero, rates, still = trace.chain.zero, trace.arguments(QD), trace.zeros()
 
     def _values(choices: FrameChoices) -> list[Value]:
@@ -140,17 +89,7 @@ def coriolis_vectors(trace: Trace) -> Iterator[Formulation]:
 
 
 def accelerations(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of qdd under given torques.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        One entry per joint.
-
-    Raises:
-        QuantityError: The inertia matrix is singular everywhere.
-    """
+    """Formulations of qdd under given torques."""
     n = trace.n
     if n <= POLICY.most_factorised:
 
@@ -172,27 +111,13 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
 
 
 def no_accelerations(trace: Trace) -> Formulation:
-    """What stands for qdd where no motion of some joint meets inertia.
-
-    Args:
-        trace: Of the robot.
-
-    Returns:
-        Values that are infinite or not a number.
-    """
+    """What stands for qdd where no motion of some joint meets inertia."""
     words = "the inertia matrix is singular everywhere"
     return Formulation(words, lambda: [torque / trace.chain.zero for torque in trace.arguments(TAU)])
 
 
 def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of d tau / d q.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of d tau / d q."""
     rates, accelerations = trace.arguments(QD), trace.arguments(QDD)
 
     def _values(choices: FrameChoices) -> list[Value]:
@@ -208,14 +133,7 @@ def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
 
 
 def torque_velocity_derivatives(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of d tau / d qd.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of d tau / d qd."""
 
     def _values(choices: FrameChoices) -> list[Value]:
         return flat(torque_velocity_derivative(trace.arranged(choices), trace.arguments(QD), trace.half))

@@ -30,9 +30,7 @@ from derive.programs.tape.cost import Cost
 from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
 from derive.programs.tape.value import Value
 
-FrameChoices = tuple[FrameChoice, ...]
-"""What is chosen at each joint."""
-
+FrameChoices = tuple[FrameChoice, ...]  # what is chosen at each joint
 CHAIN_CHOICES = ("place", "held", "second_moments")
 ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
 
@@ -40,32 +38,13 @@ ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
 def arrange(
     chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns, half: Value, *, axial: bool = False
 ) -> Chain[Value]:
-    """The chain as the frame choices ask, in base parameters.
-
-    Args:
-        chain: The arm as built.
-        choices: One for each joint; only such as `places` and `holdable` allow.
-        total: Makes the cosine and sine of a sum of joint angles.
-        half: The scalar 1/2.
-        axial: Whether the recursion knows axial masses.
-
-    Returns:
-        A chain for dynamics alone: its tool and ends are those of the old one.
-    """
+    """The chain as the frame choices ask, in base parameters."""
     rules = [Rule(choice.second_moments, axial and _slides_along_all(chain, i)) for i, choice in enumerate(choices)]
     return _held(regroup(_placed(chain, choices), rules, half), choices, total)
 
 
 def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
-    """Where the origin of a joint frame may stand, as far as this makes a difference.
-
-    Args:
-        chain: The arm as built.
-        i: Index of the joint, from 0.
-
-    Returns:
-        The usual place first.
-    """
+    """Where the origin of a joint frame may stand, as far as this makes a difference."""
     joint = chain.joints[i]
     found = [Place.AFTER]
     if joint.revolute and joint.offset.ref != ZERO:
@@ -78,15 +57,7 @@ def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
 
 
 def holdable(chain: Chain[Value], i: int) -> bool:
-    """Whether the axes of a link may stay behind its joint: nothing but a parallel axis may follow.
-
-    Args:
-        chain: The arm as built.
-        i: Index of the joint, from 0.
-
-    Returns:
-        True where they may.
-    """
+    """Whether the axes of a link may stay behind its joint: nothing but a parallel axis may follow."""
     joint = chain.joints[i]
     if not (joint.revolute or _is_unturned(joint)):
         return False
@@ -142,14 +113,7 @@ class _Lag:
     sine: Value
 
     def turned(self, v: Vector[Value]) -> Vector[Value]:
-        """A vector of the link in those axes.
-
-        Args:
-            v: Its coordinates in the link's own axes.
-
-        Returns:
-            Those in the axes that stay behind.
-        """
+        """A vector of the link in those axes."""
         return about_z(self.cosine, self.sine, v)
 
 
@@ -178,11 +142,8 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
 
 
 Outputs = tuple[Ref, ...]
-Trial = Callable[[FrameChoices], Outputs]
-"""Traces a function with some choices."""
-
-Price = Callable[[Outputs], Cost]
-"""What some outputs cost."""
+Trial = Callable[[FrameChoices], Outputs]  # traces a function with some choices
+Price = Callable[[Outputs], Cost]  # what some outputs cost
 
 
 class FrameChoiceSearch:
@@ -190,12 +151,6 @@ class FrameChoiceSearch:
 
     It may stop anywhere: from the best of some starts it changes one choice of one joint after another to what makes
     the traced graph cheapest, until nothing gets cheaper or the work is spent. Work is counted in nodes.
-
-    Args:
-        chain: The arm as built.
-        choices: Names of the choices that make a difference to the function.
-        trial: Traces the function.
-        price: What that costs.
     """
 
     def __init__(self, chain: Chain[Value], choices: Sequence[str], trial: Trial, price: Price) -> None:
@@ -208,15 +163,7 @@ class FrameChoiceSearch:
         self._work_left = POLICY.frame_choice_work
 
     def best(self, starts: Sequence[FrameChoices], count: int = 1) -> tuple[FrameChoices, ...]:
-        """The cheapest choices found, and others that come close.
-
-        Args:
-            starts: Where the search starts.
-            count: How many at most.
-
-        Returns:
-            The cheapest first, the first found of equals; each has another graph.
-        """
+        """The cheapest choices found, and others that come close."""
         if self._chain.n > POLICY.frame_choice_joints:
             return (starts[0],)
         best = starts[0]
@@ -275,14 +222,7 @@ class FrameChoiceSearch:
 
 
 def starting_choices(chain: Chain[Value]) -> tuple[FrameChoices, ...]:
-    """Where the search for frame choices starts.
-
-    Args:
-        chain: The arm as built.
-
-    Returns:
-        All links held that can be, the last alone, none.
-    """
+    """Where the search for frame choices starts."""
     n = chain.n
     can = [holdable(chain, i) for i in range(n)]
     held = (can, [can[i] and i == n - 1 for i in range(n)], [False] * n)

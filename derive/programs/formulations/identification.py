@@ -18,38 +18,17 @@ from derive.robot.inertial_parameters import Parameter, standard_parameters
 
 
 def regressors(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of Y.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of Y."""
     yield _regressor(trace, standard_parameters(trace.robot), ends=True)
 
 
 def base_regressors(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of Y_b.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of Y_b."""
     yield _regressor(trace, base_set(trace.robot).parameters, ends=False)
 
 
 def base_parameters(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of beta.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        One entry per base parameter.
-    """
+    """Formulations of beta."""
     base = base_set(trace.robot)
 
     def _value(coefficient: Coefficient) -> Value:
@@ -62,28 +41,14 @@ def base_parameters(trace: Trace) -> Iterator[Formulation]:
 
 
 def standard_columns(trace: Trace) -> tuple[Column, ...]:
-    """What the columns of Y belong to.
-
-    Args:
-        trace: Of the robot.
-
-    Returns:
-        The standard parameters.
-    """
+    """What the columns of Y belong to."""
     parameters = standard_parameters(trace.robot)
     formulas = ParameterFormulas(trace.robot, base_set(trace.robot)).standard(parameters)
     return tuple(Column(p.name, formula) for p, formula in zip(parameters, formulas, strict=True))
 
 
 def base_columns(trace: Trace) -> tuple[Column, ...]:
-    """What the columns of Y_b and the entries of beta belong to.
-
-    Args:
-        trace: Of the robot.
-
-    Returns:
-        The base parameters.
-    """
+    """What the columns of Y_b and the entries of beta belong to."""
     base = base_set(trace.robot)
     formulas = ParameterFormulas(trace.robot, base).base()
     return tuple(Column(p.name, formula) for p, formula in zip(base.parameters, formulas, strict=True))

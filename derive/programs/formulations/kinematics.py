@@ -22,28 +22,14 @@ _SHORTEST = "the shortest ways to the world frame, turned by sums of angles of p
 
 
 def poses(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of T.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of T."""
     yield Formulation(_FROM_THE_BASE, lambda: _entries(trace, [recursion.forward_kinematics(trace.chain)]))
     if (pose := trace.shortest_pose) is not None:
         yield Formulation(f"columns of the pose by {_SHORTEST}", lambda: _entries(trace, [pose]))
 
 
 def link_poses(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of T_1 ... T_n.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Frame by frame, row by row.
-    """
+    """Formulations of T_1 ... T_n."""
     yield Formulation(_FROM_THE_BASE, lambda: _entries(trace, recursion.link_transforms(trace.chain)))
     if (stations := trace.stations) is not None:
         words = "frames turned by sums of angles of parallel joints"
@@ -51,28 +37,14 @@ def link_poses(trace: Trace) -> Iterator[Formulation]:
 
 
 def jacobians(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of J.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of J."""
     yield Formulation("geometric, from axes and origins", lambda: flat(recursion.jacobian(trace.chain)))
     if (matrix := trace.shortest_jacobian) is not None:
         yield Formulation(f"geometric, columns by {_SHORTEST}", lambda: flat(matrix))
 
 
 def end_jacobians(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of J in the axes of the end effector.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of J in the axes of the end effector."""
     chain = trace.chain
     if (stations := trace.end_stations) is None:  # rotations that are none have no inverse as easy as theirs
 
@@ -90,14 +62,7 @@ def end_jacobians(trace: Trace) -> Iterator[Formulation]:
 
 
 def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of dJ/dt.
-
-    Args:
-        trace: Of the robot.
-
-    Yields:
-        Row by row.
-    """
+    """Formulations of dJ/dt."""
     rates = dict(zip(trace.arguments(Q), trace.arguments(QD), strict=True))
     yield Formulation("velocities of axes and origins", lambda: flat(jacobian_rate(trace.chain, trace.arguments(QD))))
     for words, matrix, _ in _pairs(trace):
@@ -109,14 +74,7 @@ def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
 
 
 def analytic_jacobians(kind: str) -> Callable[[Trace], Iterator[Formulation]]:
-    """Formulations of J_A.
-
-    Args:
-        kind: Of the angles, ``rpy`` or ``zyz``.
-
-    Returns:
-        What gives them for a robot, row by row.
-    """
+    """Formulations of J_A."""
 
     def _formulations(trace: Trace) -> Iterator[Formulation]:
         for words, matrix, pose in _pairs(trace):

@@ -26,39 +26,23 @@ class Turn(NamedTuple):
     direction: int
 
 
+# Cosine and sine of a signed sum of joint angles; of no angle 1 and 0.
 SumOfTurns = Callable[[Sequence[Turn]], tuple[Value, Value]]
-"""Cosine and sine of a signed sum of joint angles; of no angle 1 and 0."""
 
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Joint frame i in the axes of its run: Rot(z, phi) constant, at ``origin``.
+    """Joint frame i in the axes of its run: Rot(z, phi) constant, at ``origin``."""
 
-    Attributes:
-        cosine: cos(phi).
-        sine: sin(phi).
-        constant: C, 3x3; z goes to z or -z where the joint turns.
-        origin: From the run's origin, in its axes.
-        step: The last part of ``origin``, from the joint frame before.
-        direction: +1 where z_i is z of the run, -1 where it points the other way, 0 for a slide across.
-    """
-
-    cosine: Value
-    sine: Value
-    constant: Matrix[Value]
-    origin: Vector[Value]
-    step: Vector[Value]
-    direction: int
+    cosine: Value  # cos(phi)
+    sine: Value  # sin(phi)
+    constant: Matrix[Value]  # C, 3x3; z goes to z or -z where the joint turns
+    origin: Vector[Value]  # from the run's origin, in its axes
+    step: Vector[Value]  # the last part of ``origin``, from the joint frame before
+    direction: int  # +1 where z_i is z of the run, -1 where it points the other way, 0 for a slide across
 
     def turned(self, v: Vector[Value]) -> Vector[Value]:
-        """A vector of joint frame i in the axes of the run.
-
-        Args:
-            v: Its coordinates in joint frame i.
-
-        Returns:
-            Those in the axes of the run.
-        """
+        """A vector of joint frame i in the axes of the run."""
         return about_z(self.cosine, self.sine, multiply(self.constant, v))
 
     def axis(self) -> Vector[Value]:
@@ -68,17 +52,12 @@ class Placement:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Consecutive joints whose revolute axes are parallel.
+    """Consecutive joints whose revolute axes are parallel."""
 
-    Attributes:
-        first: Index of its first joint, from 0.
-        fixed: Constant, from the last joint frame of the run before (for the first run frame 0) to the run's axes.
-        placements: One for each joint.
-    """
-
-    first: int
+    first: int  # index of its first joint, from 0
+    # Constant, from the last joint frame of the run before (for the first run frame 0) to the run's axes.
     fixed: Frame[Value]
-    placements: tuple[Placement, ...]
+    placements: tuple[Placement, ...]  # one for each joint
 
     @property
     def last(self) -> Placement:
@@ -87,30 +66,13 @@ class Run:
 
 
 def about_z(c: Value, s: Value, v: Vector[Value]) -> Vector[Value]:
-    """A vector turned about z.
-
-    Args:
-        c: Cosine of the angle.
-        s: Its sine.
-        v: The vector.
-
-    Returns:
-        Rot(z) v.
-    """
+    """A vector turned about z."""
     x, y, z = v
     return (c * x - s * y, s * x + c * y, z)
 
 
 def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[Run, ...]:
-    """The runs of an arm, as long as they can be.
-
-    Args:
-        chain: The arm.
-        total: Makes the cosine and sine of a sum of joint angles.
-
-    Returns:
-        From the base outwards.
-    """
+    """The runs of an arm, as long as they can be."""
     runs: list[Run] = []
     first = 0
     while first < chain.n:

@@ -29,21 +29,13 @@ from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
 
 _TOLERANCE = 1e-14
-_TRIALS = (0.37, 0.83)
-"""Values of the first free symbol; the others are spread above."""
+_TRIALS = (0.37, 0.83)  # values of the first free symbol; the others are spread above
 
 
 def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
     """Whether base and tool are rotations to rounding, whatever the values of free symbols.
 
     A file may write them in decimals with six places; then identities of rotations hold to six places only.
-
-    Args:
-        robot: The robot.
-        tolerance: By so much columns may differ from orthonormal ones.
-
-    Returns:
-        True where identities of rotations hold.
     """
     numbers = number_of(robot)
     fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
@@ -65,10 +57,6 @@ def _is_rotation(matrix: Matrix, values: Mapping[str, float], tolerance: float) 
 
 class Trace:
     """The graph of one robot and its chain of tape values, shared by all functions.
-
-    Args:
-        robot: The robot.
-        effort: How long the cheapest programs are looked for.
 
     Attributes:
         domain: Makes values of the robot's cells and of arguments.
@@ -131,15 +119,7 @@ class Trace:
         return tuple(ClosedForm(self.robot, self.domain, sums=sums) for sums in choices)
 
     def arranged(self, choices: FrameChoices, *, axial: bool = False) -> Chain[Value]:
-        """The chain in base parameters, with frames as they are chosen.
-
-        Args:
-            choices: One for each joint.
-            axial: Whether the recursion knows axial masses.
-
-        Returns:
-            A chain for dynamics alone.
-        """
+        """The chain in base parameters, with frames as they are chosen."""
         return arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
 
     def cheapest_choices(
@@ -149,17 +129,7 @@ class Trace:
         choices: Sequence[str] = CHAIN_CHOICES,
         starts: Sequence[FrameChoices] = (),
     ) -> tuple[FrameChoices, ...]:
-        """The frame choices with which a recursion takes the fewest operations, as far as a short search finds them.
-
-        Args:
-            name: Of the recursion; what is found for it once is remembered.
-            values: Its outputs with some choices.
-            choices: Names of those that are tried: those that make a difference to it.
-            starts: Where the search starts, if not where any does.
-
-        Returns:
-            The cheapest before improvement, and others that come close.
-        """
+        """The frame choices with which a recursion takes the fewest operations, as far as a short search finds them."""
         if self.effort is Effort.QUICK:
             return starting_choices(self.chain)[:1]
 
@@ -173,14 +143,7 @@ class Trace:
         return self._cheapest[name]
 
     def arguments(self, kind: str) -> list[Value]:
-        """An argument.
-
-        Args:
-            kind: ``q``, ``qd``, ``qdd`` or ``tau``.
-
-        Returns:
-            Its n entries.
-        """
+        """An argument."""
         return [self.domain.argument(kind, i) for i in range(self.n)]
 
     def zeros(self) -> list[Value]:
@@ -192,9 +155,6 @@ class Trace:
 
         Args:
             torques: Without friction, one for each joint [N m, N].
-
-        Returns:
-            With it.
         """
         friction = [
             joint.viscous * rate + joint.coulomb * rate.sign()
@@ -204,12 +164,5 @@ class Trace:
 
 
 def flat(rows: Sequence[Sequence[Value]]) -> list[Value]:
-    """The entries of a matrix.
-
-    Args:
-        rows: The matrix.
-
-    Returns:
-        Row by row.
-    """
+    """The entries of a matrix."""
     return [value for row in rows for value in row]

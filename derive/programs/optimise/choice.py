@@ -14,8 +14,8 @@ from derive.programs.tape.build import reachable
 from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import OPERATION_COST, Layer
 
+# The ways to compute one group of outputs; each gives the same outputs in the same order.
 Options = Sequence[Sequence[Ref]]
-"""The ways to compute one group of outputs; each gives the same outputs in the same order."""
 
 
 def choose(graph: Graph, groups: Sequence[Options]) -> tuple[int, ...]:
@@ -23,13 +23,6 @@ def choose(graph: Graph, groups: Sequence[Options]) -> tuple[int, ...]:
 
     A local search: from several starts, one group after another changes to what is cheapest beside the others, until
     none does. It does not always find the best, but no combination with one change is better.
-
-    Args:
-        graph: Where the options live.
-        groups: At least one option each.
-
-    Returns:
-        The place of an option in each group.
     """
     needs = _Needs(graph, groups)
     _, best = min((needs.settled(start) for start in needs.starts()), key=lambda found: found[0])
@@ -89,14 +82,7 @@ class _Needs:
             yield found
 
     def settled(self, found: list[int]) -> tuple[int, list[int]]:
-        """A combination that no change of one group improves, with its cost before it.
-
-        Args:
-            found: The combination from which it is looked for; it is changed.
-
-        Returns:
-            Its cost, and in each group a place among those in `places`.
-        """
+        """A combination that no change of one group improves, with its cost before it."""
         groups = self.groups
         spent = self._cost(_union(groups[g][k] for g, k in enumerate(found)))
         changed = True

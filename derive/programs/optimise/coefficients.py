@@ -30,14 +30,7 @@ PRIME = 2**61 - 1
 
 
 def scatter(*key: object) -> int:
-    """A fixed pseudo-random residue.
-
-    Args:
-        key: Strings and whole numbers that tell it from others.
-
-    Returns:
-        The same on every machine.
-    """
+    """A fixed pseudo-random residue."""
     value = 0x9E3779B97F4A7C15
     for byte in repr(key).encode():
         value = (value ^ byte) * 0x100000001B3 % PRIME
@@ -46,16 +39,7 @@ def scatter(*key: object) -> int:
 
 
 def residue_of(op: Op, operands: Sequence[int]) -> int:
-    """The residue of an operation.
-
-    Args:
-        op: No leaf.
-        operands: Residues.
-
-    Returns:
-        The value of a rational operation; that of a function is random, but knows its symmetry: sine and cosine are a
-        random rational point of the unit circle for each angle, mirrored for the opposite angle.
-    """
+    """The residue of an operation."""
     first = operands[0]
     low = min(first, PRIME - first)
     match op:
@@ -86,11 +70,7 @@ def residue_of(op: Op, operands: Sequence[int]) -> int:
 
 
 class Coefficients:
-    """Arithmetic on the hoisted references of a graph; equal values have equal references.
-
-    Args:
-        graph: Where the values live.
-    """
+    """Arithmetic on the hoisted references of a graph; equal values have equal references."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -107,9 +87,6 @@ class Coefficients:
     def find(self, residue: int) -> Ref | None:
         """The coefficient of some value.
 
-        Args:
-            residue: The value at the random point.
-
         Returns:
             Its reference, or the opposite of that of minus the value; None where neither is known.
         """
@@ -120,14 +97,7 @@ class Coefficients:
         return None if other is None else negated(other)
 
     def same(self, ref: Ref) -> Ref:
-        """The reference by which a value is known.
-
-        Args:
-            ref: Any reference to it; from now on that by which it is known, if there is no other.
-
-        Returns:
-            The one that stands for all of the same value.
-        """
+        """The reference by which a value is known."""
         residue = self.residue(ref)
         found = self.find(residue)
         if found is None:
@@ -135,30 +105,14 @@ class Coefficients:
         return found
 
     def add(self, a: Ref, b: Ref) -> Ref:
-        """A sum.
-
-        Args:
-            a: First summand.
-            b: Second summand.
-
-        Returns:
-            The reference by which a + b is known.
-        """
+        """A sum."""
         found = self._sums.get((a, b))
         if found is None:
             found = self._sums[a, b] = self.same(self.graph.add(a, b))
         return found
 
     def multiply(self, a: Ref, b: Ref) -> Ref:
-        """A product.
-
-        Args:
-            a: First factor.
-            b: Second factor.
-
-        Returns:
-            The reference by which a b is known.
-        """
+        """A product."""
         if a == ZERO or b == ZERO:
             return ZERO
         if b in UNITS:
@@ -173,10 +127,6 @@ class Coefficients:
     def ratio(self, a: Ref, b: Ref) -> Ref | None:
         """A quotient that is a number.
 
-        Args:
-            a: The dividend.
-            b: The divisor.
-
         Returns:
             a / b; None where that is no number.
         """
@@ -190,14 +140,7 @@ class Coefficients:
         return self._ratios[a, b]
 
     def residue(self, ref: Ref) -> int:
-        """The value at the random point.
-
-        Args:
-            ref: A coefficient.
-
-        Returns:
-            Modulo `PRIME`.
-        """
+        """The value at the random point."""
         node = node_of(ref)
         value = self._residues.get(node)
         if value is None:

@@ -18,14 +18,6 @@ def network_of(graph: Graph, outputs: Sequence[Ref], body: Layer = Layer.BODY) -
     """The network of some outputs.
 
     Sums in sums and products in products or sums, where the inner one serves nothing else, are taken as one.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-        body: The layer from which values are variables; what is below becomes coefficients.
-
-    Returns:
-        A new network; its root is the outputs.
     """
     return _Reader(graph, outputs, body).network
 
@@ -112,15 +104,7 @@ class _Reader:
 
 
 def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
-    """The operations of a network in a graph.
-
-    Args:
-        network: The network.
-        old: The graph that it was read from.
-
-    Returns:
-        The graph of the network's coefficients, with the operations added, and the outputs in it.
-    """
+    """The operations of a network in a graph."""
     graph = network.coefficients.graph
     refs: dict[int, Ref] = {}
 

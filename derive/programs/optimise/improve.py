@@ -18,30 +18,14 @@ from derive.programs.tape.value import Value
 
 
 def improve(graph: Graph, outputs: Sequence[Ref], work: int = POLICY.search_work) -> tuple[Graph, tuple[Ref, ...]]:
-    """The same values for fewer operations.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-        work: How long to search, in divisors that are looked at.
-
-    Returns:
-        A graph and the outputs in it.
-    """
+    """The same values for fewer operations."""
     improvement = Improvement(graph, outputs)
     improvement.search(work)
     return improvement.result()
 
 
 def improved_values(values: Sequence[Value]) -> list[Value]:
-    """The same values from fewer operations, in the same graph.
-
-    Args:
-        values: Of one graph.
-
-    Returns:
-        Values that are equal, one by one.
-    """
+    """The same values from fewer operations, in the same graph."""
     if not values:
         return []
     graph = values[0].graph
@@ -50,12 +34,7 @@ def improved_values(values: Sequence[Value]) -> list[Value]:
 
 
 class Improvement:
-    """The improvement of one program, which may be taken further step by step.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-    """
+    """The improvement of one program, which may be taken further step by step."""
 
     def __init__(self, graph: Graph, outputs: Sequence[Ref]) -> None:
         self._graph = graph
@@ -73,11 +52,7 @@ class Improvement:
         self._search.run(POLICY.draft_work)
 
     def search(self, work: int = POLICY.search_work) -> None:
-        """Search for long.
-
-        Args:
-            work: Divisors that are looked at.
-        """
+        """Search for long."""
         self._search.run(work // 2)
         self._search.resubstitute(work)
         self._search.run(work // 2)

@@ -16,14 +16,10 @@ from derive.programs.tape.cost import polynomial_cost
 from derive.programs.tape.graph import ONE, UNITS, ZERO, Ref, is_negative, signed
 from derive.programs.tape.tape import OPERATION_COST, Op
 
-Monomial = tuple[int, ...]
-"""A product of variables, ascending; the empty one stands for 1."""
-
+Monomial = tuple[int, ...]  # a product of variables, ascending; the empty one stands for 1
+# Coefficients by monomial, none of them zero. Once it defines a variable it is not changed any more.
 Polynomial = dict[Monomial, Ref]
-"""Coefficients by monomial, none of them zero. Once it defines a variable it is not changed any more."""
-
-ROOT = -1
-"""The variable whose definition is the outputs."""
+ROOT = -1  # the variable whose definition is the outputs
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,17 +32,11 @@ class Operand:
 
 @dataclass(frozen=True, slots=True)
 class Opaque:
-    """A function of other values; for an input the operation is None and there are no operands.
+    """A function of other values; for an input the operation is None and there are no operands."""
 
-    Attributes:
-        op: The function.
-        operands: Its arguments.
-        source: The node of an input in the graph that was read.
-    """
-
-    op: Op | None
-    operands: tuple[Operand, ...]
-    source: int = 0
+    op: Op | None  # the function
+    operands: tuple[Operand, ...]  # its arguments
+    source: int = 0  # the node of an input in the graph that was read
 
 
 Definition = Polynomial | Opaque
@@ -56,27 +46,14 @@ class Watcher(Protocol):
     """What is told of every change of a network."""
 
     def learn(self, variable: int, definition: Definition) -> None:
-        """A variable has got a definition.
-
-        Args:
-            variable: The variable.
-            definition: Its new definition.
-        """
+        """A variable has got a definition."""
 
     def forget(self, variable: int, definition: Definition) -> None:
-        """A variable loses its definition.
-
-        Args:
-            variable: The variable.
-            definition: Its former definition.
-        """
+        """A variable loses its definition."""
 
 
 class Network:
     """Definitions of variables, who uses them, and what they cost; changes can be taken back.
-
-    Args:
-        coefficients: Arithmetic of the coefficients.
 
     Attributes:
         definition: By variable.
@@ -107,9 +84,6 @@ class Network:
     def polynomial(self, variable: int) -> Polynomial | None:
         """The definition of a variable that is a sum or product.
 
-        Args:
-            variable: Any.
-
         Returns:
             Its definition; None where that is a function, or where it has none.
         """
@@ -117,14 +91,7 @@ class Network:
         return found if isinstance(found, dict) else None
 
     def create(self, definition: Definition) -> int:
-        """Make a variable; one of the same value that has been dropped lends its number.
-
-        Args:
-            definition: Of the variable.
-
-        Returns:
-            The variable.
-        """
+        """Make a variable; one of the same value that has been dropped lends its number."""
         residue = self.evaluate(definition)
         row = self._by_residue.setdefault(min(residue, PRIME - residue), [])
         for variable in row:
@@ -138,14 +105,7 @@ class Network:
         return variable
 
     def evaluate(self, definition: Definition) -> int:
-        """The value of a definition at the random point at which coefficients are compared.
-
-        Args:
-            definition: Of variables that have a value.
-
-        Returns:
-            Its residue.
-        """
+        """The value of a definition at the random point at which coefficients are compared."""
         residue, residue_of_coefficient = self.residue, self.coefficients.residue
         if isinstance(definition, Opaque):
             if definition.op is None:
@@ -166,9 +126,6 @@ class Network:
     def find(self, residue: int) -> Operand | None:
         """What is known to have some value, or minus it.
 
-        Args:
-            residue: The value at the random point.
-
         Returns:
             A coefficient, or the oldest variable in use; None where nothing has this value.
         """
@@ -181,15 +138,7 @@ class Network:
         return None
 
     def needs(self, variable: int, other: int) -> bool:
-        """Whether a variable is another, or is computed from it.
-
-        Args:
-            variable: The one.
-            other: The other.
-
-        Returns:
-            True also where they are the same.
-        """
+        """Whether a variable is another, or is computed from it."""
         if variable == other:
             return True
         seen = {variable}
@@ -207,7 +156,6 @@ class Network:
         """Give a variable its definition, or take it away.
 
         Args:
-            variable: Any.
             definition: The new one, or None.
         """
         self._log.append((variable, self._replace(variable, definition)))
@@ -266,11 +214,7 @@ class Network:
         return len(self._log)
 
     def undo(self, mark: int) -> None:
-        """Take back all changes since some point.
-
-        Args:
-            mark: What `mark` said there.
-        """
+        """Take back all changes since some point."""
         while len(self._log) > mark:
             self._replace(*self._log.pop())
         self._changed.clear()
@@ -323,13 +267,7 @@ class Network:
         self.define(user, Opaque(definition.op, operands, definition.source))
 
     def plus(self, into: Polynomial, monomial: Monomial, coefficient: Ref) -> None:
-        """Add a term to a polynomial that is being made.
-
-        Args:
-            into: The polynomial.
-            monomial: Of the term.
-            coefficient: Of the term.
-        """
+        """Add a term to a polynomial that is being made."""
         old = into.get(monomial)
         total = coefficient if old is None else self.coefficients.add(old, coefficient)
         if total == ZERO:
@@ -338,16 +276,7 @@ class Network:
             into[monomial] = total
 
     def expanded(self, polynomial: Polynomial, variable: int, inner: Polynomial) -> Polynomial:
-        """A polynomial with one variable written out.
-
-        Args:
-            polynomial: Which may hold the variable, also in a power.
-            variable: The variable.
-            inner: What stands for it.
-
-        Returns:
-            A new polynomial without the variable.
-        """
+        """A polynomial with one variable written out."""
         result: Polynomial = {}
         for monomial, coefficient in polynomial.items():
             if variable not in monomial:
@@ -363,14 +292,7 @@ class Network:
 
 
 def occurrences(definition: Definition) -> list[int]:
-    """The variables of a definition.
-
-    Args:
-        definition: Any.
-
-    Returns:
-        Each as often as it stands there.
-    """
+    """The variables of a definition."""
     if isinstance(definition, Opaque):
         return [operand.variable for operand in definition.operands if operand.variable is not None]
     return [variable for monomial in definition for variable in monomial]
@@ -378,9 +300,6 @@ def occurrences(definition: Definition) -> list[int]:
 
 def single(polynomial: Polynomial) -> Operand | None:
     """A polynomial as an operand.
-
-    Args:
-        polynomial: Any.
 
     Returns:
         The signed variable or the coefficient that it is; None where it is more.

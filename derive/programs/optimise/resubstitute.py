@@ -44,16 +44,12 @@ _FLOATS: dict[Op, Callable[..., float]] = {
     Op.ABSOLUTE: abs,
 }
 
+# On what a value depends, a bit for each input and parameter, and how large it is at some points.
 Size = tuple[int, tuple[float, ...]]
-"""On what a value depends, a bit for each input and parameter, and how large it is at some points."""
 
 
 class Scale:
-    """On what the variables of a network as it stands depend, and how large they are.
-
-    Args:
-        network: The network; later changes of it are not known here.
-    """
+    """On what the variables of a network as it stands depend, and how large they are."""
 
     def __init__(self, network: Network) -> None:
         self._graph = network.coefficients.graph
@@ -75,15 +71,7 @@ class Scale:
                 self._variables[variable] = _combined(operands, _FLOATS[definition.op])
 
     def allows(self, variable: int, definition: Polynomial) -> bool:
-        """Whether a sum may define a variable without harm to its accuracy.
-
-        Args:
-            variable: The variable.
-            definition: A polynomial of its value.
-
-        Returns:
-            True where nothing in it can cancel that is not small.
-        """
+        """Whether a sum may define a variable without harm to its accuracy."""
         if any(v not in self._variables for monomial in definition for v in monomial):
             return False
         support, sizes = self._variables[variable]
@@ -135,11 +123,7 @@ def _float(value: Constant) -> float:
 
 
 class Resubstitution:
-    """Shorter definitions of the variables of a network as it stands.
-
-    Args:
-        network: The network; later changes of it are not known here.
-    """
+    """Shorter definitions of the variables of a network as it stands."""
 
     def __init__(self, network: Network) -> None:
         self._network = network
@@ -160,14 +144,7 @@ class Resubstitution:
         ]
 
     def alternatives(self, variable: int) -> Iterator[Polynomial]:
-        """Other definitions of a variable, each of one operation: sums, differences and products of two values.
-
-        Args:
-            variable: One that is a sum or product.
-
-        Yields:
-            Polynomials of its value, of variables some of which may need it.
-        """
+        """Other definitions of a variable, each of one operation: sums, differences and products of two values."""
         network, known = self._network, self._known
         value = network.residue[variable]
         network.work += len(self._values) // 16
@@ -185,15 +162,7 @@ class Resubstitution:
                 yield {tuple(sorted((other, *_monomial(rest)))): rest.coefficient}
 
     def fits(self, variable: int, definition: Polynomial) -> bool:
-        """Whether a definition may take the place of that of a variable.
-
-        Args:
-            variable: The variable.
-            definition: A polynomial of its value.
-
-        Returns:
-            True where it is new, of variables that are in use and do not need this one, and is as accurate.
-        """
+        """Whether a definition may take the place of that of a variable."""
         network = self._network
         if network.polynomial(variable) == definition:
             return False

@@ -23,15 +23,11 @@ from derive.programs.tape.tape import Op
 
 _OTHER = {Op.SINE: Op.COSINE, Op.COSINE: Op.SINE}
 
-Trial = tuple[int, int | None]
-"""A variable, and the one place where it is written out, or None for all."""
+Trial = tuple[int, int | None]  # a variable, and the one place where it is written out, or None for all
 
 
 class Circle:
     """Sines and cosines of the same angles in a network.
-
-    Args:
-        network: The network; functions that it gets later are not known here.
 
     Attributes:
         partner: The cosine of each sine and the sine of each cosine.
@@ -51,15 +47,7 @@ class Circle:
         }
 
     def without(self, polynomial: Polynomial, variable: int) -> Polynomial:
-        """A polynomial with every square of a sine or cosine replaced by one less the other square.
-
-        Args:
-            polynomial: Any.
-            variable: The sine or cosine, one that has a partner.
-
-        Returns:
-            A new polynomial of the same value.
-        """
+        """A polynomial with every square of a sine or cosine replaced by one less the other square."""
         network, other = self._network, self.partner[variable]
         result: Polynomial = {}
         stack = list(reversed(polynomial.items()))
@@ -75,14 +63,7 @@ class Circle:
         return result
 
     def squares(self, polynomial: Polynomial) -> list[int]:
-        """Which squares of sines and cosines a polynomial holds.
-
-        Args:
-            polynomial: Any.
-
-        Returns:
-            The sines and cosines, where the other of the pair is in use too.
-        """
+        """Which squares of sines and cosines a polynomial holds."""
         found: dict[int, None] = {}
         for monomial in polynomial:
             for first, second in pairwise(monomial):
@@ -91,14 +72,7 @@ class Circle:
         return list(found)
 
     def shortest(self, polynomial: Polynomial) -> Polynomial:
-        """A polynomial with one kind of squares written out, if that is cheaper.
-
-        Args:
-            polynomial: Any.
-
-        Returns:
-            The cheapest of the same value, itself among equals.
-        """
+        """A polynomial with one kind of squares written out, if that is cheaper."""
         squares = self.squares(polynomial)
         if not squares:
             return polynomial
@@ -106,12 +80,7 @@ class Circle:
 
 
 class Search:
-    """A network that is being improved.
-
-    Args:
-        network: The network.
-        seed: Of the order of trials.
-    """
+    """A network that is being improved."""
 
     def __init__(self, network: Network, seed: int = 0) -> None:
         self._network = network
@@ -122,11 +91,7 @@ class Search:
         self._rewritten_at = network.cost + 1
 
     def run(self, work: int) -> None:
-        """Share what can be shared at once, then try changes.
-
-        Args:
-            work: Divisors that trials may look at.
-        """
+        """Share what can be shared at once, then try changes."""
         network = self._network
         self._extractor.run()
         self._limit = network.work + work
@@ -141,11 +106,7 @@ class Search:
                 return
 
     def resubstitute(self, work: int) -> None:
-        """Try other definitions of variables in terms of two others; what saves nothing is taken back.
-
-        Args:
-            work: Divisors that trials may look at.
-        """
+        """Try other definitions of variables in terms of two others; what saves nothing is taken back."""
         network = self._network
         self._limit = network.work + work
         others = Resubstitution(network)

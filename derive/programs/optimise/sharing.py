@@ -21,8 +21,8 @@ Place = tuple[tuple[Monomial, ...], Monomial, Ref, int]
 """Where a divisor stands in a polynomial: the monomials of the terms that hold it, what is left of them without it, the
 coefficient, and the operations that are saved there, the divisor itself not counted."""
 
+# The number of a divisor, its places in one polynomial, and what they save together.
 Entry = tuple[int, list[Place], int]
-"""The number of a divisor, its places in one polynomial, and what they save together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +39,7 @@ _IN_ORDER = attrgetter("content")
 
 
 class Extractor:
-    """A network together with all divisors of its polynomials; it watches the network.
-
-    Args:
-        network: The network.
-    """
+    """A network together with all divisors of its polynomials; it watches the network."""
 
     def __init__(self, network: Network) -> None:
         self.network = network
@@ -62,12 +58,7 @@ class Extractor:
         network.watcher = self
 
     def learn(self, variable: int, definition: Definition) -> None:
-        """Take up the divisors of a new definition.
-
-        Args:
-            variable: Which it defines.
-            definition: The definition.
-        """
+        """Take up the divisors of a new definition."""
         if not isinstance(definition, dict):
             return
         content = tuple(definition.items())
@@ -86,12 +77,7 @@ class Extractor:
                 heappush(heap, (-gain, self._count, number))
 
     def forget(self, variable: int, definition: Definition) -> None:
-        """Drop the divisors of a definition.
-
-        Args:
-            variable: Which it defined.
-            definition: The definition.
-        """
+        """Drop the divisors of a definition."""
         if not isinstance(definition, dict):
             return
         places, gains = self._places, self._gains

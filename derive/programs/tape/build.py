@@ -11,9 +11,8 @@ from derive.programs.tape.graph import Graph, Ref, is_negative, negated, node_of
 from derive.programs.tape.schedule import schedule
 from derive.programs.tape.tape import LEAVES, PARAMETER, Node, Op, Output, Source, Tape
 
+# For each run-time parameter of a graph what stands in its place: another input, or a number.
 Replacements = Mapping[int, Source | Constant]
-"""For each run-time parameter of a graph what stands in its place: another input, or a number."""
-
 _OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
     Op.ADD: Graph.add,
     Op.SUBTRACT: Graph.subtract,
@@ -34,16 +33,7 @@ _OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
 
 
 def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) -> list[int]:
-    """The nodes that some outputs need.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-        known: Nodes that are left out, with what they alone need.
-
-    Returns:
-        Their indices, ascending: operands come first.
-    """
+    """The nodes that some outputs need."""
     operands = graph.operands
     seen = {ref >> 1 for ref in outputs if ref >> 1 not in known}
     stack = list(seen)
@@ -56,17 +46,7 @@ def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) 
 
 
 def copy_leaf(graph: Graph, index: int, fresh: Graph, parameters: Replacements | None = None) -> Ref:
-    """Make an input or a constant again in another graph.
-
-    Args:
-        graph: The old graph.
-        index: Of the leaf.
-        fresh: The other graph.
-        parameters: What is put in the place of run-time parameters; without it they stay.
-
-    Returns:
-        The leaf there.
-    """
+    """Make an input or a constant again in another graph."""
     source = graph.sources.get(index)
     if source is None:
         return fresh.number(graph.constants[index])
@@ -77,16 +57,7 @@ def copy_leaf(graph: Graph, index: int, fresh: Graph, parameters: Replacements |
 
 
 def apply(graph: Graph, op: Op, operands: Sequence[Ref]) -> Ref:
-    """An operation by its kind, folded as if written.
-
-    Args:
-        graph: Where the values live.
-        op: What is done, no leaf.
-        operands: To what.
-
-    Returns:
-        The result.
-    """
+    """An operation by its kind, folded as if written."""
     return _OPERATIONS[op](graph, *operands)
 
 
@@ -97,18 +68,7 @@ def copy(
     known: dict[int, Ref],
     parameters: Replacements | None = None,
 ) -> tuple[Ref, ...]:
-    """Make values again in another graph, folded there as if they were written anew.
-
-    Args:
-        graph: The old graph.
-        outputs: References into it.
-        fresh: The other graph.
-        known: Nodes of the old graph that stand in the other already; those that are made are added.
-        parameters: What is put in the place of run-time parameters; without it they stay.
-
-    Returns:
-        The outputs in the other graph.
-    """
+    """Make values again in another graph, folded there as if they were written anew."""
     for i in reachable(graph, outputs, known):
         op = graph.op[i]
         if op in LEAVES:
@@ -119,30 +79,13 @@ def copy(
 
 
 def bake(graph: Graph, outputs: Sequence[Ref], parameters: Replacements) -> tuple[Graph, tuple[Ref, ...]]:
-    """Put numbers in the place of a graph's parameters, and fold again.
-
-    Args:
-        graph: A graph traced with symbols.
-        outputs: References into it.
-        parameters: What stands in their places.
-
-    Returns:
-        A new graph and the outputs in it.
-    """
+    """Put numbers in the place of a graph's parameters, and fold again."""
     fresh = Graph()
     return fresh, copy(graph, outputs, fresh, {}, parameters)
 
 
 def cut(graph: Graph, outputs: Sequence[Ref]) -> Tape:
-    """The tape of some outputs: what they need, in an order in which few values are alive at a time.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-
-    Returns:
-        The tape; differences are turned where that spares an output its sign.
-    """
+    """The tape of some outputs: what they need, in an order in which few values are alive at a time."""
     order = schedule(graph, outputs)
     number = {old: new for new, old in enumerate(order)}
     nodes = [graph.node(i, number) for i in order]

@@ -12,16 +12,7 @@ from derive.programs.tape.tape import Layer, Op
 
 
 def less(graph: Graph, a: Ref, b: Ref) -> Ref:
-    """A comparison.
-
-    Args:
-        graph: Where the values live.
-        a: A value.
-        b: Another.
-
-    Returns:
-        1 where a < b, else 0.
-    """
+    """A comparison."""
     left, right = graph.constant_of(a), graph.constant_of(b)
     if left is not None and right is not None:
         return ONE if constants.less(left, right) else ZERO
@@ -35,28 +26,12 @@ def less(graph: Graph, a: Ref, b: Ref) -> Ref:
 
 
 def opposite(graph: Graph, case: Ref) -> Ref:
-    """The opposite of a case; that of the opposite is the case.
-
-    Args:
-        graph: Where the values live.
-        case: 1 or 0.
-
-    Returns:
-        1 - case.
-    """
+    """The opposite of a case; that of the opposite is the case."""
     return ref_to(graph.operands[case >> 1][1]) if _is_opposite(graph, case) else graph.subtract(ONE, case)
 
 
 def is_case(graph: Graph, a: Ref) -> bool:
-    """Whether a value is 1 or 0 by the way in which it is written: a comparison, or *and*, *or*, *not* of such.
-
-    Args:
-        graph: Where the values live.
-        a: Any reference.
-
-    Returns:
-        False also where it is not known.
-    """
+    """Whether a value is 1 or 0 by the way in which it is written: a comparison, or *and*, *or*, *not* of such."""
     if a in (ZERO, ONE):
         return True
     if is_negative(a):
@@ -72,17 +47,7 @@ def _is_opposite(graph: Graph, case: Ref) -> bool:
 
 
 def select(graph: Graph, case: Ref, a: Ref, b: Ref) -> Ref:
-    """One of two values; the other one may be anything.
-
-    Args:
-        graph: Where the values live.
-        case: 1 or 0.
-        a: The value where it is 1.
-        b: The value where it is 0.
-
-    Returns:
-        a or b.
-    """
+    """One of two values; the other one may be anything."""
     known = graph.constant_of(case)
     if known is not None or a == b:
         return b if known == 0 else a
@@ -98,43 +63,17 @@ def select(graph: Graph, case: Ref, a: Ref, b: Ref) -> Ref:
 
 
 def maximum(graph: Graph, a: Ref, b: Ref) -> Ref:
-    """The larger of two values.
-
-    Args:
-        graph: Where the values live.
-        a: A value.
-        b: Another.
-
-    Returns:
-        max(a, b).
-    """
+    """The larger of two values."""
     return _extreme(graph, Op.MAXIMUM, Op.MINIMUM, a, b)
 
 
 def minimum(graph: Graph, a: Ref, b: Ref) -> Ref:
-    """The smaller of two values.
-
-    Args:
-        graph: Where the values live.
-        a: A value.
-        b: Another.
-
-    Returns:
-        min(a, b).
-    """
+    """The smaller of two values."""
     return _extreme(graph, Op.MINIMUM, Op.MAXIMUM, a, b)
 
 
 def is_nowhere_negative(graph: Graph, a: Ref) -> bool:
-    """Whether a value is at least 0 by the way in which it is written: squares, roots, their sums and the like.
-
-    Args:
-        graph: Where the values live.
-        a: Any reference.
-
-    Returns:
-        False also where it is not known.
-    """
+    """Whether a value is at least 0 by the way in which it is written: squares, roots, their sums and the like."""
     stack = [a]
     while stack:
         ref = stack.pop()

@@ -16,29 +16,15 @@ from derive.programs.tape.tape import OPERATION_COST, Layer
 
 @dataclass(frozen=True, order=True, slots=True)
 class Cost:
-    """The cost of a program that stands in a graph; programs are compared by their body, then by their hoisted work.
+    """The cost of a program that stands in a graph; programs are compared by their body, then by their hoisted work."""
 
-    Attributes:
-        body: Of what is computed in every evaluation.
-        hoisted: Of what is computed once per set of run-time parameters.
-        nodes: How many nodes were looked at to find this.
-    """
-
-    body: int
-    hoisted: int
-    nodes: int = field(compare=False)
+    body: int  # of what is computed in every evaluation
+    hoisted: int  # of what is computed once per set of run-time parameters
+    nodes: int = field(compare=False)  # how many nodes were looked at to find this
 
 
 def program_cost(graph: Graph, outputs: Sequence[Ref]) -> Cost:
-    """The cost of some outputs, what they share counted once.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-
-    Returns:
-        The cost as it stands, nothing improved.
-    """
+    """The cost of some outputs, what they share counted once."""
     nodes = reachable(graph, outputs)
     costs = dict.fromkeys(Layer, 0)
     for i in nodes:
@@ -47,27 +33,12 @@ def program_cost(graph: Graph, outputs: Sequence[Ref]) -> Cost:
 
 
 def term_cost(monomial: tuple[int, ...], coefficient: Ref) -> int:
-    """Multiplications of a coefficient and a product of variables.
-
-    Args:
-        monomial: The variables.
-        coefficient: Free to compute, but not free to multiply by.
-
-    Returns:
-        How many; none for a coefficient alone.
-    """
+    """Multiplications of a coefficient and a product of variables."""
     return len(monomial) - (coefficient in UNITS) if monomial else 0
 
 
 def polynomial_cost(polynomial: Mapping[tuple[int, ...], Ref]) -> int:
-    """Multiplications and additions of a sum of products.
-
-    Args:
-        polynomial: Coefficients by monomial.
-
-    Returns:
-        How many, as it is written.
-    """
+    """Multiplications and additions of a sum of products."""
     cost = len(polynomial) - 1
     for monomial, coefficient in polynomial.items():
         if monomial:

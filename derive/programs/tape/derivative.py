@@ -17,15 +17,7 @@ from derive.programs.tape.value import Value
 
 
 def derivative(values: Sequence[Value], rates: Mapping[Value, Value]) -> list[Value]:
-    """Rates of change of values (forward mode).
-
-    Args:
-        values: Of one graph.
-        rates: For inputs of that graph, their rates of change; other inputs do not change.
-
-    Returns:
-        d value / dt for each.
-    """
+    """Rates of change of values (forward mode)."""
     if not values:
         return []
     graph = values[0].graph
@@ -44,15 +36,7 @@ def derivative(values: Sequence[Value], rates: Mapping[Value, Value]) -> list[Va
 
 
 def gradient_columns(values: Sequence[Value], inputs: Sequence[Value]) -> list[list[Value]]:
-    """The matrix of partial derivatives.
-
-    Args:
-        values: Of one graph.
-        inputs: Inputs of that graph.
-
-    Returns:
-        d value_i / d input_j, row by row.
-    """
+    """The matrix of partial derivatives."""
     if not values:
         return []
     one = Value(values[0].graph, ONE)

@@ -25,62 +25,31 @@ reference is taken apart by `node_of` and `is_negative`, and made by `ref_to`, `
 ZERO = Ref(0)
 ONE = Ref(2)
 MINUS_ONE = Ref(3)
-UNITS = (ONE, MINUS_ONE)
-"""Factors that cost no multiplication."""
+UNITS = (ONE, MINUS_ONE)  # factors that cost no multiplication
 
 
 def ref_to(node: int) -> Ref:
-    """The reference to a node.
-
-    Args:
-        node: Its index.
-
-    Returns:
-        The positive one.
-    """
+    """The reference to a node."""
     return Ref(node << 1)
 
 
 def node_of(ref: Ref) -> int:
-    """The node behind a reference.
-
-    Returns:
-        The node's index.
-    """
+    """The node behind a reference."""
     return ref >> 1
 
 
 def is_negative(ref: Ref) -> bool:
-    """Whether a reference is to minus its node.
-
-    Returns:
-        True for -x, False for x and for zero.
-    """
+    """Whether a reference is to minus its node."""
     return ref & 1 == 1
 
 
 def negated(ref: Ref) -> Ref:
-    """Minus a value.
-
-    Args:
-        ref: A reference to x.
-
-    Returns:
-        The reference to -x; for zero, zero.
-    """
+    """Minus a value."""
     return Ref(ref ^ 1) if ref else ref
 
 
 def signed(ref: Ref, negative: bool) -> Ref:
-    """A value or minus it.
-
-    Args:
-        ref: A reference to x.
-        negative: Whether -x is wanted.
-
-    Returns:
-        The reference to x or -x.
-    """
+    """A value or minus it."""
     return negated(ref) if negative else ref
 
 
@@ -116,24 +85,12 @@ class Graph:
         return len(self.op)
 
     def node(self, index: int, number: Mapping[int, int]) -> Node:
-        """A node as it stands in a tape.
-
-        Args:
-            index: Its index here.
-            number: The indices of its operands in the tape.
-
-        Returns:
-            The node.
-        """
+        """A node as it stands in a tape."""
         operands = tuple([number[k] for k in self.operands[index]])
         return Node(self.op[index], operands, self.layer[index], self.constants.get(index), self.sources.get(index))
 
     def number(self, value: Constant) -> Ref:
-        """The reference to a constant.
-
-        Args:
-            value: Exact, or to 256 bits.
-        """
+        """The reference to a constant."""
         magnitude = -value if value < 0 else value
         key = constants.key_of(magnitude)
         ref = self._numbers.get(key)
@@ -143,15 +100,7 @@ class Graph:
         return ref if magnitude is value else negated(ref)
 
     def input(self, kind: str, index: int) -> Ref:
-        """An argument or a run-time parameter.
-
-        Args:
-            kind: `PARAMETER`, or the name of an argument.
-            index: Place in it, from 0.
-
-        Returns:
-            Its reference.
-        """
+        """An argument or a run-time parameter."""
         source = Source(kind, index)
         ref = self._inputs.get(source)
         if ref is None:
@@ -163,9 +112,6 @@ class Graph:
     def constant_of(self, ref: Ref) -> Constant | None:
         """The number behind a reference.
 
-        Args:
-            ref: Any reference.
-
         Returns:
             The number with its sign; None where the node is no constant.
         """
@@ -173,15 +119,7 @@ class Graph:
         return value if value is None or not ref & 1 else -value
 
     def add(self, a: Ref, b: Ref) -> Ref:
-        """A sum.
-
-        Args:
-            a: First summand.
-            b: Second summand.
-
-        Returns:
-            a + b.
-        """
+        """A sum."""
         if a == ZERO:
             return b
         if b == ZERO:
@@ -196,27 +134,11 @@ class Graph:
         return signed(self.intern(Op.SUBTRACT if (a ^ b) & 1 else Op.ADD, first, second), is_negative(a))
 
     def subtract(self, a: Ref, b: Ref) -> Ref:
-        """A difference.
-
-        Args:
-            a: From which b is subtracted.
-            b: The subtrahend.
-
-        Returns:
-            a - b.
-        """
+        """A difference."""
         return self.add(a, negated(b))
 
     def multiply(self, a: Ref, b: Ref) -> Ref:
-        """A product; of constant factors in a row one is left.
-
-        Args:
-            a: First factor.
-            b: Second factor.
-
-        Returns:
-            a times b.
-        """
+        """A product; of constant factors in a row one is left."""
         if a == ZERO or b == ZERO:
             return ZERO
         if a in UNITS:
@@ -238,18 +160,7 @@ class Graph:
         return signed(self.intern(Op.MULTIPLY, factor, index), negative)
 
     def divide(self, a: Ref, b: Ref) -> Ref:
-        """A quotient; what depends on the arguments may be divided by zero, as floats may.
-
-        Args:
-            a: The dividend.
-            b: The divisor.
-
-        Returns:
-            a over b.
-
-        Raises:
-            QuantityError: b is the constant zero and a does not depend on the arguments, as in a cell.
-        """
+        """A quotient; what depends on the arguments may be divided by zero, as floats may."""
         divisor = self.constant_of(b)
         if divisor == 0 and self.layer[a >> 1] == Layer.BODY:
             return signed(self.intern(Op.DIVIDE, a >> 1, b >> 1), is_negative(a))
@@ -263,56 +174,28 @@ class Graph:
         return signed(self.intern(Op.DIVIDE, a >> 1, b >> 1), negative)
 
     def sine(self, a: Ref) -> Ref:
-        """The sine.
-
-        Args:
-            a: An angle [rad].
-
-        Returns:
-            sin(a).
-        """
+        """The sine."""
         value = self.constant_of(a)
         if value is not None:
             return self.number(constants.sine(value))
         return signed(self.intern(Op.SINE, a >> 1), is_negative(a))
 
     def cosine(self, a: Ref) -> Ref:
-        """The cosine.
-
-        Args:
-            a: An angle [rad].
-
-        Returns:
-            cos(a).
-        """
+        """The cosine."""
         value = self.constant_of(a)
         if value is not None:
             return self.number(constants.cosine(value))
         return self.intern(Op.COSINE, a >> 1)
 
     def root(self, a: Ref) -> Ref:
-        """The square root, which needs a change of sign of its own under it.
-
-        Args:
-            a: What it is taken of.
-
-        Returns:
-            sqrt(a).
-
-        Raises:
-            QuantityError: a is a negative constant.
-        """
+        """The square root, which needs a change of sign of its own under it."""
         value = self.constant_of(a)
         if value is not None:
             return self.number(constants.square_root(value))
         return self.intern(Op.ROOT, self.plain(a))
 
     def sign(self, a: Ref) -> Ref:
-        """The sign of a value.
-
-        Returns:
-            -1, 0 or 1.
-        """
+        """The sign of a value."""
         value = self.constant_of(a)
         if value is not None:
             return self.number(Fraction((value > 0) - (value < 0)))
@@ -320,10 +203,6 @@ class Graph:
 
     def arctangent(self, y: Ref, x: Ref) -> Ref:
         """The angle of a point of the plane, odd in the ordinate.
-
-        Args:
-            y: Ordinate.
-            x: Abscissa.
 
         Returns:
             atan2(y, x), in [-pi, pi] [rad].
@@ -334,14 +213,7 @@ class Graph:
         return signed(self.intern(Op.ARCTANGENT, y >> 1, self.plain(x)), is_negative(y))
 
     def absolute(self, a: Ref) -> Ref:
-        """The absolute value.
-
-        Args:
-            a: A value.
-
-        Returns:
-            abs(a).
-        """
+        """The absolute value."""
         value = self.constant_of(a)
         if value is not None:
             return self.number(abs(value))
@@ -349,14 +221,7 @@ class Graph:
         return ref_to(index) if self.op[index] in (Op.ABSOLUTE, Op.ROOT) else self.intern(Op.ABSOLUTE, index)
 
     def plain(self, a: Ref) -> int:
-        """The node of a value, for operations that no sign passes through: a change of sign is made where it has one.
-
-        Args:
-            a: Any reference.
-
-        Returns:
-            The node's index.
-        """
+        """The node of a value for operations that no sign passes through; a negative one is negated first."""
         if not is_negative(a):
             return a >> 1
         value = self.constant_of(a)
@@ -369,15 +234,7 @@ class Graph:
         return node_of(self._numbers[key])
 
     def intern(self, op: Op, *operands: int) -> Ref:
-        """An operation on nodes, made once; nothing is folded.
-
-        Args:
-            op: What is done.
-            operands: Indices of nodes, in the order in which it is known again.
-
-        Returns:
-            The result.
-        """
+        """An operation on nodes, made once; nothing is folded."""
         key = (op, operands)
         ref = self._nodes.get(key)
         if ref is None:

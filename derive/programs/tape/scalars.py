@@ -22,18 +22,13 @@ from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, P
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
 
-Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"
-"""Kinds of arguments."""
+Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"  # kinds of arguments
 
 
 class TapeDomain:
     """Implements `derive.mechanics.chain.Domain` for one robot and one graph; each cell is evaluated once.
 
     Run-time parameter k of the traced graph is ``robot_symbols(robot)[k]``.
-
-    Args:
-        robot: The robot.
-        graph: Where the values live.
     """
 
     def __init__(self, robot: Robot, graph: Graph) -> None:
@@ -46,40 +41,15 @@ class TapeDomain:
         }
 
     def argument(self, kind: str, index: int) -> Value:
-        """One entry of an argument.
-
-        Args:
-            kind: ``q``, ``qd``, ``qdd`` or ``tau``.
-            index: Of the joint, from 0.
-
-        Returns:
-            The entry.
-        """
+        """One entry of an argument."""
         return Value(self.graph, self.graph.input(kind, index))
 
     def number(self, value: int | Fraction) -> Value:
-        """A rational.
-
-        Args:
-            value: The number.
-
-        Returns:
-            It as a value.
-        """
+        """A rational."""
         return Value(self.graph, self.graph.number(Fraction(value)))
 
     def constant(self, expression: Expression) -> Value:
-        """The value of a cell.
-
-        Args:
-            expression: Of the robot's symbols.
-
-        Returns:
-            It in terms of the graph's parameters.
-
-        Raises:
-            QuantityError: Division by zero, or the square root of a negative number.
-        """
+        """The value of a cell."""
         found = self._known.get(expression)
         if found is None:
             found = self._known[expression] = self._evaluate(expression)
@@ -120,34 +90,17 @@ class TapeDomain:
 
         Args:
             angle: In the robot's symbols [rad].
-
-        Returns:
-            Both.
         """
         return self._cosine_sine(self.number(0), angle)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:
-        """Cosine and sine of the angle ``sign*q + theta`` of a revolute joint.
-
-        Args:
-            index: Of the joint, from 0.
-            joint: The joint.
-
-        Returns:
-            Both.
-        """
+        """Cosine and sine of the angle ``sign*q + theta`` of a revolute joint."""
         return self._cosine_sine(self._signed(index, joint), joint.theta)
 
     def cosine_sine_of_sum(self, turns: Sequence[tuple[int, int]]) -> tuple[Value, Value]:
         """Cosine and sine of a signed sum of the angles ``sign*q + theta`` of revolute joints.
 
         The angles are added, which costs one addition each and no further sine and cosine.
-
-        Args:
-            turns: Joint indices (from 0), each with the sign +1 or -1 of its angle.
-
-        Returns:
-            Both; of no angle 1 and 0.
         """
         variable, offset = self.number(0), []
         for index, direction in turns:
@@ -157,15 +110,7 @@ class TapeDomain:
         return self._cosine_sine(variable, Sum(tuple(offset)))
 
     def joint_offset(self, index: int, joint: Joint) -> Value:
-        """The offset ``sign*q + d`` of a prismatic joint.
-
-        Args:
-            index: Of the joint, from 0.
-            joint: The joint.
-
-        Returns:
-            The offset [m].
-        """
+        """The offset ``sign*q + d`` of a prismatic joint."""
         return self._signed(index, joint) + self.constant(joint.d)
 
     def _signed(self, index: int, joint: Joint) -> Value:

@@ -12,20 +12,11 @@ from heapq import heappop, heappush
 from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import LEAVES, Layer
 
-Operands = Sequence[Sequence[int]]
-"""What each node takes, by its number."""
+Operands = Sequence[Sequence[int]]  # what each node takes, by its number
 
 
 def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
-    """What some outputs need, operands before their users.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-
-    Returns:
-        Indices of nodes.
-    """
+    """What some outputs need, operands before their users."""
     roots = [node_of(ref) for ref in outputs]
     nodes = _depth_first(roots, graph.operands)
     number = {node: k for k, node in enumerate(nodes)}  # from here on, nodes are numbered in this order
@@ -44,22 +35,14 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
 
 
 def live(graph: Graph, order: Sequence[int]) -> tuple[int, int]:
-    """How many values of the body an order keeps alive.
-
-    Args:
-        graph: A graph.
-        order: Indices of nodes, operands before their users.
-
-    Returns:
-        The most at a time, and the sum over all steps.
-    """
+    """How many values of the body an order keeps alive."""
     number = {node: k for k, node in enumerate(order)}
     operands = [[number[k] for k in graph.operands[node]] for node in order]
     return _live(_work(graph, order, operands), range(len(order)))
 
 
+# Of each operation of the body the operands that are such operations too, each once; None for any other node.
 Work = Sequence[Sequence[int] | None]
-"""Of each operation of the body the operands that are such operations too, each once; None for any other node."""
 
 
 def _work(graph: Graph, nodes: Sequence[int], operands: Operands) -> Work:

@@ -78,9 +78,8 @@ Vectorised over configurations, a sine and a cosine of one angle take as long as
 additions, so one more pair must save many of them.
 """
 
+# What languages call the functions that every program may use.
 FUNCTION_NAMES = {Op.SINE: "sin", Op.COSINE: "cos", Op.ROOT: "sqrt", Op.SIGN: "sign"}
-"""What languages call the functions that every program may use."""
-
 BRANCHING_NAMES = {
     Op.ARCTANGENT: "atan2",
     Op.LESS: "less",
@@ -95,43 +94,28 @@ BRANCHING_NAMES = {
 `select(case, a, b)` is a where the case is not 0, else b; the other one may be anything, not a number too.
 """
 
-ALL_NAMES = FUNCTION_NAMES | BRANCHING_NAMES
-"""All of them."""
-
+ALL_NAMES = FUNCTION_NAMES | BRANCHING_NAMES  # all of them
+# Kind of the inputs that are run-time parameters; any other kind is the name of an argument, such as ``q``.
 PARAMETER = "parameter"
-"""Kind of the inputs that are run-time parameters; any other kind is the name of an argument, such as ``q``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where an input comes from.
+    """Where an input comes from."""
 
-    Attributes:
-        kind: `PARAMETER`, or the name of an argument.
-        index: Place in it, from 0.
-    """
-
-    kind: str
-    index: int
+    kind: str  # `PARAMETER`, or the name of an argument
+    index: int  # place in it, from 0
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """One value of a tape.
+    """One value of a tape."""
 
-    Attributes:
-        op: What makes it.
-        operands: Indices of earlier nodes.
-        layer: On what it depends.
-        value: The number, of a constant.
-        source: The input, of an input.
-    """
-
-    op: Op
-    operands: tuple[int, ...]
-    layer: Layer
-    value: Constant | None = None
-    source: Source | None = None
+    op: Op  # what makes it
+    operands: tuple[int, ...]  # indices of earlier nodes
+    layer: Layer  # on what it depends
+    value: Constant | None = None  # the number, of a constant
+    source: Source | None = None  # the input, of an input
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,15 +176,10 @@ _ONLY_WITH_CASES = ("atan2", "cases")
 
 @dataclass(frozen=True)
 class Tape:
-    """A straight-line program.
+    """A straight-line program."""
 
-    Attributes:
-        nodes: Operands before the nodes that use them; no node is without use.
-        outputs: The results, row by row.
-    """
-
-    nodes: tuple[Node, ...]
-    outputs: tuple[Output, ...]
+    nodes: tuple[Node, ...]  # operands before the nodes that use them; no node is without use
+    outputs: tuple[Output, ...]  # the results, row by row
 
     @cached_property
     def operations(self) -> Operations:
@@ -244,16 +223,7 @@ class Tape:
 
 
 def evaluate(tape: Tape, inputs: Mapping[str, Sequence[Any]], arithmetic: Mapping[str, Any]) -> list[Any]:
-    """Run a tape on any numbers.
-
-    Args:
-        tape: The program.
-        inputs: Values by kind: ``q``, ..., and `PARAMETER`.
-        arithmetic: ``number`` (from an exact constant), and of `ALL_NAMES` those that the tape uses.
-
-    Returns:
-        The outputs, row by row.
-    """
+    """Run a tape on any numbers."""
     values: list[Any] = []
     for node in tape.nodes:
         operands = [values[i] for i in node.operands]

@@ -10,12 +10,7 @@ from derive.programs.tape.tape import Layer
 
 
 class Value:
-    """A reference into a graph with Python's operators; immutable.
-
-    Args:
-        graph: Where the value lives.
-        ref: The value.
-    """
+    """A reference into a graph with Python's operators; immutable."""
 
     __slots__ = ("graph", "ref")
 
@@ -95,35 +90,17 @@ class Value:
     def arctangent(self, x: Value | int) -> Value:
         """The angle of the point whose ordinate this is.
 
-        Args:
-            x: The abscissa.
-
         Returns:
             atan2 of this and x [rad].
         """
         return Value(self.graph, self.graph.arctangent(self.ref, self._other(x)))
 
     def less(self, other: Value | int | Fraction) -> Value:
-        """A comparison.
-
-        Args:
-            other: Another value.
-
-        Returns:
-            1 where this is less than it, else 0.
-        """
+        """A comparison."""
         return Value(self.graph, cases.less(self.graph, self.ref, self._other(other)))
 
     def select(self, a: Value | int | Fraction, b: Value | int | Fraction) -> Value:
-        """One of two values, this being the case.
-
-        Args:
-            a: The value where this is 1.
-            b: The value where this is 0.
-
-        Returns:
-            a or b.
-        """
+        """One of two values, this being the case."""
         return Value(self.graph, cases.select(self.graph, self.ref, self._other(a), self._other(b)))
 
     def opposite(self) -> Value:
@@ -131,25 +108,11 @@ class Value:
         return Value(self.graph, cases.opposite(self.graph, self.ref))
 
     def maximum(self, other: Value | int | Fraction) -> Value:
-        """The larger of two values.
-
-        Args:
-            other: The second.
-
-        Returns:
-            Their maximum.
-        """
+        """The larger of two values."""
         return Value(self.graph, cases.maximum(self.graph, self.ref, self._other(other)))
 
     def minimum(self, other: Value | int | Fraction) -> Value:
-        """The smaller of two values.
-
-        Args:
-            other: The second.
-
-        Returns:
-            Their minimum.
-        """
+        """The smaller of two values."""
         return Value(self.graph, cases.minimum(self.graph, self.ref, self._other(other)))
 
     @property

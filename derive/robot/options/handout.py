@@ -149,17 +149,7 @@ class FigureOptions:
 
 
 def chosen_parts(names: Iterable[str]) -> tuple[str, ...]:
-    """Parts of a handout by name.
-
-    Args:
-        names: Their names; underscores may stand for hyphens, and empty names are left out.
-
-    Returns:
-        The parts in the order in which they are printed.
-
-    Raises:
-        QuantityError: An unknown part, or none at all.
-    """
+    """Parts of a handout by name."""
     words = list(names)
     chosen = [word.strip().replace("_", "-") for word in words if word.strip()]
     allowed = f"allowed: {listed(PARTS)}"
@@ -172,17 +162,7 @@ def chosen_parts(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def chosen_pages(text: str) -> int:
-    """A number of pages that somebody wrote.
-
-    Args:
-        text: A whole number; 0 for any number of pages.
-
-    Returns:
-        The number.
-
-    Raises:
-        QuantityError: It is none.
-    """
+    """A number of pages that somebody wrote."""
     if not (text.isascii() and text.isdigit() and len(text) <= len(str(MOST_PAGES))):
         allowed = f"a whole number such as 20, at most {MOST_PAGES}, 0 for any number"
         raise QuantityError(f"{quoted(text)} is no number of pages", allowed=f"allowed: {allowed}")
@@ -190,18 +170,7 @@ def chosen_pages(text: str) -> int:
 
 
 def chosen_notation(choices: Mapping[str, str], start: NotationOptions) -> NotationOptions:
-    """A notation by the names of its choices.
-
-    Args:
-        choices: Such as ``{"angle": "vartheta", "inertia": "M"}``.
-        start: What holds where nothing is chosen.
-
-    Returns:
-        The notation.
-
-    Raises:
-        QuantityError: An unknown choice, or an unknown value of one.
-    """
+    """A notation by the names of its choices."""
     values: dict[str, Any] = {field.name: getattr(start, field.name) for field in fields(start)}
     for name, value in choices.items():
         if name not in values:

@@ -47,18 +47,7 @@ class InverseOptions:
 
 
 def chosen_task(words: Sequence[str], joints: int) -> Task:
-    """A task by its name or its rows.
-
-    Args:
-        words: One name of `TASKS`, or rows of `ROWS`.
-        joints: Number of joints that can serve it.
-
-    Returns:
-        The rows.
-
-    Raises:
-        QuantityError: An unknown word, a row twice, none at all, or more rows than joints.
-    """
+    """A task by its name or its rows."""
     if len(words) == 1 and words[0] in TASKS:
         return TASKS[words[0]]
     allowed = f"allowed: {listed(tuple(TASKS))}, or a list of {listed(tuple(ROWS))}"
@@ -78,18 +67,7 @@ def chosen_task(words: Sequence[str], joints: int) -> Task:
 
 
 def chosen_given(names: Sequence[str], variables: Sequence[str]) -> tuple[str, ...]:
-    """Joints that are given, by name.
-
-    Args:
-        names: Their names.
-        variables: The joint variables of the robot.
-
-    Returns:
-        The names in the order of the joints.
-
-    Raises:
-        QuantityError: No joint variable, one twice, or all of them.
-    """
+    """Joints that are given, by name."""
     allowed = f"allowed: {listed(tuple(variables))}"
     for k, name in enumerate(names):
         if name not in variables:

@@ -30,16 +30,7 @@ class Contraction(StrEnum):
 
 
 def choice_named(kind: type[Choice], name: str, title: str = "") -> Choice:
-    """The choice of that name.
-
-    Args:
-        kind: `Contraction`, `Derivation` or the kind of an option of `Style`.
-        name: For instance ``opposed``.
-        title: What is chosen, for messages; by default the kind.
-
-    Raises:
-        QuantityError: No such choice.
-    """
+    """The choice of that name."""
     try:
         return kind(name)
     except ValueError:
@@ -268,18 +259,7 @@ class Style:
 
     @classmethod
     def of(cls, value: Style | str | Mapping[str, str]) -> Style:
-        """A style in any of the ways in which one can be given.
-
-        Args:
-            value: A style; a text such as ``by-geometry`` or ``compact, gravity: body``; or options by name, with the
-                set that they change under ``name``.
-
-        Returns:
-            The style.
-
-        Raises:
-            QuantityError: No such set, option or value.
-        """
+        """A style in any of the ways in which one can be given."""
         if isinstance(value, Style):
             return value
         if isinstance(value, str):
@@ -298,19 +278,11 @@ class Style:
         return replace(NAMED_STYLES[start], **chosen)
 
     def changed(self, values: Mapping[str, StrEnum]) -> Style:
-        """The style with other values of some options.
-
-        Args:
-            values: Values by the names of the options.
-        """
+        """The style with other values of some options."""
         return replace(self, **cast(Mapping[str, Any], values))
 
     def options(self) -> dict[str, str]:
-        """The fewest options that say the style: a set under ``name``, if not the default one, and what it changes.
-
-        Returns:
-            Name of the option and value, as they stand in a robot file; empty for the default.
-        """
+        """The fewest options that say the style: a set under ``name``, if not the default one, and what it changes."""
         ways = []
         for name, start in NAMED_STYLES.items():
             values = {option.name: getattr(self, option.name) for option in fields(self)}

@@ -16,25 +16,17 @@ from derive.errors import Location, RobotFileError, path_text, quoted
 from derive.robot.reading.hints import file_hint
 from derive.robot.reading.size_limits import FILE_LIMITS
 
-KeyPath = tuple[str | int, ...]
-"""A place in the tree by keys and positions from 0: ``("joints", 0, "theta")``."""
+KeyPath = tuple[str | int, ...]  # a place in the tree by keys and positions from 0: ``("joints", 0, "theta")``
 
 
 @dataclass(frozen=True, slots=True)
 class YamlScalar:
-    """A text in the file.
+    """A text in the file."""
 
-    Attributes:
-        text: The text, quotes removed.
-        location: Where the value begins, its quotation mark included.
-        inner: Where its first character stands; offsets into ``text`` are columns from here.
-        verbatim: Whether ``text`` stands in the file character by character, so that offsets are exact.
-    """
-
-    text: str
-    location: Location
-    inner: Location
-    verbatim: bool
+    text: str  # the text, quotes removed
+    location: Location  # where the value begins, its quotation mark included
+    inner: Location  # where its first character stands; offsets into ``text`` are columns from here
+    verbatim: bool  # whether ``text`` stands in the file character by character, so that offsets are exact
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,25 +50,15 @@ Node = YamlScalar | YamlSequence | YamlMapping
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A parsed file.
+    """A parsed file."""
 
-    Attributes:
-        root: The robot block.
-        source: Name for messages.
-        digest: SHA-256 of the file's bytes.
-        what: What it is, for messages.
-    """
-
-    root: YamlMapping
-    source: str
-    digest: str
-    what: str = "the robot file"
+    root: YamlMapping  # the robot block
+    source: str  # name for messages
+    digest: str  # SHA-256 of the file's bytes
+    what: str = "the robot file"  # what it is, for messages
 
     def find(self, path: KeyPath) -> Node | None:
         """What stands at a place.
-
-        Args:
-            path: Keys and positions such as ``("joints", 0, "theta")``.
 
         Returns:
             The node, or None where the file has none.
@@ -94,9 +76,6 @@ class Document:
     def scalar(self, path: KeyPath) -> YamlScalar | None:
         """The text at a place.
 
-        Args:
-            path: Keys and positions.
-
         Returns:
             The text with its position, or None where the file has none.
         """
@@ -104,85 +83,36 @@ class Document:
         return node if isinstance(node, YamlScalar) else None
 
     def text(self, *path: str | int) -> str:
-        """The text at a place, without its position.
-
-        Args:
-            *path: Keys and positions.
-
-        Returns:
-            The text, empty where the file has none.
-        """
+        """The text at a place, without its position."""
         scalar = self.scalar(path)
         return scalar.text if scalar else ""
 
     def length(self, path: KeyPath) -> int:
-        """Number of items of the list at a place.
-
-        Args:
-            path: Keys and positions.
-
-        Returns:
-            The number, 0 where there is no list.
-        """
+        """Number of items of the list at a place."""
         node = self.find(path)
         return len(node.items) if isinstance(node, YamlSequence) else 0
 
     def key_location(self, path: KeyPath) -> Location:
-        """Where the key (or list item) at the end of a path stands.
-
-        Args:
-            path: Keys and positions.
-
-        Returns:
-            The place of the key, not of its value.
-        """
+        """Where the key (or list item) at the end of a path stands."""
         parent = self.find(path[:-1])
         if isinstance(parent, YamlMapping) and path[-1] in parent.entries:
             return parent.entries[str(path[-1])][0].location
         return self.location(path)
 
     def location(self, path: KeyPath) -> Location:
-        """Where the value at the end of a path stands.
-
-        Args:
-            path: Keys and positions.
-
-        Returns:
-            The place of the value, or the nearest place around it that exists.
-        """
+        """Where the value at the end of a path stands."""
         found = (self.find(path[:end]) for end in range(len(path), -1, -1))
         return next(node.location for node in found if node is not None)
 
     def error(self, path: KeyPath, found: str, allowed: str = "", remedy: str = "") -> RobotFileError:
-        """An error at the value of a path, which the message names.
-
-        Args:
-            path: Keys and positions.
-            found: What was found.
-            allowed: What is allowed there.
-            remedy: What to do about it.
-
-        Returns:
-            The error, to be raised.
-        """
+        """An error at the value of a path, which the message names."""
         return RobotFileError(
             f"{path_text(path, self.what)}: {found}", allowed=allowed, remedy=remedy, location=self.location(path)
         )
 
 
 def read_document(data: bytes, source: str) -> Document:
-    """Parse a robot file; of a lecture corpus file only the block ``robot:`` is kept.
-
-    Args:
-        data: Bytes of the file, UTF-8.
-        source: Name for messages.
-
-    Returns:
-        The tree with its digest.
-
-    Raises:
-        RobotFileError: Not UTF-8, too large, not YAML, or YAML outside the plain subset that robot files use.
-    """
+    """Parse a robot file; of a lecture corpus file only the block ``robot:`` is kept."""
     what, advice = file_hint(data[:4000].decode("utf-8", "replace"))
     if what:
         raise RobotFileError(f"this is {what}, not a robot file", remedy=advice, location=Location(source))
@@ -211,15 +141,8 @@ def read_document(data: bytes, source: str) -> Document:
 def read_tree(data: bytes, source: str) -> Node | None:
     """Parse a file to its tree of texts.
 
-    Args:
-        data: Bytes of the file, UTF-8.
-        source: Name for messages.
-
     Returns:
         The root, or None where the file is empty.
-
-    Raises:
-        RobotFileError: Not UTF-8, too large, not YAML, or YAML outside the plain subset that robot files use.
     """
     if len(data) > FILE_LIMITS.size:
         raise RobotFileError(

@@ -53,10 +53,9 @@ def _in_letters(found: re.Match[str]) -> str:
     return f"write {plain}" if plain.isascii() else ""
 
 
+# Fraction slash, minus and dashes, middle dot, multiplication and division signs, and the space that never breaks.
 _PLAIN_SIGNS = {0x2044: "/", 0x2212: "-", 0x2013: "-", 0x2014: "-", 0xB7: "*", 0xD7: "*", 0xF7: "/", 0xA0: " "}
-"""Fraction slash, minus and dashes, middle dot, multiplication and division signs, and the space that never breaks."""
-
-
+# Patterns in a cell that was refused, the first that is found decides; and what to write.
 _CELLS: tuple[tuple[str, Callable[[re.Match[str]], str] | str], ...] = (
     (r"^\s*[-+]?\.(?i:nan|inf)\s*$", "write a finite number"),
     (r"[$\\]|[_^]\{", "LaTeX is not read here: write a1 for a_{1}, alpha for \\alpha, pi/2 for \\frac{\\pi}{2}"),
@@ -88,18 +87,10 @@ _CELLS: tuple[tuple[str, Callable[[re.Match[str]], str] | str], ...] = (
     ),
     (r"[^\x00-\x7f\u00b2\u00b3\u221a\u2019]", _in_letters),
 )
-"""Patterns in a cell that was refused, the first that is found decides; and what to write."""
 
 
 def cell_hint(text: str) -> str:
-    """What to write instead of a cell that was refused.
-
-    Args:
-        text: The cell as written.
-
-    Returns:
-        The hint; empty where the cell holds no habit that is known.
-    """
+    """What to write instead of a cell that was refused."""
     for pattern, hint in _CELLS:
         found = re.search(pattern, text)
         if found:
@@ -109,6 +100,7 @@ def cell_hint(text: str) -> str:
     return ""
 
 
+# What a block looks like, for one that has another shape.
 _BLOCKS: dict[str, str] = {
     "com": "write com: [x, y, z], in the link's own frame",
     "gravity": "write the vector, for instance gravity: [0, 0, -9.81]",
@@ -119,21 +111,11 @@ _BLOCKS: dict[str, str] = {
     "links": "write one row per joint, for instance - {mass: m1, com: [0, 0, 0], inertia: {zz: I1}}",
     "parameters": "write parameters: {a1: 0.4}; names without a number need no entry",
 }
-"""What a block looks like, for one that has another shape."""
-
 _SYMMETRIC = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
 def shape_hint(key: str, value: Any) -> str:
-    """What to write instead of a block of another shape, with the user's own numbers where they are clear.
-
-    Args:
-        key: Key of the block, such as ``inertia`` or ``limits``.
-        value: What stands there as lists, dicts and texts.
-
-    Returns:
-        The hint; empty where there is none.
-    """
+    """What to write instead of a block of another shape, with the user's own numbers where they are clear."""
     if key == "limits":
         return _limits(value)
     if key == "inertia":
@@ -195,6 +177,7 @@ def _inertia(value: Any) -> str:
     return "write inertia: {xx: ..., yy: ..., zz: ..., xy: ..., xz: ..., yz: ...}, about the centre of mass"
 
 
+# Keys that people bring from other tools, and what to write instead.
 _KEYS = {
     "offset": "write it into the cell, for instance theta: q1 + pi/2",
     "theta0": "write it into the cell, for instance theta: q1 + pi/2",
@@ -211,8 +194,6 @@ _KEYS = {
     "zy": "write yz",
     "<<": "merge keys are not supported; write the values out",
 }
-"""Keys that people bring from other tools, and what to write instead."""
-
 _KEYS_OF_A_JOINT = {
     "r": "write d, the offset along z",
     "b": "write d, the offset along z",
@@ -237,16 +218,7 @@ _KEYS_OF_A_LINK = {
 
 
 def key_hint(key: str, block: str, allowed: Sequence[str]) -> str:
-    """What to write instead of an unknown key.
-
-    Args:
-        key: The key as written.
-        block: The key at the top of the file under which it stands, such as ``joints``.
-        allowed: The keys that are known there.
-
-    Returns:
-        The hint; empty where there is none.
-    """
+    """What to write instead of an unknown key."""
     word, colon, value = key.partition(":")
     if colon and word in allowed:
         return f"put a space after the colon: '{word}: {value}'" if value else "remove one colon"
@@ -254,6 +226,7 @@ def key_hint(key: str, block: str, allowed: Sequence[str]) -> str:
     return of_the_block.get(key) or _KEYS.get(key, "")
 
 
+# Other words for what may be chosen, by key.
 _CHOICES: dict[str, dict[str, str]] = {
     "type": {
         **dict.fromkeys(("r", "rot", "rotary", "rotational", "rotation", "hinge", "continuous", "rotoid"), "revolute"),
@@ -268,19 +241,10 @@ _CHOICES: dict[str, dict[str, str]] = {
     "length": dict.fromkeys(("millimetre", "millimetres", "millimeter", "millimeters"), "mm")
     | dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
 }
-"""Other words for what may be chosen, by key."""
 
 
 def choice_hint(key: str, text: str) -> str:
-    """What to write instead of a word that is not among those allowed.
-
-    Args:
-        key: Key of the cell, such as ``type``.
-        text: The word.
-
-    Returns:
-        The hint; empty where there is none.
-    """
+    """What to write instead of a word that is not among those allowed."""
     word = _CHOICES.get(key, {}).get(text.strip().casefold())
     if word:
         return f"write {key}: {word}"
@@ -298,6 +262,7 @@ _TYPE = "type the table of its data sheet into a file that derive new NAME --joi
 
 _IMPORT = "derive import makes a robot file of it: write derive import FILE -o NAME.yaml"
 
+# How files begin that are no robot files, what they are, and what to do.
 _FILES: tuple[tuple[str, str, str], ...] = (
     (r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<robot\b", "a URDF", _IMPORT),
     (
@@ -318,16 +283,8 @@ _FILES: tuple[tuple[str, str, str], ...] = (
     (r"(?s).*\b(?:SerialLink|Link|DHRobot|RevoluteDH|rigidBodyTree)\s*\(", "a program", _TYPE),
     (r"\s*[\w.]+\s*[,;\t]\s*[\w.]+\s*[,;\t]\s*[\w.]+.*\n", "a table without keys", _TYPE),
 )
-"""How files begin that are no robot files, what they are, and what to do."""
 
 
 def file_hint(text: str) -> tuple[str, str]:
-    """What a file is that is no robot file.
-
-    Args:
-        text: Its contents, or their beginning.
-
-    Returns:
-        What it is and what to do; both empty where it is not known.
-    """
+    """What a file is that is no robot file."""
     return next(((what, remedy) for pattern, what, remedy in _FILES if re.match(pattern, text[:4000])), ("", ""))

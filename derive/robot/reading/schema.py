@@ -150,8 +150,8 @@ class HandoutRow(Strict):
 
 
 _NAME, _BLOCK = "<name>", "<block>"
+# The forms that a value may have; they stand in the paths of violations, where no key can be called so.
 FORMS = (_NAME, "<list>", _BLOCK)
-"""The forms that a value may have; they stand in the paths of violations, where no key can be called so."""
 
 
 def _form_of_style(value: Any) -> str:
@@ -283,13 +283,13 @@ def without_null(schema: Any) -> Any:
     return plain
 
 
+# What to write for a key that is missing.
 _MISSING = {
     "convention": "write convention: standard (distal) or convention: modified (Craig); they give different robots",
     "type": "write type: revolute or type: prismatic",
     "name": "write name: my-robot",
     "joints": "write one row per joint under joints:",
 }
-"""What to write for a key that is missing."""
 
 
 def check_structure(document: Document, model: type[Strict] = RobotFile) -> None:

@@ -55,12 +55,7 @@ def _keys(block: type[Strict]) -> dict[str, tuple[Any, bool]]:
 
 
 def fits(kind: Any, value: Any) -> bool:
-    """Whether texts, lists and dicts have the structure of a type.
-
-    Args:
-        kind: A class of `Strict`, or what annotates its keys.
-        value: What stands in the file.
-    """
+    """Whether texts, lists and dicts have the structure of a type."""
     origin, of = get_origin(kind), get_args(kind)
     if origin is Annotated:
         return fits(of[0], value)

@@ -26,49 +26,27 @@ Array = npt.NDArray[Any]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arm:
-    """The numbers of one arm with n joints.
+    """The numbers of one arm with n joints."""
 
-    Attributes:
-        standard: Whether the table follows the standard convention, not the modified one.
-        revolute: (n,) whether joint i turns.
-        sign: (n,) factor of the variable in its cell, +1 or -1.
-        theta: (n,) constant part of the angle [rad].
-        d: (n,) constant part of the offset along z [m].
-        a: (n,) link length [m].
-        alpha: (n,) link twist [rad].
-        base: (4, 4) world to frame 0.
-        tool: (4, 4) frame n to the end effector.
-        gravity: (3,) acceleration of gravity in the world frame [m/s^2].
-        mass: (n,) link masses [kg].
-        com: (n, 3) centres of mass in the links' DH frames [m].
-        inertia: (n, 3, 3) tensors about the centres of mass, axes of the links' DH frames [kg m^2].
-        rotor_mass: (n,) rotor masses [kg].
-        rotor_inertia: (n,) rotor inertias about the spin axes [kg m^2].
-        ratio: (n,) gear ratios.
-        armature: (n,) reflected inertias, on the diagonal of B only.
-        viscous: (n,) joint-side viscous friction.
-        coulomb: (n,) joint-side Coulomb friction.
-    """
-
-    standard: bool
-    revolute: Array
-    sign: Array
-    theta: Array
-    d: Array
-    a: Array
-    alpha: Array
-    base: Array
-    tool: Array
-    gravity: Array
-    mass: Array
-    com: Array
-    inertia: Array
-    rotor_mass: Array
-    rotor_inertia: Array
-    ratio: Array
-    armature: Array
-    viscous: Array
-    coulomb: Array
+    standard: bool  # whether the table follows the standard convention, not the modified one
+    revolute: Array  # (n,) whether joint i turns
+    sign: Array  # (n,) factor of the variable in its cell, +1 or -1
+    theta: Array  # (n,) constant part of the angle [rad]
+    d: Array  # (n,) constant part of the offset along z [m]
+    a: Array  # (n,) link length [m]
+    alpha: Array  # (n,) link twist [rad]
+    base: Array  # (4, 4) world to frame 0
+    tool: Array  # (4, 4) frame n to the end effector
+    gravity: Array  # (3,) acceleration of gravity in the world frame [m/s^2]
+    mass: Array  # (n,) link masses [kg]
+    com: Array  # (n, 3) centres of mass in the links' DH frames [m]
+    inertia: Array  # (n, 3, 3) tensors about the centres of mass, axes of the links' DH frames [kg m^2]
+    rotor_mass: Array  # (n,) rotor masses [kg]
+    rotor_inertia: Array  # (n,) rotor inertias about the spin axes [kg m^2]
+    ratio: Array  # (n,) gear ratios
+    armature: Array  # (n,) reflected inertias, on the diagonal of B only
+    viscous: Array  # (n,) joint-side viscous friction
+    coulomb: Array  # (n,) joint-side Coulomb friction
 
     @property
     def n(self) -> int:
@@ -83,18 +61,7 @@ class Arm:
 
 
 def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Arm:
-    """The numbers of a robot.
-
-    Args:
-        robot: The robot.
-        chosen: A number for every symbol that has none in the file; it may override those of the file.
-
-    Returns:
-        The arm.
-
-    Raises:
-        ExpressionError: A symbol has no number, or a cell has no finite value.
-    """
+    """The numbers of a robot."""
     values = parameter_values(robot, chosen)
     joints, links = robot.joints, robot.links or (Link(),) * robot.n
     motors = [link.motor or Motor() for link in links]
@@ -136,11 +103,6 @@ def row_transform(arm: Arm, i: int, q: Array) -> Array:
 
     Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha). Modified (a and alpha are a_{i-1} and alpha_{i-1}):
     Rot(x, alpha) Trans(x, a) Rot(z, theta) Trans(z, d).
-
-    Args:
-        arm: The arm.
-        i: Row of the table, from 0.
-        q: (...) the variable of that row.
     """
     moving = arm.sign[i] * q
     theta = arm.theta[i] + moving * arm.revolute[i]
@@ -156,11 +118,7 @@ def chain_frames(arm: Arm, q: Array) -> Array:
     """DH frames 0 to n seen from frame 0, the first being the identity.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n+1, 4, 4).
     """
     frames = [np.broadcast_to(np.eye(4, dtype=q.dtype), (*q.shape[:-1], 4, 4))]
     for i in range(arm.n):
@@ -172,13 +130,6 @@ def joint_axes(arm: Arm, frames: Array) -> tuple[Array, Array]:
     """Direction of z and a point on the axis of each joint, in frame 0.
 
     Joint i moves along or about z_{i-1} through o_{i-1} (standard), z_i through o_i (modified).
-
-    Args:
-        arm: The arm.
-        frames: Result of `chain_frames`.
-
-    Returns:
-        (..., n, 3) both.
     """
     on_axis = frames[..., :-1, :, :] if arm.standard else frames[..., 1:, :, :]
     return on_axis[..., :3, 2], on_axis[..., :3, 3]
@@ -188,13 +139,7 @@ def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> A
     """Linear Jacobians dp/dq in frame 0 of points fixed on links.
 
     Args:
-        arm: The arm.
-        frames: Result of `chain_frames`.
-        points: (..., m, 3) points in frame 0.
         carriers: (m,) number of joints that move each point: i for a point of link i, counted from 1.
-
-    Returns:
-        (..., m, 3, n); column j is sign z x (p - o) for a revolute joint, sign z for a prismatic one.
     """
     axis, origin = joint_axes(arm, frames)
     lever = points[..., :, None, :] - origin[..., None, :, :]
@@ -207,12 +152,7 @@ def angular_jacobian(arm: Arm, frames: Array, carriers: Array) -> Array:
     """Angular Jacobians in frame 0 of links; column j is sign z for a revolute joint, else 0.
 
     Args:
-        arm: The arm.
-        frames: Result of `chain_frames`.
         carriers: (m,) number of joints that move each link.
-
-    Returns:
-        (..., m, 3, n).
     """
     axis, _ = joint_axes(arm, frames)
     columns = np.where(arm.revolute[:, None], axis, 0.0)[..., None, :, :]
@@ -224,13 +164,6 @@ def rotor_places(arm: Arm, frames: Array) -> Array:
     """Where the rotors sit, in frame 0, rotor i fixed on link i-1.
 
     o_{i-1} (standard); o_i at q_i = 0 (modified), where a revolute joint leaves o_i anyway.
-
-    Args:
-        arm: The arm.
-        frames: Result of `chain_frames`.
-
-    Returns:
-        (..., n, 3).
     """
     carriers = frames[..., :-1, :, :]
     if arm.standard:
@@ -244,11 +177,7 @@ def forward_kinematics(arm: Arm, q: Array) -> Array:
     """T = base A_1 ... A_n tool.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., 4, 4).
     """
     transform: Array = arm.base @ chain_frames(arm, q)[..., -1, :, :] @ arm.tool
     return transform
@@ -258,11 +187,7 @@ def link_transforms(arm: Arm, q: Array) -> Array:
     """Base A_1 ... A_i for i = 1..n.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n, 4, 4).
     """
     transforms: Array = arm.base @ chain_frames(arm, q)[..., 1:, :, :]
     return transforms
@@ -272,11 +197,7 @@ def jacobian(arm: Arm, q: Array) -> Array:
     """Geometric Jacobian of the end effector in world axes, linear rows first.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., 6, n).
     """
     frames = chain_frames(arm, q)
     end = (frames[..., -1, :, :] @ arm.tool)[..., None, :3, 3]
@@ -291,11 +212,7 @@ def jacobian_end(arm: Arm, q: Array) -> Array:
     """Geometric Jacobian of the end effector in its own axes, linear rows first: R^T times both halves of the other.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., 6, n).
     """
     back = np.swapaxes(forward_kinematics(arm, q)[..., :3, :3], -1, -2)
     in_world = jacobian(arm, q)
@@ -303,15 +220,7 @@ def jacobian_end(arm: Arm, q: Array) -> Array:
 
 
 def cross(u: Array, v: Array) -> Array:
-    """Vector product over the last axis.
-
-    Args:
-        u: (..., 3).
-        v: (..., 3).
-
-    Returns:
-        (..., 3).
-    """
+    """Vector product over the last axis."""
     ux, uy, uz = u[..., 0], u[..., 1], u[..., 2]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
     return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=-1)

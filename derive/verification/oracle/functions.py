@@ -18,22 +18,16 @@ from derive.verification.oracle.identification import Identification
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """One function of the generated interface.
+    """One function of the generated interface."""
 
-    Attributes:
-        arguments: Names of its arguments, each of shape (..., n); none for what depends on parameters alone.
-        dynamic: Whether it needs link parameters.
-        function: Its independent evaluation, from an arm and the arguments.
-        axes: Axes of its value for one configuration: 0 for a scalar, 1 for a vector, 2 for a matrix, 3 for one matrix
-            a link.
-        identifies: Whether it needs to know which parameters are base parameters: its first argument is then an
-            `Identification`.
-    """
-
+    # Names of its arguments, each of shape (..., n); none for what depends on parameters alone.
     arguments: tuple[str, ...]
-    dynamic: bool
-    function: Callable[..., Array]
+    dynamic: bool  # whether it needs link parameters
+    function: Callable[..., Array]  # its independent evaluation, from an arm and the arguments
+    # Axes of its value for one configuration: 0 for a scalar, 1 for a vector, 2 for a matrix, 3 for one matrix a
+    # link.
     axes: int = 2
+    # Whether it needs to know which parameters are base parameters: its first argument is then an `Identification`.
     identifies: bool = False
 
 
@@ -41,16 +35,9 @@ def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
     """Accelerations B^-1 (tau - C qd - g - friction).
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
         tau: (..., n) torques and forces [N m, N].
-
-    Returns:
-        (..., n).
-
-    Raises:
-        numpy.linalg.LinAlgError: B is singular.
     """
     bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd))
     acceleration: Array = np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
@@ -82,25 +69,18 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
     }
 )
 
+# Functions that an arm lacks if its orientation angles are singular in every configuration.
 ANGLES: Mapping[str, str] = MappingProxyType({f"analytic_jacobian_{kind}": kind for kind in rates.TILTED})
-"""Functions that an arm lacks if its orientation angles are singular in every configuration."""
-
-SINGULAR = 1e-9
-"""Distance from singular angles that is rounding."""
+SINGULAR = 1e-9  # distance from singular angles that is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Oracle:
-    """Every generated function of one robot with given numbers, evaluated independently.
+    """Every generated function of one robot with given numbers, evaluated independently."""
 
-    Attributes:
-        arm: The robot's numbers.
-        dynamic: Whether the robot has link parameters.
-        identification: Which parameters the regressors' columns belong to; None without regressors.
-    """
-
-    arm: Arm
-    dynamic: bool
+    arm: Arm  # the robot's numbers
+    dynamic: bool  # whether the robot has link parameters
+    # Which parameters the regressors' columns belong to; None without regressors.
     identification: Identification | None = None
 
     @classmethod
@@ -110,19 +90,7 @@ class Oracle:
         parameters: Mapping[str, float] | None = None,
         base: tuple[Parameter, ...] | None = None,
     ) -> Oracle:
-        """The oracle of ``robot``.
-
-        Args:
-            robot: The robot.
-            parameters: A number for every symbol without one; may override numbers of the file.
-            base: Which parameters are base parameters; without them there are no regressors.
-
-        Returns:
-            The oracle.
-
-        Raises:
-            ExpressionError: A symbol has no number, or a cell has no finite value.
-        """
+        """The oracle of ``robot``."""
         arm = numeric_arm(robot, parameters)
         known = None if base is None else Identification(arm, standard_parameters(robot), base)
         return cls(arm, robot.has_dynamics, known)
@@ -142,27 +110,12 @@ class Oracle:
         return tuple(names)
 
     def has_angles(self, kind: str) -> bool:
-        """Whether the end effector's angles ``rpy`` or ``zyz`` are regular in some configuration.
-
-        Args:
-            kind: ``rpy`` or ``zyz``.
-
-        Returns:
-            False where they are singular everywhere.
-        """
+        """Whether the end effector's angles ``rpy`` or ``zyz`` are regular in some configuration."""
         q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
         return bool((rates.distance_from_singularity(self.arm, kind, q) > SINGULAR).any())
 
     def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
-        """The value of a generated function.
-
-        Args:
-            name: One of `functions`.
-            arguments: q, qd, qdd or tau as the function takes them, (..., n) each; they broadcast.
-
-        Returns:
-            (..., *shape).
-        """
+        """The value of a generated function."""
         arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=float) for argument in arguments))
         definition = FUNCTIONS[name]
         return definition.function(self.identification if definition.identifies else self.arm, *arrays)

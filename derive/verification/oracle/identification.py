@@ -26,23 +26,17 @@ from derive.verification.oracle.newton import Motion, inverse_dynamics, link_mot
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 
-SEED = 20
-"""Of the states at which base parameters are fitted."""
+SEED = 20  # of the states at which base parameters are fitted
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Identification:
-    """An arm and the names of its parameters.
+    """An arm and the names of its parameters."""
 
-    Attributes:
-        arm: The numbers.
-        standard: Parameters of the standard regressor, links' ones in DH frames.
-        base: Base parameters, links' ones in joint frames: on the axis of joint i, DH frame i in the modified
-            convention, DH frame i before its a and alpha in the standard one.
-    """
-
-    arm: Arm
-    standard: tuple[Parameter, ...]
+    arm: Arm  # the numbers
+    standard: tuple[Parameter, ...]  # parameters of the standard regressor, links' ones in DH frames
+    # Base parameters, links' ones in joint frames: on the axis of joint i, DH frame i in the modified convention, DH
+    # frame i before its a and alpha in the standard one.
     base: tuple[Parameter, ...]
 
 
@@ -50,13 +44,9 @@ def regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Array:
     """Y with tau = Y pi.
 
     Args:
-        known: The arm and its parameters.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
         qdd: (..., n) accelerations [rad/s^2, m/s^2].
-
-    Returns:
-        (..., n, p).
     """
     return _columns(known.arm, known.standard, q, qd, qdd, on_axes=False)
 
@@ -65,26 +55,15 @@ def base_regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Ar
     """Y with tau = Y beta.
 
     Args:
-        known: The arm and its parameters.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
         qdd: (..., n) accelerations [rad/s^2, m/s^2].
-
-    Returns:
-        (..., n, b).
     """
     return _columns(known.arm, known.base, q, qd, qdd, on_axes=True)
 
 
 def base_parameters(known: Identification) -> Array:
-    """The base parameters by least squares over random states.
-
-    Args:
-        known: The arm and its parameters.
-
-    Returns:
-        (b,).
-    """
+    """The base parameters by least squares over random states."""
     q, qd, qdd = fitting_states(known)
     torques = inverse_dynamics(known.arm, q, qd, qdd)
     largest = np.abs(torques).max(axis=0)
@@ -96,14 +75,7 @@ def base_parameters(known: Identification) -> Array:
 
 
 def fitting_states(known: Identification) -> tuple[Array, Array, Array]:
-    """Random q, qd and qdd, enough of them to tell all parameters apart.
-
-    Args:
-        known: The arm and its parameters.
-
-    Returns:
-        (states, n) each.
-    """
+    """Random q, qd and qdd, enough of them to tell all parameters apart."""
     n = known.arm.n
     count = 3 * (len(known.base) // n + 1) + len(known.base)
     states = np.random.default_rng(SEED).uniform(-2.0, 2.0, (3, count, n))

@@ -18,11 +18,8 @@ from derive.verification.oracle.frames import (
     rotor_places,
 )
 
-STEP = 1e-30
-"""Complex step: no difference is taken, so it may be so small that the truncation error vanishes."""
-
-CHUNK = 500_000
-"""Jacobian entries in memory at once while B is differentiated."""
+STEP = 1e-30  # complex step: no difference is taken, so it may be so small that the truncation error vanishes
+CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
 
 
 def inertia_matrix(arm: Arm, q: Array) -> Array:
@@ -31,11 +28,7 @@ def inertia_matrix(arm: Arm, q: Array) -> Array:
     Of a rotor only the inertia about its axis counts.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n, n).
     """
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
@@ -55,12 +48,8 @@ def coriolis_matrix(arm: Arm, q: Array, qd: Array) -> Array:
     """C with C_ij = sum_k c_ijk qd_k.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
-
-    Returns:
-        (..., n, n).
     """
     matrix: Array = np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd)
     return matrix
@@ -70,11 +59,7 @@ def christoffel_symbols(arm: Arm, q: Array) -> Array:
     """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i).
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n, n, n), indexed i, j, k.
     """
     slope = inertia_derivatives(arm, q)
     by_k = np.moveaxis(slope, -3, -1)
@@ -87,11 +72,7 @@ def inertia_derivatives(arm: Arm, q: Array) -> Array:
     """dB/dq_k by complex step.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n, n, n), indexed k, i, j.
     """
     size = max(1, CHUNK // (3 * q.size * arm.n))
     steps = 1j * STEP * np.eye(arm.n)
@@ -104,7 +85,6 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
     """The gradient dU/dq with U = -sum m g0' p over links and rotors.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
 
     Returns:
@@ -124,11 +104,7 @@ def potential_energy(arm: Arm, q: Array) -> Array:
     """U = -sum m g0' p over links and rotors, with p in the world.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (...) [J].
     """
     frames = chain_frames(arm, q)
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
@@ -142,12 +118,8 @@ def kinetic_energy(arm: Arm, q: Array, qd: Array) -> Array:
     """T = 1/2 qd' B qd.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
-
-    Returns:
-        (...) [J].
     """
     energy: Array = 0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd)
     return energy
@@ -157,11 +129,7 @@ def com_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
     """Linear and angular Jacobians of the links' centres of mass in world axes.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n, 3, n) both.
     """
     linear, angular = _link_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]
@@ -172,11 +140,7 @@ def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
     """Linear and angular Jacobians of the rotors in world axes.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n, 3, n) both.
     """
     linear, angular = _rotor_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]

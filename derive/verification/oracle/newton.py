@@ -58,7 +58,6 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
     """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd).
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
         qdd: (..., n) accelerations [rad/s^2, m/s^2].
@@ -87,15 +86,7 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
 
 
 def dot(u: Array, v: Array) -> Array:
-    """Scalar product over the last axis.
-
-    Args:
-        u: (..., 3).
-        v: (..., 3).
-
-    Returns:
-        (...).
-    """
+    """Scalar product over the last axis."""
     product: Array = (u * v).sum(axis=-1)
     return product
 
@@ -104,14 +95,8 @@ def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) ->
     """Motions of links 0 to n; link 0 is at rest.
 
     Args:
-        arm: The arm.
-        frames: Result of `chain_frames`.
-        axis: (..., n, 3) directions of the joints.
         qd: (..., n) velocities [rad/s, m/s].
         qdd: (..., n) accelerations [rad/s^2, m/s^2].
-
-    Returns:
-        n + 1 motions.
     """
     zero = np.zeros_like(axis[..., 0, :])
     motions = [Motion(zero, zero, zero, zero)]

@@ -14,23 +14,16 @@ import numpy as np
 from derive.verification.oracle.frames import Arm, Array, forward_kinematics, jacobian
 from derive.verification.oracle.newton import inverse_dynamics
 
-STEP = 1e-30
-"""Complex step; the truncation error, its square, vanishes."""
-
-TILTED = {"rpy": 0, "zyz": 2}
-"""Column of R whose first two entries vanish where the angles are singular."""
+STEP = 1e-30  # complex step; the truncation error, its square, vanishes
+TILTED = {"rpy": 0, "zyz": 2}  # column of R whose first two entries vanish where the angles are singular
 
 
 def jacobian_dot(arm: Arm, q: Array, qd: Array) -> Array:
     """dJ/dt along qd.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
-
-    Returns:
-        (..., 6, n).
     """
     rate: Array = jacobian(arm, q + 1j * STEP * qd).imag / STEP
     return rate
@@ -40,11 +33,7 @@ def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
     """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll).
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., 6, n).
     """
     pose, slope = _pose_and_slope(arm, q)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
@@ -60,11 +49,7 @@ def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
     """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi).
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., 6, n).
     """
     pose, slope = _pose_and_slope(arm, q)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
@@ -80,12 +65,7 @@ def distance_from_singularity(arm: Arm, kind: str, q: Array) -> Array:
     """Sine of the angle by which the second turn misses its singular values.
 
     Args:
-        arm: The arm.
-        kind: ``rpy`` or ``zyz``.
         q: (..., n) configurations [rad, m].
-
-    Returns:
-        (...).
     """
     column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
     distance: Array = np.sqrt((column**2).sum(axis=-1))
@@ -96,12 +76,8 @@ def coriolis_vector(arm: Arm, q: Array, qd: Array) -> Array:
     """C qd: the torques of a motion without acceleration, gravity and friction.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
-
-    Returns:
-        (..., n).
     """
     none = np.zeros(arm.n)
     weightless = replace(arm, gravity=np.zeros(3), viscous=none, coulomb=none)
@@ -112,13 +88,9 @@ def inverse_dynamics_dq(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
     """d tau_i / d q_j.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
         qdd: (..., n) accelerations [rad/s^2, m/s^2].
-
-    Returns:
-        (..., n, n).
     """
     return _columns(arm, lambda step: inverse_dynamics(arm, _each(q) + step, _each(qd), _each(qdd)))
 
@@ -127,12 +99,8 @@ def inverse_dynamics_dqd(arm: Arm, q: Array, qd: Array) -> Array:
     """d tau_i / d qd_j; Coulomb friction counts as constant.
 
     Args:
-        arm: The arm.
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
-
-    Returns:
-        (..., n, n).
     """
     smooth, rest = replace(arm, coulomb=np.zeros(arm.n)), np.zeros_like(_each(q))
     return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
