@@ -104,6 +104,7 @@ def row_transform(arm: Arm, i: int, q: Array) -> Array:
     Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha). Modified (a and alpha are a_{i-1} and alpha_{i-1}):
     Rot(x, alpha) Trans(x, a) Rot(z, theta) Trans(z, d).
     """
+    # theta_i = sign q + theta of a revolute joint, d_i = sign q + d of a prismatic one
     moving = arm.sign[i] * q
     theta = arm.theta[i] + moving * arm.revolute[i]
     d = arm.d[i] + moving * (not arm.revolute[i])
@@ -120,6 +121,7 @@ def chain_frames(arm: Arm, q: Array) -> Array:
     Args:
         q: (..., n) configurations [rad, m].
     """
+    # T_i = T_{i-1} A_i, outward from frame 0
     frames = [np.broadcast_to(np.eye(4, dtype=q.dtype), (*q.shape[:-1], 4, 4))]
     for i in range(arm.n):
         frames.append(frames[-1] @ row_transform(arm, i, q[..., i]))
@@ -141,6 +143,7 @@ def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> A
     Args:
         carriers: (m,) number of joints that move each point: i for a point of link i, counted from 1.
     """
+    # dp/dq_j = z_j x (p - o_j) of a revolute joint, z_j of a prismatic one; zero for joints beyond the link
     axis, origin = joint_axes(arm, frames)
     lever = points[..., :, None, :] - origin[..., None, :, :]
     turning = cross(axis[..., None, :, :], lever)
@@ -168,6 +171,7 @@ def rotor_places(arm: Arm, frames: Array) -> Array:
     carriers = frames[..., :-1, :, :]
     if arm.standard:
         return carriers[..., :3, 3]
+    # Column 4 of A_i at q_i = 0: where frame i would be, seen from frame i-1
     at_rest = np.stack([row_transform(arm, i, np.zeros(()))[:, 3] for i in range(arm.n)])
     places: Array = np.einsum("...kab,kb->...ka", carriers, at_rest)[..., :3]
     return places
@@ -200,6 +204,7 @@ def jacobian(arm: Arm, q: Array) -> Array:
         q: (..., n) configurations [rad, m].
     """
     frames = chain_frames(arm, q)
+    # The base only turns the rows: J = diag(R, R) J_0.
     end = (frames[..., -1, :, :] @ arm.tool)[..., None, :3, 3]
     carrier = np.array([arm.n])
     turn = arm.base[:3, :3]
@@ -214,6 +219,7 @@ def jacobian_end(arm: Arm, q: Array) -> Array:
     Args:
         q: (..., n) configurations [rad, m].
     """
+    # J_end = diag(R^T, R^T) J with R of the end effector
     back = np.swapaxes(forward_kinematics(arm, q)[..., :3, :3], -1, -2)
     in_world = jacobian(arm, q)
     return np.concatenate([back @ in_world[..., :3, :], back @ in_world[..., 3:, :]], axis=-2)
@@ -236,6 +242,7 @@ def _rotation(axis: int, angle: Array) -> Array:
     """Rot(axis, angle), axes counted from x = 0."""
     matrix = _identity(angle)
     cosine, sine = np.cos(angle), np.sin(angle)
+    # The plane across the axis, in cyclic order: cos and -sin above, sin and cos below.
     j, k = (axis + 1) % 3, (axis + 2) % 3
     matrix[..., j, j], matrix[..., j, k] = cosine, -sine
     matrix[..., k, j], matrix[..., k, k] = sine, cosine

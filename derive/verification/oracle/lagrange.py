@@ -33,10 +33,12 @@ def inertia_matrix(arm: Arm, q: Array) -> Array:
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
     linear, angular = _link_jacobians(arm, frames)
+    # Angular Jacobian in the axes of each link, where its tensor is constant: R^T Jw.
     in_link = _transpose(frames[..., 1:, :3, :3]) @ angular
     moving = _transpose(linear) @ (arm.mass[:, None, None] * linear)
     links = (moving + _transpose(in_link) @ (arm.inertia @ in_link)).sum(axis=-3)
     linear, angular = _rotor_jacobians(arm, frames)
+    # Of a rotor's angular velocity only the part about its own axis has inertia.
     spin = np.einsum("...ka,...kaj->...kj", axis, angular)
     moving = _transpose(linear) @ (arm.rotor_mass[:, None, None] * linear)
     rotors = moving.sum(axis=-3) + np.einsum("k,...ki,...kj->...ij", arm.rotor_inertia, spin, spin)
@@ -62,6 +64,7 @@ def christoffel_symbols(arm: Arm, q: Array) -> Array:
         q: (..., n) configurations [rad, m].
     """
     slope = inertia_derivatives(arm, q)
+    # slope[k, i, j] is dB_ij/dq_k; by_k[i, j, k] and by_j[i, j, k] = dB_ik/dq_j reorder it.
     by_k = np.moveaxis(slope, -3, -1)
     by_j = np.swapaxes(by_k, -1, -2)
     symbols: Array = 0.5 * (by_k + by_j - slope)
@@ -74,6 +77,7 @@ def inertia_derivatives(arm: Arm, q: Array) -> Array:
     Args:
         q: (..., n) configurations [rad, m].
     """
+    # f(q + i h e_k) = f(q) + i h df/dq_k: the imaginary part over h, in chunks of directions (Martins et al. 2003).
     size = max(1, CHUNK // (3 * q.size * arm.n))
     steps = 1j * STEP * np.eye(arm.n)
     chunks = [steps[k : k + size] for k in range(0, arm.n, size)]
@@ -93,6 +97,7 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
     frames = chain_frames(arm, q)
     links, _ = _link_jacobians(arm, frames)
     rotors, _ = _rotor_jacobians(arm, frames)
+    # dU/dq_j = -sum m g0 . dp/dq_j, in frame 0 as the Jacobians are
     g0 = arm.gravity_in_frame_0
     down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
     down_rotors = np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0)
@@ -107,6 +112,7 @@ def potential_energy(arm: Arm, q: Array) -> Array:
         q: (..., n) configurations [rad, m].
     """
     frames = chain_frames(arm, q)
+    # Places in the world, since U is zero at its origin
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
     links = _mass_centres(arm, frames) @ turn.T + origin
     rotors = rotor_places(arm, frames) @ turn.T + origin
@@ -159,6 +165,7 @@ def _rotor_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
     carriers = np.arange(arm.n)
     linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
     axis, _ = joint_axes(arm, frames)
+    # ratio z qd_i on top of the rotation of the link that carries it
     spin = axis[..., :, :, None] * (np.eye(arm.n) * arm.ratio[:, None])[:, None, :]
     return linear, angular_jacobian(arm, frames, carriers) + spin
 

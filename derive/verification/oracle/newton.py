@@ -74,11 +74,16 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
     torques: list[Array] = []
     for i in reversed(range(arm.n)):
         z, carrier = axis[..., i, :], motions[i]
+        # All that joint i carries: link i and, from before, everything beyond it.
         wrench = wrench + _link_wrench(arm, i, frames[..., i + 1, :, :], motions[i + 1])
+        # The rotor's acceleration about its axis: its own, and that of the link on which it sits.
         spin_rate = arm.ratio[i] * qdd[..., i] + dot(z, carrier.alpha)
+        # From the origin of frame 0 to a point of the axis: n - r x f.
         moment = wrench.moment - cross(on_axis[..., i, :], wrench.force)
         carried = dot(z, moment) if arm.revolute[i] else dot(z, wrench.force)  # what the joint's actuator carries
+        # In the sense of q; the motor turns ratio times as fast, so its torque counts ratio times.
         torques.append(arm.sign[i] * carried + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
+        # The rotor itself is carried by link i-1, so it counts from here inward.
         wrench = wrench + _rotor_wrench(arm, i, z, places[..., i, :], carrier, qd[..., i], spin_rate)
     rigid = np.stack(torques[::-1], axis=-1)
     resisting: Array = arm.armature * qdd + arm.viscous * qd + arm.coulomb * np.sign(qd)
@@ -105,12 +110,15 @@ def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) ->
         rate, acceleration = qd[..., i, None], qdd[..., i, None]
         before, origin = motions[-1], frames[..., i + 1, :3, 3]
         if arm.revolute[i]:  # the links share the points of the axis, o_{i-1} (standard) or o_i (modified)
+            # omega_i = omega_{i-1} + u qd; alpha gains u qdd + omega_{i-1} x u qd
             omega = before.omega + u * rate
             alpha = before.alpha + u * acceleration + cross(before.omega, u) * rate
+            # Over a point of the axis, which belongs to both links, to the origin of frame i.
             shared = before.point if arm.standard else origin
             hinge = Motion(omega, alpha, shared, before.acceleration_at(shared))
             motions.append(Motion(omega, alpha, origin, hinge.acceleration_at(origin)))
         else:  # carried along, plus Coriolis and relative acceleration
+            # a_i = a of the coinciding point + 2 omega x u qd + u qdd
             relative = 2.0 * cross(before.omega, u) * rate + u * acceleration
             motions.append(Motion(before.omega, before.alpha, origin, before.acceleration_at(origin) + relative))
     return motions
@@ -119,6 +127,7 @@ def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) ->
 def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:
     """What moves link i: m (a - g0) at its centre of mass and d/dt (I omega)."""
     rotation, com = frame[..., :3, :3], frame[..., :3, 3] + frame[..., :3, :3] @ arm.com[i]
+    # R I R^T in frame 0; d/dt (I omega) = I alpha + omega x I omega
     inertia = rotation @ arm.inertia[i] @ np.swapaxes(rotation, -1, -2)
     force = arm.mass[i] * (motion.acceleration_at(com) - arm.gravity_in_frame_0)
     momentum = np.einsum("...ab,...b->...a", inertia, motion.omega)
@@ -129,6 +138,7 @@ def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:
 def _rotor_wrench(arm: Arm, i: int, z: Array, place: Array, carrier: Motion, rate: Array, spin_rate: Array) -> Wrench:
     """What moves the rotor of joint i: m (a - g0) at its place and d/dt (I spin z), z turning with link i-1."""
     force = arm.rotor_mass[i] * (carrier.acceleration_at(place) - arm.gravity_in_frame_0)
+    # d/dt (I spin z) = I (spin' z + spin omega x z)
     spin = arm.ratio[i] * rate + dot(z, carrier.omega)
     turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
     return Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)

@@ -36,6 +36,7 @@ def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
         q: (..., n) configurations [rad, m].
     """
     pose, slope = _pose_and_slope(arm, q)
+    # roll = atan2(r32, r33), pitch = atan2(-r31, |(r11, r21)|), yaw = atan2(r21, r11)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
         roll = _angle_rate(r[..., 2, 1], r[..., 2, 2], dr[..., 2, 1], dr[..., 2, 2])
@@ -52,6 +53,7 @@ def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
         q: (..., n) configurations [rad, m].
     """
     pose, slope = _pose_and_slope(arm, q)
+    # phi = atan2(r23, r13), theta = atan2(|(r13, r23)|, r33), psi = atan2(r32, -r31)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
         phi = _angle_rate(r[..., 1, 2], r[..., 0, 2], dr[..., 1, 2], dr[..., 0, 2])
@@ -67,6 +69,7 @@ def distance_from_singularity(arm: Arm, kind: str, q: Array) -> Array:
     Args:
         q: (..., n) configurations [rad, m].
     """
+    # |(r11, r21)| = |cos(pitch)|, |(r13, r23)| = |sin(theta)|
     column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
     distance: Array = np.sqrt((column**2).sum(axis=-1))
     return distance
@@ -102,6 +105,7 @@ def inverse_dynamics_dqd(arm: Arm, q: Array, qd: Array) -> Array:
         q: (..., n) configurations [rad, m].
         qd: (..., n) velocities [rad/s, m/s].
     """
+    # No term of the torques holds both qd and qdd, so qdd is taken as zero.
     smooth, rest = replace(arm, coulomb=np.zeros(arm.n)), np.zeros_like(_each(q))
     return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
 
