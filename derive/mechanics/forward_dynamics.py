@@ -62,13 +62,10 @@ F = TypeVar("F", bound=Field)
 
 
 def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques: Sequence[F]) -> list[F]:
-    """The accelerations qdd that torques give an arm.
+    """The accelerations qdd under torques tau, n entries [N m or N].
 
     The inertia matrix is factorised as U D U^T with unit upper U, from the last row up: starting at the tip keeps the
     zeros of a chain's inertia matrix (Featherstone, Rigid Body Dynamics Algorithms, section 6.5).
-
-    Args:
-        torques: tau, n entries [N m or N].
     """
     # B = U D U^T: `rest` is the part still to be factorised, `factors[k]` column k of U, `rest[k][k]` pivot D_k.
     n = len(torques)
@@ -165,11 +162,7 @@ class _Release(Generic[S]):
 def articulated_accelerations(
     chain: Chain[F], qd: Sequence[F], torques: Sequence[F], choices: Sequence[FrameChoice] = ()
 ) -> list[F]:
-    """The accelerations qdd that torques give an arm, by articulated bodies.
-
-    Args:
-        torques: tau less friction, n entries [N m or N].
-    """
+    """The accelerations qdd under torques tau less friction, n entries [N m or N], by articulated bodies."""
     releases = _releases(chain, along_axes(chain, qd), along_axes(chain, torques), choices)
     a = alpha = chain.null
     qdd: list[F] = []

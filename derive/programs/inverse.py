@@ -173,11 +173,7 @@ Solved = tuple[Inverse | InverseSearch | None, str]
 
 
 def solved(trace: Trace) -> Solved:
-    """Inverse kinematics of a robot as its file asks for it.
-
-    Returns:
-        The program or what takes its place, or None and the reason why there is none.
-    """
+    """Inverse kinematics as the file asks for it: a program, what takes its place, or None and the reason."""
     if not has_exact_rotations(trace.robot):
         reason = "base or tool is a rotation only to the digits that the file gives"
         if not has_exact_rotations(trace.robot, NEARLY_EXACT):

@@ -59,11 +59,7 @@ def frames(trace: Trace) -> list[Value]:
 
 
 def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch | None, str]:
-    """What finds all solutions of an arm without formulas.
-
-    Returns:
-        What generated code needs, or None and why there is nothing to be had.
-    """
+    """What generated code needs to find all solutions without formulas; None and why where it cannot."""
     free = graph.robot.n - len(graph.given)
     wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
     if free > wanted:

@@ -46,18 +46,6 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class StaticFunction:
-    """A part as a function of the file: its statements, and how it is declared and called."""
-
-    declaration: str  # its parameters
-    one: str  # the arguments of its call for one configuration
-    lane: str  # the arguments of its call for one lane of a block
-    varying: str  # the arguments of its call for a lane where the constants differ from lane to lane
-    body: tuple[str, ...]  # statements
-    results: tuple[str, ...]  # assignments to the entries of the result
-
-
-@dataclass(frozen=True, slots=True)
 class CFunction:
     """One generated function."""
 
@@ -71,9 +59,9 @@ class CFunction:
     has_sines: bool  # whether a sine is taken of any
     has_cosines: bool  # whether a cosine is
     constant_count: int  # constants that come from the parameters
-    constants: StaticFunction  # from the parameters to the constants
-    angles: StaticFunction  # from the arguments to the angles
-    lane: StaticFunction  # from the arguments and sines to the result, for one configuration of a block
+    constants: dict[str, object]  # from the parameters to the constants
+    angles: dict[str, object]  # from the arguments to the angles
+    lane: dict[str, object]  # from the arguments and sines to the result, for one configuration of a block
     declaration: str  # parameters of the public function
     batch_declaration: str  # parameters of the public function of a batch
     prototype: str  # parameters of the public function in the header
@@ -120,7 +108,7 @@ def pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
     return ", ".join([*(f"const double *{qualifier}{name}" for name in inputs), f"double *{qualifier}{output}"])
 
 
-def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) -> StaticFunction:
+def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) -> dict[str, object]:
     """A part whose entries lie ``lanes`` apart, or one after the other without a ``step``."""
     further = [read.array for read in part.reads if read.index]
     steps: list[str] = []
@@ -138,14 +126,14 @@ def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) 
     reads = [f"const double {read.name} = {_entry(read.array, read.index)};" for read in part.reads]
     moved = [f"{name} + i" for name in (*part.arrays, output)]
     still = ["k" if name == "k + i" else name for name in moved]  # constants are the same in all lanes
-    return StaticFunction(
-        declaration=", ".join([pointers(part.arrays, output, "restrict "), *(f"const size_t {s}" for s in steps)]),
-        one=", ".join([*part.arrays, output, *("1" for _ in steps)]),
-        lane=", ".join([*still, *(lanes if s == "lanes" else "1" for s in steps)]),
-        varying=", ".join([*moved, *(lanes for _ in steps)]),
-        body=(*reads, *part.body),
-        results=tuple(f"{_entry(output, i)} = {text};" for i, text in enumerate(part.results)),
-    )
+    return {
+        "declaration": ", ".join([pointers(part.arrays, output, "restrict "), *(f"const size_t {s}" for s in steps)]),
+        "one": ", ".join([*part.arrays, output, *("1" for _ in steps)]),
+        "lane": ", ".join([*still, *(lanes if s == "lanes" else "1" for s in steps)]),
+        "varying": ", ".join([*moved, *(lanes for _ in steps)]),
+        "body": (*reads, *part.body),
+        "results": tuple(f"{_entry(output, i)} = {text};" for i, text in enumerate(part.results)),
+    }
 
 
 def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:

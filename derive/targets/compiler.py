@@ -26,14 +26,7 @@ R = TypeVar("R")
 
 
 def find_compiler(environment: Mapping[str, str] | None = None) -> Command | None:
-    """Look for the C compiler.
-
-    Args:
-        environment: Where ``CC`` and ``PATH`` are looked up; None for the process's.
-
-    Returns:
-        Its command, ``$CC`` before the usual names; None if there is none.
-    """
+    """Command of the C compiler: ``$CC``, else the usual names on the path of an environment; None if there is none."""
     variables = os.environ if environment is None else environment
     path = variables.get("PATH", os.defpath)
     given = shlex.split(variables.get("CC", ""))

@@ -37,7 +37,8 @@ def inverse_errors(
     robot: Robot, model: GeneratedModel, sets: Sequence[SampleSet], remedy: str
 ) -> Iterator[tuple[int, float]]:
     """What the inverse kinematics of one target does wrong."""
-    given = [k for k in range(robot.n) if robot.joints[k].variable in model.given_names(robot)]
+    listed = model.constants.get("GIVEN", ())
+    given = [k for k, joint in enumerate(robot.joints) if k in listed or joint.variable in listed]
     places = [(i - 1, j - 1) for row in robot.inverse.task for i, j in ROWS[row]]
     complete = bool(model.constants.get("COMPLETE", True))
     for samples in sets:

@@ -116,11 +116,7 @@ class Bounds:
         return bound
 
     def turning(self, rate: Array) -> float:
-        """Bound of angular velocities, with displacements counted as turns of the whole arm.
-
-        Returns:
-            The sum over all joints [rad/s].
-        """
+        """Bound of angular velocities [rad/s]: the sum over all joints, displacements as turns of the whole arm."""
         return float(np.where(self.revolute, rate, rate / max(self.reach, TINY)).sum())
 
     def undetermined(self, function: str) -> float:

@@ -38,11 +38,7 @@ from derive.programs.tape.value import Value
 
 
 class Stations:
-    """Stations 0 to ``last`` of one arm whose base and tool are exact rotations.
-
-    Attributes:
-        few: Whether all ways over them can be tried.
-    """
+    """Stations 0 to ``last`` of an arm with exact base and tool; ``few``: all ways over them can be tried."""
 
     def __init__(self, chain: Chain[Value], runs: tuple[Run, ...]) -> None:
         self.chain = chain

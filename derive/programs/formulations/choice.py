@@ -44,11 +44,7 @@ class FormulationChoice:
         return program_cost(self._priced, copy(self._graph, outputs, self._priced, self._known, self.numbers))
 
     def near(self, formulations: Iterable[Formulation], margin: float | None) -> tuple[Formulation, ...]:
-        """The formulations worth improving.
-
-        Args:
-            margin: How many times the cheapest they may cost as traced with symbols; None for any cost.
-        """
+        """The formulations that as traced cost at most ``margin`` times the cheapest; None for any cost."""
         if margin is None:
             return tuple(Formulation(f.words, _given(f.trace())) for f in tuple(formulations))
         traced = [Formulation(f.words, _given(f.trace())) for f in formulations]

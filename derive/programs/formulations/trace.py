@@ -56,14 +56,7 @@ def _is_rotation(matrix: Matrix, values: Mapping[str, float], tolerance: float) 
 
 
 class Trace:
-    """The graph of one robot and its chain of tape values, shared by all functions.
-
-    Attributes:
-        domain: Makes values of the robot's cells and of arguments.
-        chain: The arm as built.
-        choice: Chooses among formulations.
-        half: 1/2.
-    """
+    """The graph of one robot and its chain of tape values, shared by all functions."""
 
     def __init__(self, robot: Robot, effort: Effort = Effort.FULL) -> None:
         self.robot = robot
@@ -151,11 +144,7 @@ class Trace:
         return [self.chain.zero] * self.n
 
     def with_friction(self, torques: Sequence[Value]) -> list[Value]:
-        """Torques and b*qd + f*sign(qd).
-
-        Args:
-            torques: Without friction, one for each joint [N m, N].
-        """
+        """Torques of the joints [N m, N] and b*qd + f*sign(qd)."""
         friction = [
             joint.viscous * rate + joint.coulomb * rate.sign()
             for joint, rate in zip(self.chain.joints, self.arguments(QD), strict=True)

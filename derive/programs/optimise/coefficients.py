@@ -89,11 +89,7 @@ class Coefficients:
         return list(self._known)
 
     def find(self, residue: int) -> Ref | None:
-        """The coefficient of some value.
-
-        Returns:
-            Its reference, or the opposite of that of minus the value; None where neither is known.
-        """
+        """The coefficient of some value, or minus that of its opposite; None where neither is known."""
         found = self._known.get(residue)
         if found is not None:
             return found
@@ -129,11 +125,7 @@ class Coefficients:
         return found
 
     def ratio(self, a: Ref, b: Ref) -> Ref | None:
-        """A quotient that is a number.
-
-        Returns:
-            a / b; None where that is no number.
-        """
+        """The quotient a / b; None where that is no number."""
         if node_of(a) == node_of(b):
             return signed(ONE, a != b)
         if (a, b) not in self._ratios:

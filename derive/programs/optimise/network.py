@@ -82,11 +82,7 @@ class Network:
         return ((v, d) for v, d in self.definition.items() if isinstance(d, dict))
 
     def polynomial(self, variable: int) -> Polynomial | None:
-        """The definition of a variable that is a sum or product.
-
-        Returns:
-            Its definition; None where that is a function, or where it has none.
-        """
+        """The sum or product that defines a variable; None where that is a function, or where it has none."""
         found = self.definition.get(variable)
         return found if isinstance(found, dict) else None
 
@@ -125,11 +121,7 @@ class Network:
         return total % PRIME
 
     def find(self, residue: int) -> Operand | None:
-        """What is known to have some value, or minus it.
-
-        Returns:
-            A coefficient, or the oldest variable in use; None where nothing has this value.
-        """
+        """A coefficient or the oldest variable in use with some value or minus it; None where there is none."""
         # A coefficient costs nothing, so it is taken before any variable.
         coefficient = self.coefficients.find(residue)
         if coefficient is not None:
@@ -156,11 +148,7 @@ class Network:
         return False
 
     def define(self, variable: int, definition: Definition | None) -> None:
-        """Give a variable its definition, or take it away.
-
-        Args:
-            definition: The new one, or None.
-        """
+        """Give a variable its definition, or with None take it away."""
         self._log.append((variable, self._replace(variable, definition)))
 
     def _replace(self, variable: int, definition: Definition | None) -> Definition | None:
@@ -311,11 +299,7 @@ def occurrences(definition: Definition) -> list[int]:
 
 
 def single(polynomial: Polynomial) -> Operand | None:
-    """A polynomial as an operand.
-
-    Returns:
-        The signed variable or the coefficient that it is; None where it is more.
-    """
+    """The signed variable or the coefficient that a polynomial is; None where it is more."""
     if not polynomial:
         return Operand(None, ZERO)
     if len(polynomial) > 1:

@@ -27,11 +27,7 @@ Trial = tuple[int, int | None]  # a variable, and the one place where it is writ
 
 
 class Circle:
-    """Sines and cosines of the same angles in a network.
-
-    Attributes:
-        partner: The cosine of each sine and the sine of each cosine.
-    """
+    """Sines and cosines of the same angles in a network."""
 
     def __init__(self, network: Network) -> None:
         self._network = network

@@ -110,11 +110,7 @@ class Graph:
         return ref
 
     def constant_of(self, ref: Ref) -> Constant | None:
-        """The number behind a reference.
-
-        Returns:
-            The number with its sign; None where the node is no constant.
-        """
+        """The number behind a reference, with its sign; None where the node is no constant."""
         value = self.constants.get(ref >> 1)
         return value if value is None or not ref & 1 else -value
 
@@ -202,11 +198,7 @@ class Graph:
         return signed(self.intern(Op.SIGN, a >> 1), is_negative(a))
 
     def arctangent(self, y: Ref, x: Ref) -> Ref:
-        """The angle of a point of the plane, odd in the ordinate.
-
-        Returns:
-            atan2(y, x), in [-pi, pi] [rad].
-        """
+        """atan2(y, x), in [-pi, pi] [rad], odd in y."""
         up, right = self.constant_of(y), self.constant_of(x)
         if up is not None and right is not None:
             return self.number(constants.arctangent(up, right))

@@ -116,11 +116,7 @@ def row_transform(arm: Arm, i: int, q: Array) -> Array:
 
 
 def chain_frames(arm: Arm, q: Array) -> Array:
-    """DH frames 0 to n seen from frame 0, the first being the identity.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """DH frames 0 to n seen from frame 0, the first being the identity."""
     # T_i = T_{i-1} A_i, outward from frame 0
     frames = [np.broadcast_to(np.eye(4, dtype=q.dtype), (*q.shape[:-1], 4, 4))]
     for i in range(arm.n):
@@ -138,11 +134,7 @@ def joint_axes(arm: Arm, frames: Array) -> tuple[Array, Array]:
 
 
 def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> Array:
-    """Linear Jacobians dp/dq in frame 0 of points fixed on links.
-
-    Args:
-        carriers: (m,) number of joints that move each point: i for a point of link i, counted from 1.
-    """
+    """Linear Jacobians dp/dq in frame 0 of points on links, each moved by its first ``carriers`` (m,) joints."""
     # dp/dq_j = z_j x (p - o_j) of a revolute joint, z_j of a prismatic one; zero for joints beyond the link
     axis, origin = joint_axes(arm, frames)
     lever = points[..., :, None, :] - origin[..., None, :, :]
@@ -152,11 +144,7 @@ def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> A
 
 
 def angular_jacobian(arm: Arm, frames: Array, carriers: Array) -> Array:
-    """Angular Jacobians in frame 0 of links; column j is sign z for a revolute joint, else 0.
-
-    Args:
-        carriers: (m,) number of joints that move each link.
-    """
+    """Angular Jacobians in frame 0 of links, each moved by its first ``carriers`` (m,) joints: sign z, 0 for slides."""
     axis, _ = joint_axes(arm, frames)
     columns = np.where(arm.revolute[:, None], axis, 0.0)[..., None, :, :]
     shape = (*columns.shape[:-3], len(carriers), arm.n, 3)
@@ -178,31 +166,19 @@ def rotor_places(arm: Arm, frames: Array) -> Array:
 
 
 def forward_kinematics(arm: Arm, q: Array) -> Array:
-    """T = base A_1 ... A_n tool.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """T = base A_1 ... A_n tool."""
     transform: Array = arm.base @ chain_frames(arm, q)[..., -1, :, :] @ arm.tool
     return transform
 
 
 def link_transforms(arm: Arm, q: Array) -> Array:
-    """Base A_1 ... A_i for i = 1..n.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Base A_1 ... A_i for i = 1..n."""
     transforms: Array = arm.base @ chain_frames(arm, q)[..., 1:, :, :]
     return transforms
 
 
 def jacobian(arm: Arm, q: Array) -> Array:
-    """Geometric Jacobian of the end effector in world axes, linear rows first.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Geometric Jacobian of the end effector in world axes, linear rows first."""
     frames = chain_frames(arm, q)
     # The base only turns the rows: J = diag(R, R) J_0.
     end = (frames[..., -1, :, :] @ arm.tool)[..., None, :3, 3]
@@ -214,11 +190,7 @@ def jacobian(arm: Arm, q: Array) -> Array:
 
 
 def jacobian_end(arm: Arm, q: Array) -> Array:
-    """Geometric Jacobian of the end effector in its own axes, linear rows first: R^T times both halves of the other.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Geometric Jacobian of the end effector in its own axes, linear rows first: R^T times both halves of the other."""
     # J_end = diag(R^T, R^T) J with R of the end effector
     back = np.swapaxes(forward_kinematics(arm, q)[..., :3, :3], -1, -2)
     in_world = jacobian(arm, q)

@@ -32,13 +32,7 @@ class Definition:
 
 
 def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
-    """Accelerations B^-1 (tau - C qd - g - friction).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        tau: (..., n) torques and forces [N m, N].
-    """
+    """Accelerations B^-1 (tau - C qd - g - friction)."""
     bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd))
     acceleration: Array = np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
     return acceleration

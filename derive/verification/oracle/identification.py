@@ -41,24 +41,12 @@ class Identification:
 
 
 def regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Array:
-    """Y with tau = Y pi.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+    """Y with tau = Y pi."""
     return _columns(known.arm, known.standard, q, qd, qdd, on_axes=False)
 
 
 def base_regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Array:
-    """Y with tau = Y beta.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+    """Y with tau = Y beta."""
     return _columns(known.arm, known.base, q, qd, qdd, on_axes=True)
 
 

@@ -26,9 +26,6 @@ def inertia_matrix(arm: Arm, q: Array) -> Array:
     """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures.
 
     Of a rotor only the inertia about its axis counts.
-
-    Args:
-        q: (..., n) configurations [rad, m].
     """
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
@@ -47,22 +44,13 @@ def inertia_matrix(arm: Arm, q: Array) -> Array:
 
 
 def coriolis_matrix(arm: Arm, q: Array, qd: Array) -> Array:
-    """C with C_ij = sum_k c_ijk qd_k.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+    """C with C_ij = sum_k c_ijk qd_k."""
     matrix: Array = np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd)
     return matrix
 
 
 def christoffel_symbols(arm: Arm, q: Array) -> Array:
-    """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i)."""
     slope = inertia_derivatives(arm, q)
     # slope[k, i, j] is dB_ij/dq_k; by_k[i, j, k] and by_j[i, j, k] = dB_ik/dq_j reorder it.
     by_k = np.moveaxis(slope, -3, -1)
@@ -72,11 +60,7 @@ def christoffel_symbols(arm: Arm, q: Array) -> Array:
 
 
 def inertia_derivatives(arm: Arm, q: Array) -> Array:
-    """dB/dq_k by complex step.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """dB/dq_k by complex step."""
     # f(q + i h e_k) = f(q) + i h df/dq_k: the imaginary part over h, in chunks of directions (Martins et al. 2003).
     size = max(1, CHUNK // (3 * q.size * arm.n))
     steps = 1j * STEP * np.eye(arm.n)
@@ -86,14 +70,7 @@ def inertia_derivatives(arm: Arm, q: Array) -> Array:
 
 
 def gravity_vector(arm: Arm, q: Array) -> Array:
-    """The gradient dU/dq with U = -sum m g0' p over links and rotors.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n) [N m, N].
-    """
+    """The gradient dU/dq with U = -sum m g0' p over links and rotors, (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     links, _ = _link_jacobians(arm, frames)
     rotors, _ = _rotor_jacobians(arm, frames)
@@ -106,11 +83,7 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
 
 
 def potential_energy(arm: Arm, q: Array) -> Array:
-    """U = -sum m g0' p over links and rotors, with p in the world.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """U = -sum m g0' p over links and rotors, with p in the world."""
     frames = chain_frames(arm, q)
     # Places in the world, since U is zero at its origin
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
@@ -121,33 +94,20 @@ def potential_energy(arm: Arm, q: Array) -> Array:
 
 
 def kinetic_energy(arm: Arm, q: Array, qd: Array) -> Array:
-    """T = 1/2 qd' B qd.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+    """T = 1/2 qd' B qd."""
     energy: Array = 0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd)
     return energy
 
 
 def com_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the links' centres of mass in world axes.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Linear and angular Jacobians of the links' centres of mass in world axes."""
     linear, angular = _link_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]
     return turn @ linear, turn @ angular
 
 
 def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the rotors in world axes.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Linear and angular Jacobians of the rotors in world axes."""
     linear, angular = _rotor_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]
     return turn @ linear, turn @ angular

@@ -30,14 +30,7 @@ class Motion:
     acceleration: Array
 
     def acceleration_at(self, place: Array) -> Array:
-        """Acceleration of a point of the link.
-
-        Args:
-            place: Where it is, (..., 3) in frame 0.
-
-        Returns:
-            (..., 3) in frame 0: a + alpha x r + omega x (omega x r).
-        """
+        """Acceleration a + alpha x r + omega x (omega x r) of a place on the link, both (..., 3) in frame 0."""
         r = place - self.point
         return self.acceleration + cross(self.alpha, r) + cross(self.omega, cross(self.omega, r))
 
@@ -55,16 +48,7 @@ class Wrench:
 
 
 def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
-    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-
-    Returns:
-        (..., n) [N m, N].
-    """
+    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd), (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     axis, on_axis = joint_axes(arm, frames)
     places = rotor_places(arm, frames)
@@ -97,12 +81,7 @@ def dot(u: Array, v: Array) -> Array:
 
 
 def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
-    """Motions of links 0 to n; link 0 is at rest.
-
-    Args:
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+    """Motions of links 0 to n; link 0 is at rest."""
     zero = np.zeros_like(axis[..., 0, :])
     motions = [Motion(zero, zero, zero, zero)]
     for i in range(arm.n):

@@ -19,22 +19,13 @@ TILTED = {"rpy": 0, "zyz": 2}  # column of R whose first two entries vanish wher
 
 
 def jacobian_dot(arm: Arm, q: Array, qd: Array) -> Array:
-    """dJ/dt along qd.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+    """dJ/dt along qd."""
     rate: Array = jacobian(arm, q + 1j * STEP * qd).imag / STEP
     return rate
 
 
 def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
-    """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll)."""
     pose, slope = _pose_and_slope(arm, q)
     # roll = atan2(r32, r33), pitch = atan2(-r31, |(r11, r21)|), yaw = atan2(r21, r11)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
@@ -47,11 +38,7 @@ def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
 
 
 def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
-    """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi)."""
     pose, slope = _pose_and_slope(arm, q)
     # phi = atan2(r23, r13), theta = atan2(|(r13, r23)|, r33), psi = atan2(r32, -r31)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
@@ -64,11 +51,7 @@ def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
 
 
 def distance_from_singularity(arm: Arm, kind: str, q: Array) -> Array:
-    """Sine of the angle by which the second turn misses its singular values.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+    """Sine of the angle by which the second turn misses its singular values."""
     # |(r11, r21)| = |cos(pitch)|, |(r13, r23)| = |sin(theta)|
     column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
     distance: Array = np.sqrt((column**2).sum(axis=-1))
@@ -76,35 +59,19 @@ def distance_from_singularity(arm: Arm, kind: str, q: Array) -> Array:
 
 
 def coriolis_vector(arm: Arm, q: Array, qd: Array) -> Array:
-    """C qd: the torques of a motion without acceleration, gravity and friction.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+    """C qd: the torques of a motion without acceleration, gravity and friction."""
     none = np.zeros(arm.n)
     weightless = replace(arm, gravity=np.zeros(3), viscous=none, coulomb=none)
     return inverse_dynamics(weightless, q, qd, np.zeros_like(qd))
 
 
 def inverse_dynamics_dq(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
-    """d tau_i / d q_j.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+    """d tau_i / d q_j."""
     return _columns(arm, lambda step: inverse_dynamics(arm, _each(q) + step, _each(qd), _each(qdd)))
 
 
 def inverse_dynamics_dqd(arm: Arm, q: Array, qd: Array) -> Array:
-    """d tau_i / d qd_j; Coulomb friction counts as constant.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+    """d tau_i / d qd_j; Coulomb friction counts as constant."""
     # No term of the torques holds both qd and qdd, so qdd is taken as zero.
     smooth, rest = replace(arm, coulomb=np.zeros(arm.n)), np.zeros_like(_each(q))
     return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
