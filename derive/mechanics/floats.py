@@ -46,7 +46,8 @@ class FloatDomain:
 
     def joint_offset(self, index: int, joint: Joint) -> float:
         """Displacement of a prismatic joint along its axis [m]."""
-        return joint.sign * self.q[index] + self.constant(joint.d)
+        offset: float = joint.sign * self.q[index] + self.constant(joint.d)
+        return offset
 
 
 class ArrayDomain(FloatDomain):

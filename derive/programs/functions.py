@@ -31,7 +31,7 @@ def _has_regressor(robot: Robot) -> bool:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class FunctionRow:
     """A generated function."""
 
     interface: Interface  # what it takes and gives
@@ -52,7 +52,7 @@ class Row:
 
 # In the order in which they are printed.
 ROWS = (
-    Row(
+    FunctionRow(
         interface=Interface(
             "forward_kinematics",
             ("q",),
@@ -65,7 +65,7 @@ ROWS = (
         formulations=kinematics.poses,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "link_transforms",
             ("q",),
@@ -78,7 +78,7 @@ ROWS = (
         formulations=kinematics.link_poses,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "jacobian",
             ("q",),
@@ -91,7 +91,7 @@ ROWS = (
         formulations=kinematics.jacobians,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "jacobian_end",
             ("q",),
@@ -104,7 +104,7 @@ ROWS = (
         formulations=kinematics.end_jacobians,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "jacobian_dot",
             ("q", "qd"),
@@ -116,7 +116,7 @@ ROWS = (
         ),
         formulations=kinematics.jacobian_rates,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "analytic_jacobian_rpy",
             ("q",),
@@ -130,7 +130,7 @@ ROWS = (
         formulations=kinematics.analytic_jacobians("rpy"),
         is_optional=True,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "analytic_jacobian_zyz",
             ("q",),
@@ -144,7 +144,7 @@ ROWS = (
         formulations=kinematics.analytic_jacobians("zyz"),
         is_optional=True,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inertia_matrix",
             ("q",),
@@ -158,7 +158,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "coriolis_matrix",
             ("q", "qd"),
@@ -172,7 +172,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "gravity_vector",
             ("q",),
@@ -186,7 +186,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "kinetic_energy",
             ("q", "qd"),
@@ -200,7 +200,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "potential_energy",
             ("q",),
@@ -214,7 +214,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inverse_dynamics",
             ("q", "qd", "qdd"),
@@ -228,7 +228,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "forward_dynamics",
             ("q", "qd", "tau"),
@@ -241,7 +241,7 @@ ROWS = (
         exists=_has_links,
         without_value=dynamics.no_accelerations,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "coriolis_vector",
             ("q", "qd"),
@@ -254,7 +254,7 @@ ROWS = (
         formulations=dynamics.coriolis_vectors,
         exists=_has_links,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inverse_dynamics_dq",
             ("q", "qd", "qdd"),
@@ -267,7 +267,7 @@ ROWS = (
         formulations=dynamics.torque_position_derivatives,
         exists=_has_links,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inverse_dynamics_dqd",
             ("q", "qd"),
@@ -280,7 +280,7 @@ ROWS = (
         formulations=dynamics.torque_velocity_derivatives,
         exists=_has_links,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "regressor",
             ("q", "qd", "qdd"),
@@ -295,7 +295,7 @@ ROWS = (
         columns=identification.standard_columns,
         search=False,  # its entries share little beyond what the recursion shares
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "base_regressor",
             ("q", "qd", "qdd"),
@@ -309,7 +309,7 @@ ROWS = (
         columns=identification.base_columns,
         search=False,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "base_parameters",
             (),

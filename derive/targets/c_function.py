@@ -12,7 +12,7 @@ from math import prod
 
 from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, Function
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
-from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
+from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, input_name, temporary_names, write_statements
 from derive.targets.target import shape_text
 
 # In the order in which they are read and declared; ``k`` holds the constants from the parameters.
@@ -31,7 +31,7 @@ class Read:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class CodePart:
     """A piece of straight-line code."""
 
     reads: tuple[Read, ...]  # what it takes
@@ -108,7 +108,7 @@ def pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
     return ", ".join([*(f"const double *{qualifier}{name}" for name in inputs), f"double *{qualifier}{output}"])
 
 
-def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) -> dict[str, object]:
+def _static_function(part: CodePart, output: str, lanes: str, *, step: bool = True) -> dict[str, object]:
     """A part whose entries lie ``lanes`` apart, or one after the other without a ``step``."""
     further = [read.array for read in part.reads if read.index]
     steps: list[str] = []
@@ -156,7 +156,7 @@ def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
     )
 
 
-def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[Part, Part, Part]:
+def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[CodePart, CodePart, CodePart]:
     """From parameters to constants, from arguments and constants to angles, and from all of these to the outputs."""
     joints = {i: n.source.index for i, n in enumerate(tape.nodes) if n.source is not None and n.source.kind == "q"}
     angles = sorted(_angles(tape), key=lambda angle: (0, joints[angle]) if angle in joints else (1, angle))
@@ -189,7 +189,7 @@ def _angles(tape: Tape) -> set[int]:
     return angles
 
 
-def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], given: Mapping[int, Read]) -> Part:
+def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], given: Mapping[int, Read]) -> CodePart:
     """Code for some outputs, in which ``given`` values need not be computed."""
     needed = {output.node for output in outputs}
     stack = list(needed)
@@ -199,7 +199,7 @@ def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], give
         needed |= fresh
         stack += fresh
     reads: list[Read] = []
-    pieces: dict[int, Piece] = {}
+    pieces: dict[int, CodePiece] = {}
     operations: list[int] = []
     for i in sorted(needed):
         node = tape.nodes[i]
@@ -214,7 +214,7 @@ def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], give
         else:
             operations.append(i)
             continue
-        pieces[i] = Piece(reads[-1].name)
+        pieces[i] = CodePiece(reads[-1].name)
     body = write_statements(tape, C, operations, pieces, temporary_names())
     reads.sort(key=lambda read: (_ARRAYS.index(read.array), read.index))
-    return Part(tuple(reads), body, tuple(C.output(tape, output, pieces) for output in outputs))
+    return CodePart(tuple(reads), body, tuple(C.output(tape, output, pieces) for output in outputs))

@@ -16,7 +16,7 @@ from derive.errors import VerificationError
 from derive.robot.options.inverse import ROWS
 from derive.robot.robot import Robot
 from derive.verification.generated import GeneratedModel
-from derive.verification.oracle.frames import Arm, Array, forward_kinematics, jacobian
+from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian
 from derive.verification.samples import SampleSet
 
 FUNCTION = "inverse_kinematics"
@@ -99,7 +99,7 @@ def _fault(
     return ""
 
 
-def _is_singular(arm: Arm, q: Array, places: Sequence[tuple[int, int]], given: Sequence[int]) -> bool:
+def _is_singular(arm: NumericArm, q: Array, places: Sequence[tuple[int, int]], given: Sequence[int]) -> bool:
     """Whether a configuration is a multiple solution of its pose, which is known to some of its digits alone."""
     slopes = jacobian(arm, q)
     slopes[:3] /= max(np.abs(np.concatenate([arm.a, arm.d, slopes[:3].ravel()])).max(), TINY)

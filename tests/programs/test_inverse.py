@@ -22,7 +22,7 @@ from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
-from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
+from derive.verification.oracle.frames import NumericArm, forward_kinematics, numeric_arm
 from tests.inverse.arms import PUBLISHED
 from tests.targets.test_inverse import model_of
 
@@ -55,7 +55,7 @@ def numbers_of(robot: Robot) -> dict[str, float]:
     return {name: 0.3 + 0.13 * k for k, name in enumerate(free_symbols(robot))}
 
 
-def arm_of(robot: Robot) -> Arm:
+def arm_of(robot: Robot) -> NumericArm:
     """The independent recursion's arm."""
     return numeric_arm(robot, numbers_of(robot))
 

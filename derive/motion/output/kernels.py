@@ -27,8 +27,8 @@ from derive.programs.tape.derivative import derivative
 from derive.programs.tape.graph import ONE, Graph
 from derive.programs.tape.tape import LEAVES, Op, Tape
 from derive.programs.tape.value import Value
+from derive.targets.kernel import CodePiece as Text
 from derive.targets.kernel import Language, temporary_names, write_statements
-from derive.targets.kernel import Piece as Text
 
 CLOCK, ROW = "t", "row"  # arguments of a tape: the time [s], and the numbers of a piece
 NAMES = {2: "cubic", 3: "quintic", 4: "septic"}  # polynomials by the number of values at each end

@@ -30,7 +30,7 @@ from derive.mechanics.vectors import (
     subtract,
     transpose,
 )
-from derive.programs.formulations.parallel_axes import Placement, Run, about_z
+from derive.programs.formulations.parallel_axes import ParallelRun, Placement, about_z
 from derive.programs.optimise.choice import choose
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref
@@ -40,7 +40,7 @@ from derive.programs.tape.value import Value
 class Stations:
     """Stations 0 to ``last`` of an arm with exact base and tool; ``few``: all ways over them can be tried."""
 
-    def __init__(self, chain: Chain[Value], runs: tuple[Run, ...]) -> None:
+    def __init__(self, chain: Chain[Value], runs: tuple[ParallelRun, ...]) -> None:
         self.chain = chain
         self.runs = runs
         self.last = len(runs)

@@ -16,7 +16,7 @@ from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.build import Replacements, bake, copy, cut
 from derive.programs.tape.cost import Cost, program_cost
 from derive.programs.tape.graph import Graph, Ref
-from derive.programs.tape.tape import PARAMETER, Source, Tape
+from derive.programs.tape.tape import PARAMETER, InputSource, Tape
 from derive.programs.tape.value import Value
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
@@ -87,8 +87,8 @@ def _numbers(robot: Robot) -> Replacements:
     """For each symbol its number, or its place in the parameter vector."""
     free = {name: k for k, name in enumerate(free_symbols(robot))}
     numbers = number_of(robot)
-    found: dict[int, Source | Constant] = {}
+    found: dict[int, InputSource | Constant] = {}
     for i, name in enumerate(robot_symbols(robot)):
-        found[i] = Source(PARAMETER, free[name]) if name in free else exact_number(numbers[name], {})
+        found[i] = InputSource(PARAMETER, free[name]) if name in free else exact_number(numbers[name], {})
         assert found[i] is not None, "the loader admits only numbers as parameters"
     return found

@@ -51,7 +51,7 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class ParallelRun:
     """Consecutive joints whose revolute axes are parallel."""
 
     first: int  # index of its first joint, from 0
@@ -71,14 +71,14 @@ def about_z(c: Value, s: Value, v: Vector[Value]) -> Vector[Value]:
     return (c * x - s * y, s * x + c * y, z)
 
 
-def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[Run, ...]:
+def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[ParallelRun, ...]:
     """The runs of an arm, as long as they can be."""
-    runs: list[Run] = []
+    runs: list[ParallelRun] = []
     first = 0
     # Greedy: each run goes on until a joint turns about another direction.
     while first < chain.n:
         placements = _placements(chain, first, total)
-        runs.append(Run(first, chain.joints[first].fixed, placements))
+        runs.append(ParallelRun(first, chain.joints[first].fixed, placements))
         first += len(placements)
     return tuple(runs)
 

@@ -18,7 +18,7 @@ from derive.programs.formulations.frame_choice import (
     arrange,
     starting_choices,
 )
-from derive.programs.formulations.parallel_axes import Run, Turn, parallel_runs
+from derive.programs.formulations.parallel_axes import ParallelRun, Turn, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph, Ref
 from derive.programs.tape.scalars import QD, TapeDomain
@@ -74,7 +74,7 @@ class Trace:
         return self.domain.number(Fraction(1, 2))
 
     @cached_property
-    def runs(self) -> tuple[Run, ...]:
+    def runs(self) -> tuple[ParallelRun, ...]:
         """The joints in runs of parallel axes, with the sums of their angles."""
         return parallel_runs(self.chain, self.domain.cosine_sine_of_sum)
 

@@ -13,7 +13,7 @@ from typing import Any, NewType
 
 from derive.algebra import constants
 from derive.algebra.constants import Constant, Key
-from derive.programs.tape.tape import PARAMETER, Layer, Node, Op, Source
+from derive.programs.tape.tape import PARAMETER, InputSource, Layer, Node, Op
 
 Ref = NewType("Ref", int)
 """A node of a graph with a sign: twice the node's index, one more for its negative. Zero has no negative.
@@ -71,13 +71,13 @@ class Graph:
         self.operands: list[tuple[int, ...]] = []
         self.layer: list[Layer] = []
         self.constants: dict[int, Constant] = {}
-        self.sources: dict[int, Source] = {}
+        self.sources: dict[int, InputSource] = {}
         self.sums: dict[tuple[Ref, Ref], Any] = {}
         self.differences: dict[tuple[Ref, Ref], Any] = {}
         self.products: dict[tuple[Ref, Ref], Any] = {}
         self._nodes: dict[tuple[Op, tuple[int, ...]], Ref] = {}
         self._numbers: dict[Key, Ref] = {}
-        self._inputs: dict[Source, Ref] = {}
+        self._inputs: dict[InputSource, Ref] = {}
         self.number(Fraction(0))
         self.number(Fraction(1))
 
@@ -101,7 +101,7 @@ class Graph:
 
     def input(self, kind: str, index: int) -> Ref:
         """An argument or a run-time parameter."""
-        source = Source(kind, index)
+        source = InputSource(kind, index)
         ref = self._inputs.get(source)
         if ref is None:
             layer = Layer.HOISTED if kind == PARAMETER else Layer.BODY

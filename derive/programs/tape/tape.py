@@ -100,7 +100,7 @@ PARAMETER = "parameter"
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class InputSource:
     """Where an input comes from."""
 
     kind: str  # `PARAMETER`, or the name of an argument
@@ -115,7 +115,7 @@ class Node:
     operands: tuple[int, ...]  # indices of earlier nodes
     layer: Layer  # on what it depends
     value: Constant | None = None  # the number, of a constant
-    source: Source | None = None  # the input, of an input
+    source: InputSource | None = None  # the input, of an input
 
 
 @dataclass(frozen=True, slots=True)

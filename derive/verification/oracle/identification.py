@@ -13,8 +13,8 @@ import numpy as np
 
 from derive.robot.inertial_parameters import Parameter
 from derive.verification.oracle.frames import (
-    Arm,
     Array,
+    NumericArm,
     angular_jacobian,
     chain_frames,
     cross,
@@ -33,7 +33,7 @@ SEED = 20  # of the states at which base parameters are fitted
 class Identification:
     """An arm and the names of its parameters."""
 
-    arm: Arm  # the numbers
+    arm: NumericArm  # the numbers
     standard: tuple[Parameter, ...]  # parameters of the standard regressor, links' ones in DH frames
     # Base parameters, links' ones in joint frames: on the axis of joint i, DH frame i in the modified convention, DH
     # frame i before its a and alpha in the standard one.
@@ -72,7 +72,9 @@ def fitting_states(known: Identification) -> tuple[Array, Array, Array]:
     return states[0], states[1], states[2]
 
 
-def _columns(arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, qdd: Array, *, on_axes: bool) -> Array:
+def _columns(
+    arm: NumericArm, parameters: tuple[Parameter, ...], q: Array, qd: Array, qdd: Array, *, on_axes: bool
+) -> Array:
     """A column for each parameter, links' ones in frames on the axes of their joints or in DH frames."""
     frames = chain_frames(arm, q)
     seen = frames[..., 1:, :, :]
@@ -102,7 +104,7 @@ def _columns(arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, q
 class _State:
     """Frames of the parameters, the motion of their links and the rotors' places, all in frame 0."""
 
-    arm: Arm
+    arm: NumericArm
     arguments: tuple[Array, Array, Array]
     rotations: Array
     origins: Array

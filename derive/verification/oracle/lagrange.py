@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from derive.verification.oracle.frames import (
-    Arm,
     Array,
+    NumericArm,
     angular_jacobian,
     chain_frames,
     joint_axes,
@@ -22,7 +22,7 @@ STEP = 1e-30  # complex step: no difference is taken, so it may be so small that
 CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
 
 
-def inertia_matrix(arm: Arm, q: Array) -> Array:
+def inertia_matrix(arm: NumericArm, q: Array) -> Array:
     """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures.
 
     Of a rotor only the inertia about its axis counts.
@@ -43,13 +43,13 @@ def inertia_matrix(arm: Arm, q: Array) -> Array:
     return total
 
 
-def coriolis_matrix(arm: Arm, q: Array, qd: Array) -> Array:
+def coriolis_matrix(arm: NumericArm, q: Array, qd: Array) -> Array:
     """C with C_ij = sum_k c_ijk qd_k."""
     matrix: Array = np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd)
     return matrix
 
 
-def christoffel_symbols(arm: Arm, q: Array) -> Array:
+def christoffel_symbols(arm: NumericArm, q: Array) -> Array:
     """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i)."""
     slope = inertia_derivatives(arm, q)
     # slope[k, i, j] is dB_ij/dq_k; by_k[i, j, k] and by_j[i, j, k] = dB_ik/dq_j reorder it.
@@ -59,7 +59,7 @@ def christoffel_symbols(arm: Arm, q: Array) -> Array:
     return symbols
 
 
-def inertia_derivatives(arm: Arm, q: Array) -> Array:
+def inertia_derivatives(arm: NumericArm, q: Array) -> Array:
     """dB/dq_k by complex step."""
     # f(q + i h e_k) = f(q) + i h df/dq_k: the imaginary part over h, in chunks of directions (Martins et al. 2003).
     size = max(1, CHUNK // (3 * q.size * arm.n))
@@ -69,7 +69,7 @@ def inertia_derivatives(arm: Arm, q: Array) -> Array:
     return np.concatenate(slopes, axis=-3)
 
 
-def gravity_vector(arm: Arm, q: Array) -> Array:
+def gravity_vector(arm: NumericArm, q: Array) -> Array:
     """The gradient dU/dq with U = -sum m g0' p over links and rotors, (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     links, _ = _link_jacobians(arm, frames)
@@ -82,7 +82,7 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
     return gradient
 
 
-def potential_energy(arm: Arm, q: Array) -> Array:
+def potential_energy(arm: NumericArm, q: Array) -> Array:
     """U = -sum m g0' p over links and rotors, with p in the world."""
     frames = chain_frames(arm, q)
     # Places in the world, since U is zero at its origin
@@ -93,34 +93,34 @@ def potential_energy(arm: Arm, q: Array) -> Array:
     return energy
 
 
-def kinetic_energy(arm: Arm, q: Array, qd: Array) -> Array:
+def kinetic_energy(arm: NumericArm, q: Array, qd: Array) -> Array:
     """T = 1/2 qd' B qd."""
     energy: Array = 0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd)
     return energy
 
 
-def com_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
+def com_jacobians(arm: NumericArm, q: Array) -> tuple[Array, Array]:
     """Linear and angular Jacobians of the links' centres of mass in world axes."""
     linear, angular = _link_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]
     return turn @ linear, turn @ angular
 
 
-def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
+def rotor_jacobians(arm: NumericArm, q: Array) -> tuple[Array, Array]:
     """Linear and angular Jacobians of the rotors in world axes."""
     linear, angular = _rotor_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]
     return turn @ linear, turn @ angular
 
 
-def _link_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+def _link_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """Of the links' centres of mass, in frame 0, (..., n, 3, n) both."""
     carriers = np.arange(1, arm.n + 1)
     linear = point_jacobian(arm, frames, _mass_centres(arm, frames), carriers)
     return linear, angular_jacobian(arm, frames, carriers)
 
 
-def _rotor_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+def _rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """In frame 0, (..., n, 3, n) both: rotor i moves with link i-1 and spins about z by ratio * qd_i more."""
     carriers = np.arange(arm.n)
     linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
@@ -130,7 +130,7 @@ def _rotor_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
     return linear, angular_jacobian(arm, frames, carriers) + spin
 
 
-def _mass_centres(arm: Arm, frames: Array) -> Array:
+def _mass_centres(arm: NumericArm, frames: Array) -> Array:
     """(..., n, 3) in frame 0."""
     links = frames[..., 1:, :, :]
     turned = np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.verification.oracle.frames import Arm, Array, chain_frames, cross, joint_axes, rotor_places
+from derive.verification.oracle.frames import Array, NumericArm, chain_frames, cross, joint_axes, rotor_places
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +47,7 @@ class Wrench:
         return Wrench(self.force + other.force, self.moment + other.moment)
 
 
-def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
+def inverse_dynamics(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
     """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd), (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     axis, on_axis = joint_axes(arm, frames)
@@ -80,7 +80,7 @@ def dot(u: Array, v: Array) -> Array:
     return product
 
 
-def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
+def link_motions(arm: NumericArm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
     """Motions of links 0 to n; link 0 is at rest."""
     zero = np.zeros_like(axis[..., 0, :])
     motions = [Motion(zero, zero, zero, zero)]
@@ -103,7 +103,7 @@ def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) ->
     return motions
 
 
-def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:
+def _link_wrench(arm: NumericArm, i: int, frame: Array, motion: Motion) -> Wrench:
     """What moves link i: m (a - g0) at its centre of mass and d/dt (I omega)."""
     rotation, com = frame[..., :3, :3], frame[..., :3, 3] + frame[..., :3, :3] @ arm.com[i]
     # R I R^T in frame 0; d/dt (I omega) = I alpha + omega x I omega
@@ -114,7 +114,9 @@ def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:
     return Wrench(force, cross(com, force) + moment)
 
 
-def _rotor_wrench(arm: Arm, i: int, z: Array, place: Array, carrier: Motion, rate: Array, spin_rate: Array) -> Wrench:
+def _rotor_wrench(
+    arm: NumericArm, i: int, z: Array, place: Array, carrier: Motion, rate: Array, spin_rate: Array
+) -> Wrench:
     """What moves the rotor of joint i: m (a - g0) at its place and d/dt (I spin z), z turning with link i-1."""
     force = arm.rotor_mass[i] * (carrier.acceleration_at(place) - arm.gravity_in_frame_0)
     # d/dt (I spin z) = I (spin' z + spin omega x z)
