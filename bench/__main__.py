@@ -8,7 +8,7 @@ from bench import operations, timings
 from bench.inverse.run import write_inverse
 from bench.motion import write_motion
 from bench.plot import write_plot
-from bench.report import PLOT, write_pages, write_block
+from bench.report import PLOT, write_block, write_pages
 from bench.results import read_json, write_json
 
 

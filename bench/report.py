@@ -1,6 +1,6 @@
 """Pages, the marked block of docs/benchmarks.md and the plot from the results: `python -m bench.report`.
 
-The block between the two marks in docs/benchmarks.md is written from the results, so that every figure in it comes from a
+The block between the two marks of that page is written from the results, so that every figure in it comes from a
 command that anyone can run.
 """
 
