@@ -14,8 +14,13 @@ its bounds, and what is left after that is made good by time.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
+from types import ModuleType
 
 import numpy as np
 
@@ -244,8 +249,9 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
         QuantityError: toppra is not installed.
     """
     try:
-        from toppra.algorithm import TOPPRA
-        from toppra.constraint import LinearConstraint
+        with _imported_when_used("matplotlib", "pyplot"):
+            from toppra.algorithm import TOPPRA
+            from toppra.constraint import LinearConstraint
     except ImportError:
         found = "the fastest motion needs toppra, which is not installed"
         raise QuantityError(found, remedy=install_extra("motion")) from None
@@ -260,6 +266,30 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
         return None
     stands = rates[:-1] + rates[1:] == 0
     return None if stands.any() else np.asarray(rates, dtype=float) ** 2
+
+
+@contextmanager
+def _imported_when_used(package: str, module: str) -> Iterator[None]:
+    """Leave a module to its first use: toppra imports pyplot for plots that are not asked for, in a fifth of a second.
+
+    What is imported meanwhile holds modules that look their names up in the real ones.
+    """
+    name = f"{package}.{module}"
+    later = {place: ModuleType(place) for place in (package, name) if place not in sys.modules}
+    for place, stand_in in later.items():
+        vars(stand_in)["__getattr__"] = partial(_looked_up, place)
+    if package in later:
+        vars(later[package])[module] = later[name]
+    sys.modules.update(later)
+    try:
+        yield
+    finally:
+        for place in later:
+            del sys.modules[place]
+
+
+def _looked_up(module: str, name: str) -> object:
+    return getattr(import_module(module), name)
 
 
 @dataclass(frozen=True, slots=True)
