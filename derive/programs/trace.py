@@ -86,6 +86,7 @@ class Trace:
         self.chain: Chain[Value] = build_chain(robot, self.domain)
         self.choice = FormulationChoice(robot, self.graph, effort)
         self._cheapest: dict[str, tuple[FrameChoices, ...]] = {}
+        self._arranged: dict[tuple[FrameChoices, bool], Chain[Value]] = {}
 
     @cached_property
     def half(self) -> Value:
@@ -140,7 +141,11 @@ class Trace:
         Returns:
             A chain for dynamics alone.
         """
-        return arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
+        key = choices, axial
+        if key not in self._arranged:  # searches for several functions try the same choices
+            total, half = self.domain.cosine_sine_of_sum, self.half
+            self._arranged[key] = arrange(self.chain, choices, total, half, axial=axial)
+        return self._arranged[key]
 
     def cheapest_choices(
         self,
