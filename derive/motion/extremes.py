@@ -35,9 +35,6 @@ _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 _SAME = 1e-9
 """Values that differ by less, relative to themselves, are one; the earliest counts."""
 
-_REAL = 1e-9
-"""Imaginary part below which a zero is real."""
-
 _NEAR = 0.8
 """Of the largest value: what a polynomial has to reach at these places for its extremes to be computed."""
 
@@ -243,12 +240,12 @@ def _inner_zeros(rows: Array) -> Array:
     The eigenvalues of companion matrices, as `numpy.roots` has them, of all polynomials at once.
     """
     found = np.full((len(rows), max(rows.shape[1] - 1, 0)), np.nan)
-    whole = (rows[:, :1] != 0).all(axis=1) & (rows[:, -1:] != 0).all(axis=1)
+    whole = (rows[:, [0, -1]] != 0).all(axis=1)
     if found.shape[1] and whole.any():
         companions = np.tile(np.eye(found.shape[1], k=-1), (int(whole.sum()), 1, 1))
         companions[:, 0] = -rows[whole, 1:] / rows[whole, :1]
         zeros = np.linalg.eigvals(companions)
-        inside = (np.abs(zeros.imag) < _REAL) & (zeros.real > 0) & (zeros.real < 1)
+        inside = (np.abs(zeros.imag) < 1e-9) & (zeros.real > 0) & (zeros.real < 1)
         found[whole] = np.sort(np.where(inside, zeros.real, np.nan), axis=1)
     for i in np.flatnonzero(~whole):
         few = _real_zeros(list(rows[i]))
@@ -258,4 +255,4 @@ def _inner_zeros(rows: Array) -> Array:
 
 def _real_zeros(coefficients: list[float]) -> list[float]:
     zeros = np.roots(coefficients)
-    return sorted(float(zero.real) for zero in zeros if abs(zero.imag) < _REAL and 0 < zero.real < 1)
+    return sorted(float(zero.real) for zero in zeros if abs(zero.imag) < 1e-9 and 0 < zero.real < 1)

@@ -18,7 +18,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 from importlib import import_module
 from types import ModuleType
 
@@ -270,14 +269,11 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
 
 @contextmanager
 def _imported_when_used(package: str, module: str) -> Iterator[None]:
-    """Leave a module to its first use: toppra imports pyplot for plots that are not asked for, in a fifth of a second.
-
-    What is imported meanwhile holds modules that look their names up in the real ones.
-    """
+    """Stand-ins for a module and its package: toppra imports pyplot for plots that nobody asks for, in 0.2 s."""
     name = f"{package}.{module}"
     later = {place: ModuleType(place) for place in (package, name) if place not in sys.modules}
     for place, stand_in in later.items():
-        vars(stand_in)["__getattr__"] = partial(_looked_up, place)
+        vars(stand_in)["__getattr__"] = lambda wanted, place=place: getattr(import_module(place), wanted)
     if package in later:
         vars(later[package])[module] = later[name]
     sys.modules.update(later)
@@ -286,10 +282,6 @@ def _imported_when_used(package: str, module: str) -> Iterator[None]:
     finally:
         for place in later:
             del sys.modules[place]
-
-
-def _looked_up(module: str, name: str) -> object:
-    return getattr(import_module(module), name)
 
 
 @dataclass(frozen=True, slots=True)

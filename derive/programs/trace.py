@@ -141,10 +141,8 @@ class Trace:
         Returns:
             A chain for dynamics alone.
         """
-        key = choices, axial
-        if key not in self._arranged:  # searches for several functions try the same choices
-            total, half = self.domain.cosine_sine_of_sum, self.half
-            self._arranged[key] = arrange(self.chain, choices, total, half, axial=axial)
+        if (key := (choices, axial)) not in self._arranged:  # searches for several functions try the same choices
+            self._arranged[key] = arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
         return self._arranged[key]
 
     def cheapest_choices(
