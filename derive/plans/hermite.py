@@ -130,9 +130,10 @@ def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int)
         piece_numbers = piece_numbers.copy()
         piece_numbers[:, k] -= piece_numbers[:, 0]
         piece_numbers[:, 0] = 0.0
+    scale = [duration ** float(i - order) for i in range(k)]
     for b in range(2 * k):
         i = b % k
-        total += powers[b] / factorial(i) * duration ** float(i - order) * piece_numbers[:, b]
+        total += powers[b] / factorial(i) * scale[i] * piece_numbers[:, b]
     return total
 
 

@@ -67,6 +67,7 @@ class Trace:
         self.chain: Chain[Value] = build_chain(robot, self.domain)
         self.choice = FormulationChoice(robot, self.graph, effort)
         self._cheapest: dict[str, tuple[FrameChoices, ...]] = {}
+        self._arranged: dict[tuple[FrameChoices, bool], Chain[Value]] = {}
 
     @cached_property
     def half(self) -> Value:
@@ -113,7 +114,9 @@ class Trace:
 
     def arranged(self, choices: FrameChoices, *, axial: bool = False) -> Chain[Value]:
         """The chain in base parameters, with frames as they are chosen."""
-        return arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
+        if (key := (choices, axial)) not in self._arranged:  # searches for several functions try the same choices
+            self._arranged[key] = arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
+        return self._arranged[key]
 
     def cheapest_choices(
         self,
