@@ -42,7 +42,7 @@ from derive.mechanics.vectors import (
     transpose,
 )
 from derive.robot import expression as tree
-from derive.robot.description import Convention, Description, Inertia, Joint, Link, Motor
+from derive.robot.description import Convention, Description, Inertia, Link, Motor
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, children, is_constant, number
 from derive.robot.names import number_of, without_lost_symbols
@@ -119,17 +119,13 @@ def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
     result = replace(
         robot,
         convention=Convention.MODIFIED if to_modified else Convention.STANDARD,
-        joints=tuple(_row(joint, factor) for joint, factor in zip(robot.joints, moved, strict=True)),
+        joints=tuple(replace(joint, a=x.a, alpha=x.alpha) for joint, x in zip(robot.joints, moved, strict=True)),
         base=cells.matrix(base, robot.base),
         tool=cells.matrix(tool, robot.tool),
         links=links,
         remarks=(),
     )
     return Conversion(robot, without_lost_symbols(robot, result), leaving, entering, tuple(notes))
-
-
-def _row(joint: Joint, factor: Factor) -> Joint:
-    return replace(joint, a=factor.a, alpha=factor.alpha)
 
 
 def _angles(matrix: Sequence[Sequence[Expression]]) -> Iterator[Expression]:
@@ -172,8 +168,7 @@ class _Cells:
         kinds = (Kind.PARAMETER, Kind.PI)
         places = range(len(domain.generators))
         # Parameters and pi stand first in a product, then what is made of them.
-        ranks = {place: domain.generators[place].kind in kinds for place in places}
-        self._order = [*(place for place in places if ranks[place]), *(place for place in places if not ranks[place])]
+        self._order = sorted(places, key=lambda place: domain.generators[place].kind not in kinds)
 
     def frame(self, matrix: Sequence[Sequence[Expression]]) -> Frame[Polynomial]:
         """A constant transform."""

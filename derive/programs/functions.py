@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 
-from derive.programs.formulations import dynamics, identification, kinematics
+from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace
 from derive.programs.optimise.search_policy import POLICY
@@ -17,13 +18,7 @@ from derive.programs.program import Column, Interface, Magnitude
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
 
-
-def _always(robot: Robot) -> bool:
-    return True
-
-
-def _has_links(robot: Robot) -> bool:
-    return robot.has_dynamics
+_has_links = attrgetter("has_dynamics")
 
 
 def _has_regressor(robot: Robot) -> bool:
@@ -36,7 +31,7 @@ class FunctionRow:
 
     interface: Interface  # what it takes and gives
     formulations: Callable[[Trace], Iterable[Formulation]]  # the ways to compute it, of which the cheapest is emitted
-    exists: Callable[[Robot], bool] = _always  # which robots have it
+    exists: Callable[[Robot], bool] = lambda robot: True  # which robots have it
     # How many times the cheapest a formulation may cost as traced to be improved at all; None for all.
     margin: float | None = None
     search: bool = True  # whether a long search for shared parts pays
@@ -290,9 +285,9 @@ ROWS = (
             "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's "
             "origin",
         ),
-        formulations=identification.regressors,
+        formulations=dynamics.regressors,
         exists=_has_regressor,
-        columns=identification.standard_columns,
+        columns=dynamics.standard_columns,
         search=False,  # its entries share little beyond what the recursion shares
     ),
     FunctionRow(
@@ -304,9 +299,9 @@ ROWS = (
             "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
             "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
         ),
-        formulations=identification.base_regressors,
+        formulations=dynamics.base_regressors,
         exists=_has_regressor,
-        columns=identification.base_columns,
+        columns=dynamics.base_columns,
         search=False,
     ),
     FunctionRow(
@@ -318,9 +313,9 @@ ROWS = (
             "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
             "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
         ),
-        formulations=identification.base_parameters,
+        formulations=dynamics.base_parameters,
         exists=_has_regressor,
-        columns=identification.base_columns,
+        columns=dynamics.base_columns,
     ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

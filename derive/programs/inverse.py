@@ -212,7 +212,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     codes += [field.number(Status.NONE)] * graph.spare
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
-    interface = INTERFACE if graph.given else _without_given(INTERFACE)
+    interface = INTERFACE if graph.given else replace(INTERFACE, arguments=(POSE, NEAR))
     given_width = {GIVEN: len(graph.given)} if graph.given else {}
     widths = {POSE: POSE_ENTRIES, **given_width, NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
@@ -254,12 +254,6 @@ def count_text(graph: SolutionGraph) -> str:
     return f"A reachable pose has {solutions}{proof} but where joints are free."
 
 
-def _without_given(interface: Interface) -> Interface:
-    return Interface(
-        interface.name, (POSE, NEAR), interface.shape, interface.symbol, interface.summary, interface.result
-    )
-
-
 def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:
     """Which solutions exist, and which are to be checked: those whose pose is asked for, if that may be another.
 
@@ -267,14 +261,16 @@ def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> lis
     poses at which two choices are one. Those that have lost digits on the way are checked instead, and all where none
     has the pose to all digits and there are more choices than solutions: perhaps none of them is one.
     """
-    if not _may_miss(run.graph):
+    graph = run.graph
+    # As many branches as solutions in space: none of them is extraneous.
+    if graph.complete and graph.leaves == graph.count and graph.robot.n - len(graph.given) >= 6:
         return [(leaf.exists, leaf.ill) for leaf in leaves]
     most, small = CLOSED * run.reach, Fraction(str(POLICY.reproduced)) * run.reach
     errors = [_error(run, leaf) for leaf in leaves]
     found = [leaf.exists & Mask(error.less(most)) for leaf, error in zip(leaves, errors, strict=True)]
     best = reduce(Value.minimum, [mask.value.select(e, most) for mask, e in zip(found, errors, strict=True)])
     limit = (best * WORSE).maximum(small)
-    rough = Mask(small.less(limit)) if run.graph.leaves != run.graph.count else run.field.truth(False)
+    rough = Mask(small.less(limit)) if graph.leaves != graph.count else run.field.truth(False)
     if len(leaves) == 1:
         return [(found[0], leaves[0].ill | rough)]
     right = [leaf.ill | Mask(error.less(limit)) for leaf, error in zip(leaves, errors, strict=True)]
@@ -288,11 +284,6 @@ def _error(run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
     turns += [abs(pair[0] * pair[0] + pair[1] * pair[1] - 1) for pair in leaf.joints if len(pair) == 2]
     moves = [abs(pose.position[i] - run.pose[i][j]) for i, j in entries if j == 3]
     return reduce(Value.maximum, [*([reduce(Value.maximum, turns) * run.reach] if turns else []), *moves])
-
-
-def _may_miss(graph: SolutionGraph) -> bool:
-    """Whether a branch may exist whose pose is another: not where there are as many branches as solutions in space."""
-    return not graph.complete or graph.leaves != graph.count or graph.robot.n - len(graph.given) < 6
 
 
 def _code(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask], lost: Mask) -> Value:

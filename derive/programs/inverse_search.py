@@ -82,7 +82,7 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
         eliminations=tuple(map(_plain, solution.eliminations)) if solution else (),
         count=solution.count if solution else 0,
         summary=_summary(graph, solution),
-        reason=_reason(graph, solution),
+        reason=f"its joints follow from {_eigenvalues(solution)}" if solution else graph.why_not,
         motions=MOTIONS,
     ), ""
 
@@ -114,15 +114,12 @@ def _summary(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
             "Damped Newton from many starts: there are no formulas, and solutions may be missing. "
             f"At most {MOST_SOLUTIONS} are listed."
         )
-    size = solution.eliminations[0].eigenvalues
-    method = f"from the eigenvalues of a {size}x{size} matrix, each refined by Newton's method"
+    method = f"from {_eigenvalues(solution)}, each refined by Newton's method"
     more = ", and no more but where joints are free," if graph.everywhere else ","
     pose = "A" if graph.everywhere or not graph.complete else "Almost every"
     return f"{pose} reachable pose has up to {solution.count or solution.branches} solutions{more} {method}."
 
 
-def _reason(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
-    if solution is None:
-        return graph.why_not
+def _eigenvalues(solution: GeneralSolution) -> str:
     size = solution.eliminations[0].eigenvalues
-    return f"its joints follow from the eigenvalues of a {size}x{size} matrix"
+    return f"the eigenvalues of a {size}x{size} matrix"

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from derive.programs.program import (
     ARGUMENTS,
@@ -28,29 +27,6 @@ from derive.targets.templating import render
 FILE = "model_numpy.py"
 
 _SHORT = 100  # longest constant that stands on one line
-
-
-@dataclass(frozen=True, slots=True)
-class Constant:
-    """A tuple at the top of the module."""
-
-    name: str  # its name
-    values: tuple[str, ...]  # its entries
-
-    @property
-    def inside(self) -> str:
-        """What stands in the parentheses, on one line."""
-        return _tuple(self.values)
-
-    @property
-    def short(self) -> bool:
-        """Whether one line is enough."""
-        return len(self.name) + len(self.inside) <= _SHORT
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """What stands in the parentheses, in several lines."""
-        return wrapped(self.values)
 
 
 def render_numpy(source: Source) -> dict[str, str]:
@@ -91,7 +67,11 @@ def python_context(source: Source) -> dict[str, object]:
         "convention": robot.convention.value,
         "joints": joint_lines(robot, python_docstring),
         "dof": robot.n,
-        "constants": [Constant(name, tuple(values)) for name, values in constants.items()],
+        "constants": [  # tuples at the top of the module, on one line where that is enough
+            {"name": name, "inside": _tuple(values), "lines": wrapped(values)}
+            | {"short": len(name) + len(_tuple(values)) <= _SHORT}
+            for name, values in constants.items()
+        ],
         "tables": tuple(tables),
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,

@@ -8,7 +8,7 @@ without orientation must have the same solutions whatever that is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -61,7 +61,9 @@ def inverse_errors(
                 worst = max(worst, float(errors.max()))
                 fault = "" if errors.max() <= CLOSED else f"leads to a pose that is {errors.max():.1e} off"
             if fault:
-                raise VerificationError(f"{where} {fault} at q = {_text(q[k])}{_at(samples.parameters)}", remedy=remedy)
+                place = f"q = [{', '.join(f'{value:.17g}' for value in q[k])}]"
+                numbers = "".join(f", {name} = {value:.17g}" for name, value in samples.parameters.items())
+                raise VerificationError(f"{where} {fault} at {place}{numbers}", remedy=remedy)
         one, code = model.inverse(poses[1:2], q[1:2, given], samples.parameters)
         if not np.array_equal(code[0], status[1]) or not np.allclose(one[0], found[1], atol=SAME, equal_nan=True):
             raise VerificationError(f"{where} gives one pose other solutions than a batch", remedy=remedy)
@@ -118,11 +120,3 @@ def _distance(rows: Array, q: Array, turns: Array) -> Array:
 
 def _reach(poses: Array) -> float:
     return float(np.abs(poses[:, :3, 3]).max(initial=0.0))
-
-
-def _text(values: Array) -> str:
-    return f"[{', '.join(f'{value:.17g}' for value in values)}]"
-
-
-def _at(parameters: Mapping[str, float]) -> str:
-    return "".join(f", {name} = {value:.17g}" for name, value in parameters.items())

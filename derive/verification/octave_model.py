@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shlex
-import shutil
 import subprocess
 import tempfile
 import threading
@@ -19,6 +16,7 @@ import numpy as np
 
 from derive.errors import VerificationError
 from derive.interrupts import TemporaryFolder
+from derive.targets.compiler import Command, find_command
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
 from derive.verification.samples import Parameters
@@ -73,18 +71,11 @@ while true
   fflush(stdout);
 end
 """
-Command = tuple[str, ...]
 
 
 def find_octave(environment: Mapping[str, str] | None = None) -> Command | None:
     """Command of Octave: ``$OCTAVE``, else the usual names on the path of an environment; None if there is none."""
-    variables = os.environ if environment is None else environment
-    given = shlex.split(variables.get("OCTAVE", ""))
-    for command in [given] if given else [[name] for name in NAMES]:
-        found = shutil.which(command[0], path=variables.get("PATH", os.defpath))
-        if found:
-            return (found, *command[1:])
-    return None
+    return find_command("OCTAVE", NAMES, environment)
 
 
 def octave_package(folder: Path) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from derive.algebra.constants import Constant, exact_number
 from derive.programs.optimise.improve import Improvement
@@ -45,9 +46,11 @@ class FormulationChoice:
 
     def near(self, formulations: Iterable[Formulation], margin: float | None) -> tuple[Formulation, ...]:
         """The formulations that as traced cost at most ``margin`` times the cheapest; None for any cost."""
+        # Without a margin all are made before the first is traced; the order of tracing numbers the nodes.
+        untraced = tuple(formulations) if margin is None else formulations
+        traced = [Formulation(f.words, partial(list, f.trace())) for f in untraced]
         if margin is None:
-            return tuple(Formulation(f.words, _given(f.trace())) for f in tuple(formulations))
-        traced = [Formulation(f.words, _given(f.trace())) for f in formulations]
+            return tuple(traced)
         costs = [program_cost(self._graph, [value.ref for value in f.trace()]).body for f in traced]
         return tuple(f for f, cost in zip(traced, costs, strict=True) if cost <= margin * min(costs))
 
@@ -77,10 +80,6 @@ class FormulationChoice:
         for draft in drafts:
             draft.close()
         return formulations[winner], tape
-
-
-def _given(values: Sequence[Value]) -> Callable[[], Sequence[Value]]:
-    return lambda: values
 
 
 def _numbers(robot: Robot) -> Replacements:

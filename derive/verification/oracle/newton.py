@@ -15,19 +15,12 @@ from derive.verification.oracle.frames import Array, NumericArm, chain_frames, c
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """A link's motion in frame 0, (..., 3) each.
+    """A link's motion in frame 0, (..., 3) each."""
 
-    Attributes:
-        omega: Angular velocity.
-        alpha: Angular acceleration.
-        point: A point of the link.
-        acceleration: Its acceleration.
-    """
-
-    omega: Array
-    alpha: Array
-    point: Array
-    acceleration: Array
+    omega: Array  # angular velocity
+    alpha: Array  # angular acceleration
+    point: Array  # a point of the link
+    acceleration: Array  # of this point
 
     def acceleration_at(self, place: Array) -> Array:
         """Acceleration a + alpha x r + omega x (omega x r) of a place on the link, both (..., 3) in frame 0."""
