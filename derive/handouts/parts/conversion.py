@@ -36,11 +36,9 @@ def conversion(context: Context) -> Iterator[Block]:
     found = convert(context.robot)
     other = Robot.of(found.result)
     new = Context(ModelEntries(Model(other)), context.options, _, context.version, policy=context.policy)
-    yield Paragraph(
-        _(
-            "The standard and the modified convention multiply the same motions $\\mathbf{Z}_i$ and the same constant "
-            "factors $\\mathbf{X}_i$, in other brackets:"
-        )
+    yield context.paragraph(
+        "The standard and the modified convention multiply the same motions $\\mathbf{Z}_i$ and the same constant "
+        "factors $\\mathbf{X}_i$, in other brackets:"
     )
     yield Rows(_DEFINITIONS)
     words = {True: _("standard"), False: _("modified")}
@@ -48,11 +46,9 @@ def conversion(context: Context) -> Iterator[Block]:
     for one, base, tool in ((context, BASE, TOOL), (new, NEW_BASE, NEW_TOOL)):
         yield Paragraph(f"{words[one.is_standard].capitalize()}:")
         yield Rows(tuple(equation_lines([_product(one, base if ends[0] else None, tool if ends[1] else None)])))
-    yield Paragraph(
-        _(
-            "Each row of the new table has the constant factor of a neighbour; what is left over is in the base or in "
-            "the tool."
-        )
+    yield context.paragraph(
+        "Each row of the new table has the constant factor of a neighbour; what is left over is in the base or in "
+        "the tool."
     )
     if moved := pack(_moved(context, *ends)):
         yield Rows(tuple(moved))
@@ -116,19 +112,16 @@ def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
 
 def _links(new: Context, found: Conversion) -> Iterator[Block]:
     """The links that are written otherwise in the frames of the new table."""
-    _ = new.text
     pairs = enumerate(zip(found.source.links, found.result.links, strict=True), 1)
     changed = [(i, after) for i, (before, after) in pairs if before != after]
     if changed:
-        yield Paragraph(_("Frame $i$ of the new table stands elsewhere on link $i$; seen from there:"))
+        yield new.paragraph("Frame $i$ of the new table stands elsewhere on link $i$; seen from there:")
     for i, link in changed:
-        yield Paragraph(_("Link %(index)s:", index=i))
+        yield new.paragraph("Link %(index)s:", index=i)
         body = replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO)
         yield Rows(tuple(equation_lines(link_equations(new, body))))
     if found.notes:
-        yield Paragraph(
-            _(
-                "A rotor whose place the conventions say otherwise stays where it is: the link that carries it makes "
-                "up for the difference."
-            )
+        yield new.paragraph(
+            "A rotor whose place the conventions say otherwise stays where it is: the link that carries it makes "
+            "up for the difference."
         )

@@ -58,14 +58,14 @@ def example(context: Context) -> Iterator[Block]:
     robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
     chosen = configuration(robot)
     yield from _stated(context, chosen, assumed)
-    yield Paragraph(_("The end effector; lengths are in metres:"))
+    yield context.paragraph("The end effector; lengths are in metres:")
     task = _("Compute the transform of the end effector in numbers, lengths in metres.")
     yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics", task)
     if all(joint.is_revolute for joint in robot.joints):
-        yield Paragraph(_("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:"))
+        yield context.paragraph("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:")
     else:
-        yield Paragraph(
-            _("The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:")
+        yield context.paragraph(
+            "The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:"
         )
     task = _("Compute the Jacobian in numbers.")
     yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
@@ -93,12 +93,11 @@ def _needs_numbers(context: Context, missing: Sequence[str]) -> Block:
 
 def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expression]) -> Iterator[Block]:
     """The configuration, the numbers that stand under ``figure:`` alone, and those that nobody gave."""
-    _ = context.text
     robot, data = context.robot, context.data
     if robot.figure.q is not None:
-        yield Paragraph(_("At the configuration of the figure:"))
+        yield context.paragraph("At the configuration of the figure:")
     else:
-        yield Paragraph(_("At a configuration without symmetry, within the limits:"))
+        yield context.paragraph("At a configuration without symmetry, within the limits:")
     variables = []
     for joint, cell in zip(robot.joints, chosen.cells, strict=True):
         variables.append(Equation(context.notation.glyph(joint.variable).box, data.position(joint, cell)))
@@ -107,10 +106,10 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
     given = ((name, cell) for name, cell in robot.figure.values if name in used)
     lines = equation_lines(Equation(data.notation.glyph(name).box, data.symbol(name, cell)) for name, cell in given)
     if lines:
-        yield Paragraph(_("with these numbers for symbols that have none in the robot file's parameters:"))
+        yield context.paragraph("with these numbers for symbols that have none in the robot file's parameters:")
         yield Rows(tuple(lines))
     if assumed:
-        yield Paragraph(_("with numbers assumed for the symbols that have none in the robot file:"))
+        yield context.paragraph("with numbers assumed for the symbols that have none in the robot file:")
         lines = equation_lines(
             Equation(data.notation.glyph(name).box, (*data.angle(cell), Piece(_unit(cell, context))))
             for name, cell in assumed.items()
@@ -130,7 +129,7 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
     square = "\\mathrm{kg\\,m^2}"
     joint_types = {joint.is_revolute for joint in robot.joints}
     if robot.n > _LARGEST:
-        yield Paragraph(_("The inertia matrix is too large to print; `inertia_matrix` computes it."))
+        yield context.paragraph("The inertia matrix is too large to print; `inertia_matrix` computes it.")
     else:
         if joint_types == {True}:
             text = _("The inertia matrix, in $%(square)s$:", square=square)
@@ -145,7 +144,7 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
         yield Paragraph(text)
         task = _("Compute the inertia matrix in numbers.")
         yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
-    yield Paragraph(_("The gravity vector:"))
+    yield context.paragraph("The gravity vector:")
     yield _gravity(context, robot, q)
 
 

@@ -66,9 +66,9 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
         return
     assumed_values = _assumed(context, poses)
     if assumed_values:
-        yield Paragraph(_("In numbers, with %(values)s, at this pose:", values=assumed_values))
+        yield context.paragraph("In numbers, with %(values)s, at this pose:", values=assumed_values)
     else:
-        yield Paragraph(_("In numbers, at this pose:"))
+        yield context.paragraph("In numbers, at this pose:")
     yield Rows((_pose(context, value_at(robot, "T", q)),))
     words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
     rest = _("These reach it; put into $%(end)s$, each gives the pose back with all of its digits:", end=bold("T").tex)

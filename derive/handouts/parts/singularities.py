@@ -32,7 +32,7 @@ def singularities(context: Context) -> Iterator[Block]:
     """Where J loses rank."""
     found = context.entries.model.singularities
     if found.shape[1] == 1 and not found.task:
-        yield Paragraph(context.text("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero."))
+        yield context.paragraph("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero.")
     else:
         yield from (_determinant if found.blocks else _minors)(context, found)
 
@@ -51,7 +51,7 @@ def _determinant(context: Context, found: Singularities) -> Iterator[Block]:
         never = _("No factor is zero in any configuration: no rank is ever lost.")
         yield Paragraph(words if found.is_constant else never, is_answer=True)
         return
-    yield Paragraph(_("Rank is lost where a factor is zero."), is_answer=True)
+    yield context.answer("Rank is lost where a factor is zero.")
     yield formulas.conditions()
 
 
@@ -61,17 +61,17 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
     block = found.blocks[0]
     frame, origin = block.reference.frame, f"\\mathbf{{o}}_{{{block.reference.point}}}"
     if len(found.blocks) > 1:
-        words = _(
+        yield context.paragraph(
             "Axes 4, 5 and 6 meet in the wrist centre $%(centre)s$. For the velocity of that point "
             "$\\mathbf{J}_{12} = \\mathbf{0}$, hence $\\det\\mathbf{J} = \\det\\mathbf{J}_{11} "
             "\\det\\mathbf{J}_{22}$. The choice of the point and of the axes changes neither determinant.",
             centre=origin,
         )
-        yield Paragraph(words)
         return
     if not found.task:
-        words = _("$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes.")
-        yield Paragraph(words)
+        yield context.paragraph(
+            "$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes."
+        )
         return
     if block.rows:
         words = _(
@@ -88,7 +88,7 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
         words += " " + _("It is written in the axes of frame %(frame)s.", frame=frame)
     yield Paragraph(words)
     if block.others_are_zero:
-        yield Paragraph(_("The other rows are zero."), is_answer=True)
+        yield context.answer("The other rows are zero.")
 
 
 def _task(context: Context, found: Singularities) -> str:
@@ -108,7 +108,7 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
     """Where a matrix that is not square, or is singular everywhere, has less than its usual rank."""
     _, matrix = context.text, _symbol(found).tex
     if found.task:
-        yield Paragraph(_("Let $\\mathbf{J}'$ be the Jacobian of the task %(task)s.", task=_task(context, found)))
+        yield context.paragraph("Let $\\mathbf{J}'$ be the Jacobian of the task %(task)s.", task=_task(context, found))
     words = _(
         "$%(matrix)s$ has %(rows)s rows and %(columns)s columns. Singular are the configurations in which its rank is "
         "less than usual.",
@@ -124,7 +124,7 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
         words += " " + _("That is where $%(condition)s$.", condition=f"\\det({square}) = 0")
     yield Paragraph(words)
     if found.families:
-        yield Paragraph(_("Rank is lost where all equations of a line hold."), is_answer=True)
+        yield context.answer("Rank is lost where all equations of a line hold.")
         yield _SingularFormulas(context, found).conditions()
     conditions = ", ".join(f"{context.printer.latex(e)} \\ne 0" for e in found.unless)
     if not found.complete and found.families:
@@ -142,10 +142,9 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
 
 def _matrices(context: Context, found: Singularities) -> Iterator[Block]:
     """The blocks; J_11 and J_22, J, or J', with the frame of the axes above."""
-    _ = context.text
     blocks = found.blocks
     if not found.task and any(block.reference.frame is not None for block in blocks):
-        yield Paragraph(_("The upper index is the frame in whose axes a block is written."))
+        yield context.paragraph("The upper index is the frame in whose axes a block is written.")
     for k, block in enumerate(blocks):
         frame = EMPTY if block.reference.frame is None else italic(str(block.reference.frame))
         if len(blocks) > 1:

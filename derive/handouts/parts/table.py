@@ -46,12 +46,10 @@ def dh_table(context: Context) -> Iterator[Block]:
     yield table_rows(context)
     frames = end_lines(context)
     if frames:
-        yield Paragraph(
-            _(
-                "Constant transforms: the base takes frame $0$ into the world, "
-                "the tool the end effector into frame $%(n)s$.",
-                n=n,
-            )
+        yield context.paragraph(
+            "Constant transforms: the base takes frame $0$ into the world, "
+            "the tool the end effector into frame $%(n)s$.",
+            n=n,
         )
         yield Rows(tuple(frames))
 
@@ -134,27 +132,24 @@ def _named_cells(context: Context, i: int, row: list[Cell]) -> Iterator[Equation
 
 def parameters(context: Context) -> Iterator[Block]:
     """Numbers of the robot file, arguments of the generated functions, inertial data of the links."""
-    _ = context.text
     data, glyph = context.data, context.data.notation.glyph
     numbers = equation_lines(
         Equation(glyph(name).box, data.symbol(name, cell)) for name, cell in context.robot.parameters
     )
     if numbers:
-        yield Paragraph(_("Numbers given in the robot file:"))
+        yield context.paragraph("Numbers given in the robot file:")
         yield Rows(tuple(numbers))
     free = pack(glyph(name).box for name in free_symbols(context.robot))
     if free:
-        yield Paragraph(_("Arguments of the generated functions, in this order:"))
+        yield context.paragraph("Arguments of the generated functions, in this order:")
         yield Rows(tuple(free))
     if context.robot.links:
-        yield Paragraph(
-            _(
-                "Links: centre of mass, and inertia about it, in the axes of the link's own frame. Moments of inertia, "
-                "motors and friction that are zero are left out."
-            )
+        yield context.paragraph(
+            "Links: centre of mass, and inertia about it, in the axes of the link's own frame. Moments of inertia, "
+            "motors and friction that are zero are left out."
         )
     for i, link in enumerate(context.robot.links, 1):
-        yield Paragraph(_("Link %(index)s:", index=i))
+        yield context.paragraph("Link %(index)s:", index=i)
         yield Rows(tuple(equation_lines(link_equations(context, link))))
 
 

@@ -16,7 +16,7 @@ from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, concatenate, ita
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.sheet.document import Block, Entry, Formula, Rows
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries
@@ -149,7 +149,6 @@ class BodyItem:
 
 def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
-    _ = context.text
     row: list[Small] = []
     for item in items:
         fitting = small(context, item.symbol, item.quantity, entry_namer(item.symbol))
@@ -163,8 +162,7 @@ def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -
         if laid_out.lines or not laid_out.omitted:
             yield replace(formula(context, laid_out, task=task), omitted=())
         if laid_out.omitted:
-            words = _("These entries are too long to print; multiplied out they have so many terms:")
-            yield Paragraph(words, is_answer=True)
+            yield context.answer("These entries are too long to print; multiplied out they have so many terms:")
             yield Rows(laid_out.omitted, is_answer=True)
     if row:
         yield formula(context, side_by_side(row), task=task)
