@@ -38,11 +38,7 @@ class Part(NamedTuple):
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
-    """What the handout of a robot is made from.
-
-    Args:
-        options: What is shown; None for what the robot file says.
-    """
+    """What the handout of a robot is made from; without options what its file says is shown."""
     chosen = options or robot.handout
     text = text_for(chosen.language)
     try:
@@ -53,11 +49,7 @@ def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
 
 
 def section_of(context: Context, name: str) -> Section | None:
-    """One part.
-
-    Returns:
-        Its section; None where the robot has nothing to show there.
-    """
+    """One part; None where the robot has nothing to show there."""
     _ = context.text
     of_motors = has_rotors(context.robot)
     parts = {

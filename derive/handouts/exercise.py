@@ -75,21 +75,17 @@ def exercise(document: Document, text: Text) -> Document:
 
 def solutions(document: Document, text: Text) -> Document:
     """The same handout as the sheet of solutions: the answers have the numbers and points of the questions."""
-    numbered = {
-        id(question.formulas[0]): Paragraph(
-            text("Question %(number)s (%(points)s)", number=question.number, points=_points(question.points, text))
-        )
-        for _, items in _asked(document)
-        for question in items
-        if isinstance(question, _Question)
-    }
+    pending = [item for _, items in _asked(document) for item in items if isinstance(item, _Question)][::-1]
     sections = []
     for section in document.sections:
         blocks: list[Block] = []
         for block in section.blocks:
-            if id(block) in numbered:
+            if pending and block is pending[-1].formulas[0]:
+                question = pending.pop()
+                points = _points(question.points, text)
                 lead_in = [blocks.pop()] if blocks and _leads_in(blocks[-1]) else []
-                blocks += [numbered[id(block)], *lead_in]
+                head = text("Question %(number)s (%(points)s)", number=question.number, points=points)
+                blocks += [Paragraph(head), *lead_in]
             blocks.append(block)
         sections.append(replace(section, blocks=tuple(blocks)))
     return replace(document, subtitle=text("Solutions"), sections=tuple(sections))

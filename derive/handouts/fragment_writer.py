@@ -75,7 +75,6 @@ def _words(text: str) -> str:
 
 
 def _written(block: Block, text: Text) -> str:
-    """One block by its macro."""
     match block:
         case Paragraph(words):
             return _macro("paragraph", text=_words(words))

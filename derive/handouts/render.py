@@ -64,11 +64,7 @@ def handout_files(
     progress: Callable[[str, str], None] | None = None,
     addition: Addition | None = None,
 ) -> Handout:
-    """Makes the files of a handout, in memory.
-
-    Args:
-        addition: What stands in it besides; None for nothing.
-    """
+    """The files of a handout, in memory."""
     tell = progress or (lambda robot, stage: None)
     tell(robot.name, "formulas")
     context = context_of(robot, options)
@@ -104,7 +100,6 @@ def handout_files(
 
 
 def _page(sheet: Document, context: Context, addition: Addition | None) -> str:
-    """The web page of a sheet, with its arm."""
     from derive.handouts.page.writer import page
 
     figure = addition.figure(context) if addition else _arm(context)

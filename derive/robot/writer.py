@@ -6,14 +6,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from fractions import Fraction
 
-from derive.robot.description import IDENTITY, Convention, Description, FileUnits, Inertia, Joint, Link, Matrix, Motor
+from derive.robot.description import (
+    IDENTITY,
+    INERTIA,
+    Convention,
+    Description,
+    FileUnits,
+    Inertia,
+    Joint,
+    Link,
+    Matrix,
+    Motor,
+)
 from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.options.handout import HandoutOptions, NotationOptions
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.rounding import shown
 from derive.robot.units import Unit, in_file_units, in_symbol_units, joint_in_file_units, position_unit
-
-_INERTIA = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
 def cell_text(cell: Expression) -> str:
@@ -46,7 +55,6 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A free text in YAML."""
     plain = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
     return f'"{plain}"'
 
@@ -141,7 +149,7 @@ def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
 
 def _link(link: Link, units: FileUnits) -> Iterator[str]:
     """The lines of a link; what is zero is left out."""
-    tensor = _cells(link.inertia, _INERTIA)
+    tensor = _cells(link.inertia, INERTIA)
     friction = _cells(link, ("viscous", "coulomb"))
     yield f"  - mass: {cell_text(link.mass)}"
     if any(cell != ZERO for cell in link.com):

@@ -18,7 +18,7 @@ from derive.handouts.sheet.document import Blank, Block, Document, Formula, Gap,
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import swept_catalogue
 
 ROBOTS = ("planar-2r-perugia", "scara-perugia", "stanford-deluca", "kuka-lwr4", "dh-general-laschi")
@@ -136,7 +136,7 @@ def assert_at_most_twice_the_pages(name: str, language: str, derivation: Derivat
     )
     assert not asking.errors
     assert not solved.errors
-    assert asking.overfull <= 1.0
+    assert overfull(asking) <= 1.0
     assert asking.pages <= 2 * handout.pages
 
 

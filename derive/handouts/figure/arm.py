@@ -45,11 +45,7 @@ def arm_drawing(
     title: str = "",
     view: View | None = None,
 ) -> Drawing:
-    """The drawing of a robot whose frames are known.
-
-    Args:
-        frames: Frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
-    """
+    """The drawing of a robot; frames 0 to n and that of the end effector in the world are 4x4 each [m]."""
     scene = arm_scene(robot, frames)
     view = view or arm_view(scene)
     flat = view.project(scene.places)[:, :2]

@@ -42,14 +42,7 @@ _SAME = 1e-6  # lines closer to each other than this part of the arm's size are 
 def branches_drawing(
     robot: Robot, frames: Sequence[Sequence[Sequence[Sequence[float]]]], names: Sequence[str], title: str
 ) -> Drawing | None:
-    """The drawing of an arm in several configurations.
-
-    Args:
-        frames: For each configuration frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
-
-    Returns:
-        The drawing; None for an arm whose links cover each other in all of them.
-    """
+    """The drawing of an arm in several configurations; None where its links cover each other in all of them."""
     scenes = [arm_scene(robot, own) for own in frames]
     lines = [_line(scene) for scene in scenes]
     size = max(scene.size for scene in scenes)
@@ -146,7 +139,6 @@ def _apart(line: Sequence[Point], others: Sequence[Point]) -> tuple[Point, Point
 
 
 def _along(line: Sequence[Point], parts: int) -> list[Point]:
-    """Points all along a line."""
     return [
         ((1 - k / parts) * a[0] + k / parts * b[0], (1 - k / parts) * a[1] + k / parts * b[1])
         for a, b in pairwise(line)

@@ -85,7 +85,6 @@ class Panels:
             yield Label((x + width / 2, y - 15.0), "t\\,[\\mathrm{s}]", (0, 1))
 
     def _legend(self, width: float) -> Iterator[Item]:
-        """What each colour means, in the middle below all."""
         lengths = [16.0 + label_width(name) + 14.0 for name in self.names]
         x = (width - sum(lengths) + 14.0) / 2
         for color, (name, length) in enumerate(zip(self.names, lengths, strict=True)):

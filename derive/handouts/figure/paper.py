@@ -26,11 +26,7 @@ _Box = tuple[float, float, float, float]  # left, bottom, right and top [pt]
 
 
 class Paper:
-    """A page on which items and labels are put; it knows what is taken.
-
-    Attributes:
-        items: What has been put on it, from back to front.
-    """
+    """A page on which items and labels are put, from back to front; it knows what is taken."""
 
     def __init__(self) -> None:
         self.items: list[Item] = []

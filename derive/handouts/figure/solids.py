@@ -93,11 +93,7 @@ def _barrel(stops: Array, ring: Array) -> tuple[Array, Array]:
 
 
 def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], list[Array]]:
-    """All faces of an arm, and the lines that labels should keep off.
-
-    Returns:
-        Faces, and lines (k, 3) along the parts, in points.
-    """
+    """All faces of an arm, and lines (k, 3) along its parts that labels should keep off [pt]."""
     faces: list[Faces] = []
     lines: list[Array] = []
     for segment in scene.segments:
@@ -118,11 +114,7 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
 
 
 def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
-    """Where each joint is drawn on its axis: at its origin, else on its offset, else beside; off the others.
-
-    Returns:
-        The centre of each joint, (3,) in points.
-    """
+    """Where each joint is drawn, (3,) each [pt]: at its origin, else on its offset, else beside; off the others."""
     length = sizes.cylinder[1]
     centers: list[Array] = []
     for joint in scene.joints:

@@ -64,10 +64,11 @@ def _line_end(pieces: Sequence[Piece], start: int, room: float) -> int:
     for index in range(start + 1, len(pieces)):
         piece = pieces[index]
         if piece.before is not Break.NEVER:
+            # The cost of ending the line here: what stays empty of it, more inside of brackets or of a product.
             factor = FACTOR_COST if piece.before is Break.FACTOR else 0.0
             cost = (1.0 - used / room) + DEPTH_COST * piece.depth + factor
             if (used <= room and cost <= best_cost) or not best:
-                best, best_cost = index, cost
+                best, best_cost = index, cost  # of equal costs the later break; a first one that does not fit is kept
         used += piece.box.width
         if used > room and best:
             return best
@@ -85,16 +86,13 @@ def _continued(piece: Piece) -> Box:
 
 def displays(lines: Sequence[str], *, kept: bool = True) -> list[str]:
     """Rows of displayed mathematics, a few dozen in each display."""
-    parts = [lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER)]
-    ends = [_row_end(part) if kept else " \\\\\n" for part in parts]
-    bodies = (end.join(f"& {line.rstrip()}" for line in part) for end, part in zip(ends, parts, strict=True))
-    return [f"\\begin{{align*}}\n{body}\n\\end{{align*}}" for body in bodies]
-
-
-def _row_end(lines: Sequence[str]) -> str:
-    """Between the rows of a display; what is short is kept on one page."""
-    height = sum(4 if "bmatrix" in line else 1 for line in lines)
-    return " \\\\*\n" if height <= KEPT_TOGETHER else " \\\\\n"
+    found = []
+    for part in (lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER)):
+        height = sum(4 if "bmatrix" in line else 1 for line in part)
+        end = " \\\\*\n" if kept and height <= KEPT_TOGETHER else " \\\\\n"  # no page ends after a row with a star
+        body = end.join(f"& {line.rstrip()}" for line in part)
+        found.append(f"\\begin{{align*}}\n{body}\n\\end{{align*}}")
+    return found
 
 
 def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> list[str]:

@@ -72,6 +72,7 @@ class LatexPrinter:
 
     def angle(self, expression: Any, depth: int = 0) -> Pieces:
         """An angle as pieces; an added multiple of pi is in degrees where the robot file is."""
+        # angle = turn pi + rest; the rational multiple of pi in degrees: 180 turn
         turn = expression.coeff(pi)
         rest = expression - turn * pi
         if not (self.notation.degrees and turn.is_Rational and turn) or rest.has(pi):
@@ -101,12 +102,14 @@ class LatexPrinter:
 
     def _term(self, term: Any, depth: int) -> tuple[bool, Pieces]:
         """Whether the term is negative, and its absolute value."""
+        # coefficient times base_1^e_1 base_2^e_2 ..., in the order of textbooks
         coefficient, rest = term.as_coeff_Mul()
         if not coefficient.is_Rational:
             coefficient, rest = type(coefficient)(1), term
         factors = rest.args if rest.is_Mul else () if rest is _ONE else (rest,)
         powers = [factor.as_base_exp() for factor in sorted(factors, key=self._order.factor)]
         value = Fraction(int(coefficient.p), int(coefficient.q))
+        # -(-a - b) is written a + b: a factor whose terms are all negative gives its sign to the number
         for index, (base, exponent) in enumerate(powers):
             if exponent is _ONE and base.is_Add and all(part.as_coeff_Mul()[0] < 0 for part in base.args):
                 powers[index] = (Add(*(-part for part in base.args)), exponent)
@@ -133,6 +136,7 @@ class LatexPrinter:
 
         Numbers and parameters stand over each other if there is a denominator and both sides are short.
         """
+        # below: what divides; constants: roots and pi, which stand with the number
         below = [(base, -exponent) for base, exponent in powers if is_below(exponent)]
         constants = [p for p in powers if (p[0].is_Number or p[0].is_NumberSymbol) and not is_below(p[1])]
         number = EMPTY if value == 1 and powers else self._magnitude(value)
@@ -151,6 +155,7 @@ class LatexPrinter:
                     if p in constants or (p[0].is_Symbol and p[0].name in names and not is_below(p[1]))
                 ]
             numerator, denominator = self._side(value.numerator, above), self._side(value.denominator, below)
+            # One fraction, of which sines, rates and brackets stay behind; a wide one is written with negative powers.
             if max(numerator.width, denominator.width) <= WIDEST_FRACTION:
                 rest = [power for power in powers if power not in above and not is_below(power[1])]
                 return fraction(numerator, denominator, small=not below), rest
@@ -158,7 +163,6 @@ class LatexPrinter:
         return concatenate(number, *boxes), [power for power in powers if power not in constants]
 
     def _side(self, number: int, powers: list[Power]) -> Box:
-        """The numerator or denominator of a quotient."""
         if len(powers) == 1 and number == 1 and powers[0][1] == 1:
             return joined(self._sum(powers[0][0], 0))
         boxes = [] if number == 1 and powers else [self._magnitude(Fraction(number))]
@@ -168,7 +172,7 @@ class LatexPrinter:
         return magnitude(value, self.notation.decimals, digits=self.notation.digits, comma=self.notation.comma)
 
     def _power(self, base: Any, exponent: Any, depth: int, closed: bool = False) -> Pieces:
-        if exponent is _HALF:
+        if exponent is _HALF:  # no line breaks under a root: a wide one is a bracket to the power 1/2
             inner = joined(self._sum(base, 0))
             if inner.width <= WIDEST_FRACTION:
                 return [Piece(Box(f"\\sqrt{{{inner.tex.rstrip()}}}", inner.width + 10.0), depth=depth)]
@@ -212,6 +216,7 @@ class LatexPrinter:
             inner += [Piece(separator, depth=depth + 1), *other]
         row = [Piece(head, depth=depth), *_bracket(inner, EMPTY, depth)]
         box = joined(row)
+        # Written in full, a function and its argument stay on one line where they are short.
         if self.notation.abbreviates or box.width > WIDEST_FRACTION:
             return row
         return [Piece(box, depth=depth, nest=_nested(row))]
@@ -265,7 +270,6 @@ class DataPrinter:
 
     @property
     def _metres(self) -> Box:
-        """The unit of lengths behind a number."""
         return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else Box("\\,\\mathrm{m}", 11.0)
 
     def position(self, joint: Joint, cell: Expression) -> Cell:
@@ -279,6 +283,7 @@ class DataPrinter:
         """Both limits of a joint with their unit."""
         if joint.limits is None:
             return (Piece(Box("\\text{--}", 6.0)),)
+        # [lower, upper] unit: one unit for both, none where a limit is in degrees
         (lower, _), (upper, unit) = (self._position(joint, limit) for limit in joint.limits)
         opening, closing = (Piece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
         end = [Piece(unit)] if unit.tex and _CIRCLE not in joined(lower).tex else []

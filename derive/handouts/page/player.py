@@ -211,11 +211,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
 
 
 def function_names(playback: Playback | None) -> tuple[str, ...]:
-    """What the script calls the functions that torques need.
-
-    Args:
-        playback: The motion; None for none.
-    """
+    """What the script calls the functions that torques need; none without a motion."""
     return tuple(camel_case(name) for name in playback.functions) if playback else ()
 
 
@@ -236,7 +232,6 @@ def _quantities(_: Text) -> dict[str, tuple[str, dict[bool, tuple[str, str]]]]:
 
 
 def _excess(_: Text, robot: Robot, item: Exceeded) -> str:
-    """Which joint is beyond its limit, and when most."""
     time = _.number(f"{item.time:.4g}")
     return _("%(joint)s beyond its limit at %(time)s s", joint=robot.joints[item.joint].variable, time=time)
 
@@ -258,7 +253,6 @@ def _notes(_: Text, playback: Playback) -> Iterator[str]:
 
 
 def _words(_: Text) -> dict[str, str]:
-    """Every other text of the player."""
     return {
         "player": _("The motion"),
         "play": _("Play"),

@@ -46,11 +46,7 @@ _FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 
 def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
-    """The document as a web page.
-
-    Args:
-        viewer: The figure that the reader can move, None for none.
-    """
+    """The document as a web page, with a figure that the reader moves where there is one."""
     return templating.render(
         "page/page.html.jinja",
         language=html_text(document.language),
@@ -112,7 +108,6 @@ def formula_style() -> str:
 
 
 def _asset(name: str) -> bytes:
-    """A file of the vendored KaTeX."""
     return files("derive").joinpath("assets", "katex", name).read_bytes()
 
 
@@ -225,7 +220,6 @@ class BlockWriter:
         return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
 
     def _gap(self, gap: Gap) -> str:
-        """The left side of an answer, and lines to write on."""
         ruled = f'<div class=ruled style="--lines:{math.ceil(gap.lines)}" role=presentation></div>'
         return f"<div class=answer>{formula(f'{gap.name} =') if gap.name else ''}{ruled}</div>"
 

@@ -51,11 +51,6 @@ def has_rotors(robot: Robot) -> bool:
     return any(map(has_rotor, robot.links))
 
 
-def has_motors(robot: Robot) -> bool:
-    """Whether any joint has a rotor or an armature."""
-    return has_rotors(robot) or any(link.armature != ZERO for link in robot.links)
-
-
 def link_jacobians(context: Context) -> Iterator[Block]:
     """J_v and J_w of every link and rotor."""
     _ = context.text
@@ -160,7 +155,7 @@ def inertia(context: Context) -> Iterator[Block]:
         return
     if context.steps:
         yield Steps(_("Contributions of the bodies"), tuple(_contributions(context)))
-    if has_motors(context.robot):
+    if has_rotors(context.robot) or any(link.armature != ZERO for link in context.robot.links):
         text = _(
             "The kinetic energy is $\\tfrac{1}{2}\\,\\dot{\\mathbf{q}}^{T}\\mathbf{%(letter)s}(\\mathbf{q})\\,"
             "\\dot{\\mathbf{q}}$, motors included.",

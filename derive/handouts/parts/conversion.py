@@ -42,7 +42,9 @@ def conversion(context: Context) -> Iterator[Block]:
     )
     yield Rows(_DEFINITIONS)
     words = {True: _("standard"), False: _("modified")}
-    ends = _ends(found)
+    # A base, and a tool, stand in both products where one of the two tables has them.
+    pairs = ((found.source.base, found.result.base), (found.source.tool, found.result.tool))
+    ends = [any(frame != IDENTITY for frame in pair) for pair in pairs]
     for one, base, tool in ((context, BASE, TOOL), (new, NEW_BASE, NEW_TOOL)):
         yield Paragraph(f"{words[one.is_standard].capitalize()}:")
         yield Rows(tuple(equation_lines([_product(one, base if ends[0] else None, tool if ends[1] else None)])))
@@ -71,13 +73,6 @@ def conversion(context: Context) -> Iterator[Block]:
     yield from _links(new, found)
 
 
-def _ends(found: Conversion) -> tuple[bool, bool]:
-    """Whether one of the two tables has a base, and a tool."""
-    pairs = ((found.source.base, found.result.base), (found.source.tool, found.result.tool))
-    base, tool = (any(frame != IDENTITY for frame in pair) for pair in pairs)
-    return base, tool
-
-
 def _factor(letter: str, index: int) -> Box:
     return script(bold(letter), italic(str(index)))
 
@@ -97,7 +92,6 @@ def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
 
 
 def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
-    """What base and tool of the new table are."""
     n, inverse = context.robot.n, Box("-1", 8.0)
     first, last = _factor("X", 0), _factor("X", n)
     if context.is_standard:

@@ -110,18 +110,15 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
         yield Rows(tuple(lines))
     if assumed:
         yield context.paragraph("with numbers assumed for the symbols that have none in the robot file:")
+        angle = EMPTY if context.notation.degrees else _RADIAN  # degrees have their circle
         lines = equation_lines(
-            Equation(data.notation.glyph(name).box, (*data.angle(cell), Piece(_unit(cell, context))))
+            Equation(
+                data.notation.glyph(name).box,
+                (*data.angle(cell), Piece(_METRE if isinstance(cell, Number) else angle)),
+            )
             for name, cell in assumed.items()
         )
         yield Rows(tuple(lines))
-
-
-def _unit(cell: Expression, context: Context) -> Box:
-    """Behind an assumed number: metres behind a length, radians behind an angle that is not in degrees."""
-    if isinstance(cell, Number):
-        return _METRE
-    return EMPTY if context.notation.degrees else _RADIAN
 
 
 def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
@@ -158,7 +155,6 @@ def _cleaned(rows: Values) -> list[list[float]]:
 
 
 def _number(context: Context, value: float) -> Box:
-    """A number with a few significant digits."""
     rounded = Fraction(f"{value:.{_DIGITS}g}")
     size = magnitude(rounded, decimals=True, digits=_DIGITS, comma=context.notation.comma)
     return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
@@ -220,7 +216,6 @@ def numbers_of(robot: Robot) -> dict[str, float]:
 
 
 def _unnumbered(robot: Robot) -> tuple[str, ...]:
-    """Symbols of a robot without any number."""
     known = {name for name, _ in (*robot.parameters, *robot.figure.values)}
     return tuple(name for name in robot_symbols(robot) if name not in known)
 

@@ -63,7 +63,6 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
-    """Joint variables with their values and units."""
     written = []
     for joint, cell in values:
         value = joined(context.data.position(joint, cell)).tex

@@ -21,7 +21,6 @@ from derive.handouts.parts.inverse_formulas import WIDEST_LEFT, FormulaWriter
 from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources, words_alone
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Table
-from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import Kind
 from derive.inverse.closed.solve import MAX_JOINTS, Freedom, solve, usual_task
 from derive.inverse.words.derivation import Step
@@ -44,7 +43,8 @@ MOST_BRANCHES = 16  # in the table of branches
 def inverse(context: Context) -> Iterator[Block]:
     """How the joint variables follow from the pose."""
     task = usual_task(context.robot)
-    if _terms(solve(context.robot, task)) > MOST_TERMS:
+    equations = (equation for node in solve(context.robot, task).nodes for equation in node.formulas[0].equations)
+    if sum(len(p) for equation in equations for p in equation.terms.values()) > MOST_TERMS:
         yield _too_long(context)
         return
     found = context.entries.model.inverse
@@ -64,12 +64,6 @@ def inverse(context: Context) -> Iterator[Block]:
     yield from part.branches()
     if context.robot.n > 1:
         yield from example(context, found)
-
-
-def _terms(graph: SolutionGraph) -> int:
-    """Terms of all equations that are solved."""
-    equations = (equation for node in graph.nodes for equation in node.formulas[0].equations)
-    return sum(len(p) for equation in equations for p in equation.terms.values())
 
 
 def _too_long(context: Context) -> Paragraph:

@@ -29,7 +29,6 @@ from derive.mechanics.floats import value_at
 from derive.robot.description import Joint
 from derive.robot.expression import Number
 from derive.robot.names import free_symbols
-from derive.robot.robot import Robot
 from derive.robot.units import position_unit
 from derive.workspace.poses import RobotPoses
 
@@ -60,7 +59,9 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     )
     numbers = {sympy.Symbol(name): float(value) for name, value in poses.values.items()}
     try:
-        tried = ((q, reached(found, numbers, q)) for q in _configurations(robot))
+        # the configuration of the figure, or a generic one; then the generic one alone
+        generic = replace(robot, figure=replace(robot.figure, q=None))
+        tried = ((q, reached(found, numbers, q)) for q in (configuration(robot).q, configuration(generic).q))
         q, solutions = next((q, solutions) for q, solutions in tried if _is_regular(found, solutions, q))
     except (StopIteration, DeriveError):
         return
@@ -85,11 +86,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
 
 
 def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[float]) -> list[Found]:
-    """Every solution of the pose of a configuration, put back; with fifty digits where there are formulas.
-
-    Args:
-        q: The configuration [rad or m].
-    """
+    """Every solution of the pose of a configuration [rad or m], put back; with formulas to fifty digits."""
     if not found.is_explicit:
         return _in_floats(found, {str(symbol): x for symbol, x in numbers.items()}, q)
     variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
@@ -123,12 +120,6 @@ def _in_one_turn(angle: float) -> float:
     return angle - 2 * math.pi * math.ceil((angle - math.pi) / (2 * math.pi))
 
 
-def _configurations(robot: Robot) -> Iterator[tuple[float, ...]]:
-    """That of the figure, or a generic one; then the generic one alone."""
-    yield configuration(robot).q
-    yield configuration(replace(robot, figure=replace(robot.figure, q=None))).q
-
-
 def _is_regular(found: InverseKinematics, solutions: Sequence[Found], q: Sequence[float]) -> bool:
     """Whether a pose has as many different configurations as others: one that teaches nothing special."""
     turned = [tuple(_in_one_turn(x) if j.is_revolute else x for x, j in zip(q, found.robot.joints, strict=True))]
@@ -157,7 +148,6 @@ def _assumed(context: Context, poses: RobotPoses) -> str:
 
 
 def _stated(context: Context, q: Sequence[float]) -> str:
-    """The configuration, each variable with its unit."""
     written = []
     for joint, value in zip(context.robot.joints, q, strict=True):
         symbol = context.notation.glyph(joint.variable).box.tex.strip()
@@ -175,13 +165,11 @@ def _unit(context: Context, joint: Joint) -> tuple[str, float, int]:
 
 
 def _position(context: Context, value: float, joint: Joint) -> Box:
-    """A joint variable in the unit of the robot file."""
     _, size, places = _unit(context, joint)
     return _number(context, size * value, places)
 
 
 def _number(context: Context, value: float, places: int = _PLACES) -> Box:
-    """A number with a few decimals."""
     shown = f"{value:.{places}f}"
     if not float(shown):
         shown = shown.removeprefix("-")
@@ -216,10 +204,7 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
         lines = (f"{s.number}\\colon\\quad {q}" for s, q in zip(solutions, vectors, strict=True))
         yield Rows(tuple(lines), is_answer=True)
         return
-    rows = tuple((str(s.number), *map(_aligned, row)) for s, row in zip(solutions, cells, strict=True))
+    # a phantom minus aligns a number without a sign below one that has it
+    aligned = ([f"${x}$" if x.startswith("-") else f"$\\phantom{{-}}{x}$" for x in row] for row in cells)
+    rows = tuple((str(s.number), *row) for s, row in zip(solutions, aligned, strict=True))
     yield Table((_("Branch"), *(f"${head}$" for head in heads)), rows, is_answer=True)
-
-
-def _aligned(number: str) -> str:
-    """A number in running text, one without a sign below one that has it."""
-    return f"${number}$" if number.startswith("-") else f"$\\phantom{{-}}{number}$"

@@ -13,7 +13,7 @@ from derive.handouts.notation.derivation import LONGEST_PAIR, derivation_python,
 from derive.handouts.notation.pieces import EMPTY, Box, Break, Piece, concatenate, joined
 from derive.handouts.notation.solution_printer import SignLatexPrinter, with_names, with_signs
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Entry, Formula, Rows
+from derive.handouts.sheet.document import Entry, Formula, LazyEntries, Rows
 from derive.inverse.words.elementary import Line
 from derive.inverse.words.solutions import InverseKinematics
 
@@ -32,11 +32,7 @@ def formulas(context: Context) -> Iterator[Formula]:
 
 
 class FormulaWriter:
-    """Writes the formulas of one arm.
-
-    Attributes:
-        printer: Writes expressions with the signs and names of the derivation.
-    """
+    """Writes the formulas of one arm, with the signs and names of its derivation."""
 
     def __init__(self, context: Context, found: InverseKinematics) -> None:
         self._context, self._found = context, found
@@ -55,7 +51,8 @@ class FormulaWriter:
         rows = tuple(row for line in lines for row in self.rows(line))
         names = tuple(self.tex(line.symbol) for line in lines)
         blanks = names if is_each_asked else names[-1:]
-        return Formula((Rows(rows),), entries=_Copied(self, lines), task=task, blanks=blanks if task else ())
+        entries = LazyEntries(len(lines), lambda: map(self.entry, lines))
+        return Formula((Rows(rows),), entries=entries, task=task, blanks=blanks if task else ())
 
     def entry(self, line: Line) -> Entry:
         """A formula to be copied."""
@@ -65,7 +62,6 @@ class FormulaWriter:
 
     @cached_property
     def _assignments(self) -> dict[Line, str]:
-        """Each formula in Python."""
         return dict(zip(self._found.lines, derivation_python(self._found), strict=True))
 
     def rows(self, line: Line) -> list[str]:
@@ -88,20 +84,3 @@ class FormulaWriter:
         else:
             rows = break_lines(EMPTY, [*left, Piece(Box("= ", 12.0), Break.BINARY), *pieces])
         return [with_signs(row) for row in rows]
-
-
-class _Copied(Sequence[Entry]):
-    """Formulas for copying, written when they are looked at: paper has no use for them."""
-
-    def __init__(self, writer: FormulaWriter, lines: Sequence[Line]) -> None:
-        self._writer, self._lines = writer, lines
-
-    @cached_property
-    def _entries(self) -> tuple[Entry, ...]:
-        return tuple(map(self._writer.entry, self._lines))
-
-    def __len__(self) -> int:
-        return len(self._lines)
-
-    def __getitem__(self, place: Any) -> Any:
-        return self._entries[place]

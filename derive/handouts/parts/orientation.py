@@ -212,7 +212,6 @@ def _minus(box: Box) -> Box:
 
 
 def _root(first: Box, second: Box) -> Box:
-    """Square root of a sum of two squares."""
     squares = [script(box, sup=italic("2")) for box in (first, second)]
     inner = concatenate(squares[0], Box(" + ", BINARY_WIDTH), squares[1])
     return Box(f"\\sqrt{{{inner.tex}}}", inner.width + 10.0)

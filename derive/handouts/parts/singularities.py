@@ -92,7 +92,6 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
 
 
 def _task(context: Context, found: Singularities) -> str:
-    """The words of a task."""
     _ = context.text
     words = {
         "phi": "$\\varphi$",
@@ -253,6 +252,5 @@ class _SingularFormulas:
             yield Piece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
 
     def _short(self, factor: SingularFactor | Condition) -> Expr:
-        """The factor, or its symbol."""
         same = (symbol for symbol, long in self._long.items() if long.expression == factor.expression)
         return next(same, factor.expression)

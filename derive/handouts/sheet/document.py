@@ -8,10 +8,11 @@ both understand.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple, TypeAlias
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
 
 from derive.handouts.figure.drawing import Drawing
 
@@ -40,6 +41,23 @@ class Entry:
     name: str  # its symbol as LaTeX
     latex: str  # its expression as LaTeX on one line
     python: str  # the same as a Python expression in the names of the robot file
+
+
+class LazyEntries(Sequence[Entry]):
+    """Entries that are written when they are looked at: a page copies them, paper has no use for them."""
+
+    def __init__(self, count: int, write: Callable[[], Iterable[Entry]]) -> None:
+        self._count, self._write = count, write
+
+    @cached_property
+    def _written(self) -> tuple[Entry, ...]:
+        return tuple(self._write())
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._written[place]
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,16 +150,13 @@ class Document:
 
     def section(self, part: str) -> Section:
         """The section of that name."""
-        for section in self.sections:
-            if section.part == part:
-                return section
-        raise KeyError(part)
+        return {section.part: section for section in self.sections}[part]
 
 
 def blocks_of(section: Section) -> Iterator[Block]:
     """All blocks of a section, those inside of steps included."""
     pending = list(reversed(section.blocks))
-    while pending:
+    while pending:  # a stack, the next block on top
         block = pending.pop()
         yield block
         if isinstance(block, Steps):

@@ -197,7 +197,6 @@ class DynamicsLayout:
 
     @cached_property
     def _rates(self) -> dict[int, Glyph]:
-        """The velocity of each joint."""
         glyph = self.layouter.printer.notation.glyph
         return {k: glyph(velocity_name(joint.variable)) for k, joint in enumerate(self.entries.robot.joints, 1)}
 

@@ -51,7 +51,9 @@ def latex(document: Document, text: Text) -> str:
     for part in document.sections:
         is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], Paragraph)
         if is_short and sections:
-            sections[-1]["blocks"] = _held(sections[-1]["blocks"])
+            # no page ends behind the last display before a sentence in a section of its own, which is never alone then
+            before, display, last = "\n".join(sections[-1]["blocks"]).rpartition(_DISPLAY)
+            sections[-1]["blocks"] = [before + _with_next(display + last)]
         sections.append({"title": latex_words(part.title), "blocks": _joined(part.blocks, text), "stays": is_short})
     source = latex_template("document.tex.jinja").render(
         name=document.name,
@@ -72,12 +74,6 @@ def latex(document: Document, text: Text) -> str:
     before, _, last_but_one = before.rpartition(_DISPLAY)
     held = _with_next(_DISPLAY + last_but_one)  # so that no matrix is alone on the last page
     return f"{before}{_NO_SECTION_BREAK}{held}{display}{rest}"
-
-
-def _held(blocks: list[str]) -> list[str]:
-    """A section behind whose last display no page ends, so that a sentence in a section of its own is never alone."""
-    before, display, last = "\n".join(blocks).rpartition(_DISPLAY)
-    return [before + _with_next(display + last)]
 
 
 def _with_next(source: str) -> str:
@@ -155,7 +151,6 @@ def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[
 
 
 def _written(block: Block, _: Text) -> str:
-    """One block by its macro."""
     match block:
         case Paragraph(text):
             return latex_words(text) + _OPEN
@@ -182,7 +177,9 @@ def _written(block: Block, _: Text) -> str:
                 "blank", number=number, task=latex_words(task), points=points, displays=displays(rows, kept=False)
             )
         case Table(header, rows, long):
-            head, *body = (_strut(row) + " & ".join(map(latex_words, row)) for row in (header, *rows))
+            struts = ("\\rule[-1.3ex]{0pt}{4ex}" * any("frac" in cell for cell in row) for row in (header, *rows))
+            cells = (" & ".join(map(latex_words, row)) for row in (header, *rows))
+            head, *body = map(str.__add__, struts, cells)  # struts keep fractions off the rules
             return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
         case Figure(drawing, caption):
             return _macro("figure", drawing=latex_drawing(drawing), caption=latex_words(caption))
@@ -199,11 +196,6 @@ def omitted_words(block: Formula, _: Text) -> str:
             function=block.function,
         )
     return _("These entries are too long to print; multiplied out they have so many terms:")
-
-
-def _strut(row: Iterable[str]) -> str:
-    """What keeps fractions off the rules of a table."""
-    return "\\rule[-1.3ex]{0pt}{4ex}" if any("frac" in cell for cell in row) else ""
 
 
 def _gap(gap: Gap) -> str:

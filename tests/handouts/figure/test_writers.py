@@ -16,7 +16,7 @@ from derive.handouts.notation.printer import DataPrinter
 from derive.robot.description import Convention
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 
 NAMES = ("scara-perugia", "puma560-corke", "human-body", "spherical-arm")
 
@@ -34,7 +34,7 @@ def test_latex_needs_no_package_and_fits_the_page(tmp_path: File) -> None:
     document = f"{head}\\begin{{document}}\n{body}\n\\end{{document}}\n"
     log = run_latex(document, tmp_path)
     assert log.status == 0, log.errors
-    assert log.overfull == 0.0
+    assert overfull(log) == 0.0
 
 
 def test_lines_of_latex_are_short_enough_for_any_tex() -> None:

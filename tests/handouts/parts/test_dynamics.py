@@ -31,7 +31,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import catalogue, robot_text
 
 Array = npt.NDArray[np.float64]
@@ -410,4 +410,4 @@ def test_the_pages_have_no_error_and_nothing_outside_the_margins(key: str | int,
     log = run_latex(latex(document_of(context), Text()), tmp_path)
     assert not log.errors
     assert log.status == 0
-    assert log.overfull <= WORST_OVERFULL
+    assert overfull(log) <= WORST_OVERFULL

@@ -39,7 +39,7 @@ from derive.robot.names import free_symbols
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.inverse.arms import PUBLISHED, ArmCase
 from tests.random_robots import robot_text
 
@@ -281,7 +281,7 @@ def test_long_conditions_and_equations_stay_within_the_margins(seed: int, tmp_pa
     context = context_of(robot, replace(robot.handout, language=language, parts=("inverse",)))
     log = run_latex(latex(document(context), context.text), tmp_path)
     assert not log.errors
-    assert log.overfull <= 1.0
+    assert overfull(log) <= 1.0
 
 
 @pytest.mark.parametrize("case", [c for c in PUBLISHED if c.name in ("scara-wrist", "crx-10ia")], ids=lambda c: c.name)

@@ -31,7 +31,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.workspace.poses import RobotPoses
 from tests.evaluate import evaluate
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import random_robot, robot_text
 
 TENTH = Fraction(1, 10)
@@ -103,7 +103,7 @@ def assert_compiles(robot: Robot, folder: Path, **options: object) -> None:
     document = Document("Arm", "", robot.name, "en", "0" * 64, "0.0.0", "", sections)
     log = run_latex(latex(document, context.text), folder)
     assert not log.errors
-    assert log.overfull <= 1.0
+    assert overfull(log) <= 1.0
 
 
 # -- on paper

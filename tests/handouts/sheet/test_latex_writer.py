@@ -16,7 +16,7 @@ from derive.handouts.sheet.latex_writer import latex
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 
 WORST_OVERFULL = 1.0
 MOST_PAGES = 40
@@ -49,7 +49,7 @@ def assert_is_clean(text: str, folder: Path) -> None:
     log = run_latex(text, folder)
     assert not log.errors
     assert log.status == 0
-    assert log.overfull <= WORST_OVERFULL
+    assert overfull(log) <= WORST_OVERFULL
     assert 1 <= log.pages <= MOST_PAGES
 
 
