@@ -95,16 +95,13 @@ def handout_files(
         files.update(printed)
         if Format.HTML in formats:
             tell(robot.name, "web page")
-            files[f"{name}.html"] = _page(made_from(whole), context, addition).encode()
+            from derive.handouts.page.writer import page
+
+            figure = addition.figure(context) if addition else _arm(context)
+            mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+            html = page(made_from(whole), context.text, figure).replace("<!DOCTYPE html>", mark, 1)
+            files[f"{name}.html"] = html.encode()
     return Handout(files, pages, tuple(section.part for section in whole.sections), shortened)
-
-
-def _page(sheet: Document, context: Context, addition: Addition | None) -> str:
-    from derive.handouts.page.writer import page
-
-    figure = addition.figure(context) if addition else _arm(context)
-    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
-    return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
 
 
 def _arm(context: Context) -> Viewer | None:

@@ -15,7 +15,6 @@ from derive.robot.description import (
     Inertia,
     Joint,
     Link,
-    Matrix,
     Motor,
 )
 from derive.robot.expression import ZERO, Expression, to_text
@@ -43,7 +42,9 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
     rows = (_row(joint_in_file_units(joint, units), robot.convention) for joint in robot.joints)
     lines += [f"  - {{{', '.join(row)}}}" for row in rows]
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
-        lines += _frame(key, matrix, units)
+        if matrix != IDENTITY:
+            lengths = (f"  - [{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3])
+            lines += [f"{key}:", *lengths, f"  - {_list(matrix[3])}"]
     if robot.gravity is not None:
         lines += [f"gravity: {_list(robot.gravity)}"]
     if robot.links:
@@ -131,13 +132,6 @@ def _row(joint: Joint, convention: Convention) -> Iterator[str]:
         yield f"torque: {cell_text(joint.torque)}"
     if joint.name:
         yield f"name: {_quoted(joint.name)}"
-
-
-def _frame(key: str, matrix: Matrix, units: FileUnits) -> Iterator[str]:
-    if matrix != IDENTITY:
-        yield f"{key}:"
-        yield from (f"  - [{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3])
-        yield f"  - {_list(matrix[3])}"
 
 
 def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:

@@ -48,16 +48,22 @@ def branches_drawing(
     size = max(scene.size for scene in scenes)
     groups: list[list[int]] = []
     for k, line in enumerate(lines):
-        group = next((g for g in groups if _is_same(line, lines[g[0]], _SAME * size)), None)
-        if group is None:
-            groups.append([k])
-        else:
+        alike = (g for g in groups if len(lines[g[0]]) == len(line))
+        near = (g for g in alike if all(np.linalg.norm(np.subtract(lines[g[0]], line), axis=1) < _SAME * size))
+        if group := next(near, None):
             group.append(k)
+        else:
+            groups.append([k])
     if len(groups) < 2:
         return None
-    view = _view(scenes[0])
+    # Of one configuration: an arm whose places lie in a plane normal to its first axis is seen along that axis.
+    scene = scenes[0]
+    heights = (scene.places - scene.places[0]) @ scene.joints[0].direction
+    is_flat = all(abs(heights) < _SAME * scene.size)
+    view = view_along(scene.joints[0].direction, scene.up) if is_flat else arm_view(scene)
     flat = [[view.flat(point) for point in lines[group[0]]] for group in groups]
     low, high = (f(np.array([point for line in flat for point in line]), axis=0) for f in (np.min, np.max))
+    # Many lines are two drawings side by side, each with a half of them (rounded up), at one scale.
     half = -(-len(groups) // 2) if len(groups) > _MOST else len(groups)
     width = _WIDTH if half == len(groups) else _HALF
     rooms = zip((width, _TALLEST), high - low, strict=True)
@@ -85,7 +91,11 @@ def _draw_arms(
             paper.draw(_dot(center, color))
     for index, (places, text) in enumerate(zip(lines, texts, strict=True)):
         others = [point for other in lines if other is not places for point in _along(other, 20)]
-        place, direction = _apart(places, others)
+        # The text stands where the line is farthest from all others, on the side away from the middle of all.
+        apart = [round(min((math.dist(p, other) for other in others), default=0.0), 6) for p in _along(places, 6)]
+        place = _along(places, 6)[apart.index(max(apart))]
+        middle = np.mean(np.array([*places, *others]), axis=0)
+        direction = float(place[0] - middle[0]), float(place[1] - middle[1])
         paper.label(text, around(place, direction, 9.0, label_width(text)), COLORS[index % len(COLORS)])
 
 
@@ -95,19 +105,6 @@ def _line(scene: Scene) -> list[Array]:
     for segment in scene.segments:
         points += [p for p in (segment.start, segment.end) if np.linalg.norm(p - points[-1]) > _SAME * scene.size]
     return points
-
-
-def _is_same(a: Sequence[Array], b: Sequence[Array], near: float) -> bool:
-    return len(a) == len(b) and all(np.linalg.norm(p - q) < near for p, q in zip(a, b, strict=True))
-
-
-def _view(scene: Scene) -> View:
-    """From where a planar arm is seen as it is, else as arms are."""
-    normal = scene.joints[0].direction
-    flat = all(abs((place - scene.places[0]) @ normal) < _SAME * scene.size for place in scene.places)
-    if not flat:
-        return arm_view(scene)
-    return view_along(normal, scene.up)
 
 
 def _dot(center: Point, color: Color) -> Path:
@@ -129,13 +126,6 @@ def _draw_ends(
         start, tip = ((u + aside, v) for u, v in map(view.flat, ends))
         if math.dist(start, tip) > 4.0:
             paper.arrow(start, tip, AXIS_COLORS[letter], 0.9)
-
-
-def _apart(line: Sequence[Point], others: Sequence[Point]) -> tuple[Point, Point]:
-    """The place on a line that is farthest from other lines, and the direction away from their middle."""
-    place = max(_along(line, 6), key=lambda p: round(min((math.dist(p, other) for other in others), default=0.0), 6))
-    middle = np.mean(np.array([*line, *others]), axis=0)
-    return place, (float(place[0] - middle[0]), float(place[1] - middle[1]))
 
 
 def _along(line: Sequence[Point], parts: int) -> list[Point]:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, Piece, concatenate
+from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, TexPiece, concatenate
 
 # Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve.
 LINE_WIDTH = 455.0
@@ -36,7 +36,7 @@ class Equation:
     """``left = right``."""
 
     left: Box  # the symbol that is defined
-    right: tuple[Piece, ...]  # the expression
+    right: tuple[TexPiece, ...]  # the expression
 
     @property
     def width(self) -> float:
@@ -44,7 +44,7 @@ class Equation:
         return self.left.width + RELATION_WIDTH + sum(piece.box.width for piece in self.right)
 
 
-def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -> list[str]:
+def break_lines(head: Box, pieces: Sequence[TexPiece], width: float = LINE_WIDTH) -> list[str]:
     """The expression on as many lines as it needs."""
     lines: list[str] = []
     start, lead = 0, head
@@ -57,7 +57,7 @@ def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -
         start, lead = end, INDENTS[min(pieces[end].depth, len(INDENTS) - 1)]
 
 
-def _line_end(pieces: Sequence[Piece], start: int, room: float) -> int:
+def _line_end(pieces: Sequence[TexPiece], start: int, room: float) -> int:
     """Index of the piece that starts the next line: the cheapest break that fits, else the first one."""
     used = _continued(pieces[start]).width
     best, best_cost = 0, 2.0
@@ -75,7 +75,7 @@ def _line_end(pieces: Sequence[Piece], start: int, room: float) -> int:
     return len(pieces)
 
 
-def _continued(piece: Piece) -> Box:
+def _continued(piece: TexPiece) -> Box:
     """The piece at the start of a line that continues another; TeX spaces a sign as between terms after ``{}``."""
     if piece.before is Break.BINARY:
         return Box("{}" + piece.box.tex.strip() + " ", piece.box.width)

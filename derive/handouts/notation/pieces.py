@@ -123,7 +123,7 @@ class Break(IntEnum):
     COMMA = 3
 
 
-class Piece(NamedTuple):
+class TexPiece(NamedTuple):
     """A part of an expression that stays on one line."""
 
     box: Box  # its LaTeX
@@ -132,12 +132,12 @@ class Piece(NamedTuple):
     nest: int = 0  # height of the bracket that it opens or closes, 0 for other pieces
 
 
-def binary(sign: str, depth: int) -> Piece:
+def binary(sign: str, depth: int) -> TexPiece:
     """Plus or minus between two terms."""
-    return Piece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
+    return TexPiece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
 
 
-def joined(pieces: Iterable[Piece]) -> Box:
+def joined(pieces: Iterable[TexPiece]) -> Box:
     """All pieces on one line."""
     return concatenate(*(piece.box for piece in pieces))
 
@@ -147,7 +147,7 @@ def joined(pieces: Iterable[Piece]) -> Box:
 DECIMAL_COMMA = "{,}"  # in braces, so that no space follows it
 
 
-def list_separator(pieces: Iterable[Piece]) -> Box:
+def list_separator(pieces: Iterable[TexPiece]) -> Box:
     """What stands between the members of a list: a comma, or a semicolon where a number has one inside."""
     return Box(";\\, " if any(DECIMAL_COMMA in piece.box.tex for piece in pieces) else ",\\, ", 6.0)
 

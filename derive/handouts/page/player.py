@@ -143,7 +143,9 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
     entries: list[list[Any]] = []
     runs: list[list[PlayedPiece]] = []
     for piece in track:
-        if runs and _follows(runs[-1][-1], piece):
+        before, k = runs[-1][-1] if runs else piece, len(piece.values) // 2
+        alike = before.kind == piece.kind == "hermite" and len(before.values) == len(piece.values)
+        if runs and alike and before.values[k:] == piece.values[:k]:  # the same values where they meet
             runs[-1].append(piece)
         else:
             runs.append([piece])
@@ -160,13 +162,6 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
         values = [*run[0].values[:k], *(value for piece in run for value in piece.values[k:])]
         entries.append(["chain", grids.index(grid), *values])
     return entries
-
-
-def _follows(before: PlayedPiece, piece: PlayedPiece) -> bool:
-    """Whether two polynomials have the same values where they meet."""
-    k = len(piece.values) // 2
-    alike = before.kind == piece.kind == "hermite" and len(before.values) == len(piece.values)
-    return alike and before.values[k:] == piece.values[:k]
 
 
 def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, object]], text: Text) -> dict[str, Any]:

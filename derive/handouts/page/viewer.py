@@ -192,13 +192,10 @@ def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notat
     ]
     branches = []
     for index, name in enumerate(names):
-        words = html_text(branch_name(text, notation, name, _letters))
+        plain = branch_name(text, notation, name, lambda tex: "".join(run.text for run in label_runs(tex)).strip())
+        words = html_text(plain)
         branches += [{"index": index, "name": words}] if name else []
     return {"axes": axes, "branches": branches}
-
-
-def _letters(latex: str) -> str:
-    return "".join(run.text for run in label_runs(latex)).strip()
 
 
 def _configuration(

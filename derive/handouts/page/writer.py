@@ -23,11 +23,11 @@ from derive.handouts.sheet.document import (
     Block,
     Document,
     Figure,
-    Formula,
     Gap,
-    Kind,
     Paragraph,
     Rows,
+    SheetFormula,
+    SpanKind,
     Steps,
     Table,
     blocks_of,
@@ -159,10 +159,10 @@ class BlockWriter:
         """A text with its mathematics and its code."""
         parts = []
         for kind, part in spans(text):
-            if kind is Kind.MATHEMATICS:
+            if kind is SpanKind.MATHEMATICS:
                 parts.append(formula(part))
             else:
-                parts.append(f"<code>{html_text(part)}</code>" if kind is Kind.CODE else html_text(part))
+                parts.append(f"<code>{html_text(part)}</code>" if kind is SpanKind.CODE else html_text(part))
         return "".join(parts)
 
     def blocks(self, blocks: Iterable[Block]) -> str:
@@ -174,7 +174,7 @@ class BlockWriter:
                     written = f"<p>{self.words(text)}</p>"
                 case Rows(lines):
                     written = self._displays(lines)
-                case Formula():
+                case SheetFormula():
                     written = self._formula(block)
                 case Blank(number, task, points, gaps):
                     asked = f"<p class=task><b>{number}</b> {self.words(task)} {html_text(points)}</p>"
@@ -196,7 +196,7 @@ class BlockWriter:
         body = "\n".join(formula(line, display=True) for line in lines)
         return f'<div class=display tabindex=0 role=group aria-label="{html_text(_("Formula"))}">\n{body}\n</div>'
 
-    def _formula(self, block: Formula) -> str:
+    def _formula(self, block: SheetFormula) -> str:
         _ = self._text
         parts: list[str] = []
         if block.named:

@@ -17,7 +17,7 @@ from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class MassBody:
     """A link or a rotor that has mass or inertia."""
 
     place: int  # its place among the bodies, from 0
@@ -30,7 +30,7 @@ class Body:
         return script(bold(letter), italic(sub), body) if sub else script(bold(letter), body)
 
 
-def bodies(robot: Robot) -> tuple[Body, ...]:
+def bodies(robot: Robot) -> tuple[MassBody, ...]:
     """Links with mass or inertia, each followed by the rotor of its joint."""
     found: list[tuple[int, bool]] = []
     for i, link in enumerate(robot.links, 1):
@@ -38,7 +38,7 @@ def bodies(robot: Robot) -> tuple[Body, ...]:
             found.append((i, False))
         if has_rotor(link):
             found.append((i, True))
-    return tuple(Body(place, *body) for place, body in enumerate(found))
+    return tuple(MassBody(place, *body) for place, body in enumerate(found))
 
 
 def has_rotor(link: Link) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
-from derive.handouts.notation.pieces import Box, Break, Piece, concatenate, italic, script
+from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.kinematics import transforms
 from derive.handouts.parts.table import BASE, TOOL, end_lines, link_equations, table_rows
@@ -88,7 +88,7 @@ def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
         boxes += [Box("\\cdots ", 15.0)] if i == n and n > FEW_FACTORS else []
         boxes.append(concatenate(opening, *pair, closing))
     boxes += [] if tool is None else [tool]
-    return Equation(bold("T"), tuple(Piece(box, Break.COMMA if k else Break.NEVER) for k, box in enumerate(boxes)))
+    return Equation(bold("T"), tuple(TexPiece(box, Break.COMMA if k else Break.NEVER) for k, box in enumerate(boxes)))
 
 
 def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:

@@ -17,7 +17,7 @@ from derive.handouts.notation.pieces import (
     EMPTY,
     MINUS_WIDTH,
     Box,
-    Piece,
+    TexPiece,
     concatenate,
     italic,
     magnitude,
@@ -25,7 +25,7 @@ from derive.handouts.notation.pieces import (
 )
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula
 from derive.mechanics.floats import value_at
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Number, Pi, Product
@@ -54,7 +54,12 @@ def example(context: Context) -> Iterator[Block]:
     given = context.robot
     if _unnumbered(replace(given, links=(), gravity=None)) and context.poses is None:
         return
-    assumed = _assumed(context)
+    # lengths and angles without a number, with those of the drawing
+    drawn = context.poses.assumed if context.poses is not None else ()
+    assumed: dict[str, Expression] = {
+        name: Product((Number(Fraction(1, 6)), Pi())) if unit == "rad" else Number(Fraction(str(value)))
+        for name, value, unit in drawn
+    }
     robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
     chosen = configuration(robot)
     yield from _stated(context, chosen, assumed)
@@ -69,26 +74,14 @@ def example(context: Context) -> Iterator[Block]:
         )
     task = _("Compute the Jacobian in numbers.")
     yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
-    if robot.has_dynamics:
-        missing = _unnumbered(robot)
-        yield from [_needs_numbers(context, missing)] if missing else _dynamics(context, robot, chosen.q)
-
-
-def _assumed(context: Context) -> dict[str, Expression]:
-    """Lengths and angles without a number, with those of the drawing."""
-    drawn = context.poses.assumed if context.poses is not None else ()
-    return {
-        name: Product((Number(Fraction(1, 6)), Pi())) if unit == "rad" else Number(Fraction(str(value)))
-        for name, value, unit in drawn
-    }
-
-
-def _needs_numbers(context: Context, missing: Sequence[str]) -> Block:
-    words = context.text(
-        "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
-        symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
-    )
-    return Paragraph(words, is_answer=True)
+    missing = _unnumbered(robot) if robot.has_dynamics else ()
+    if missing:
+        yield context.answer(
+            "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
+            symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
+        )
+    elif robot.has_dynamics:
+        yield from _dynamics(context, robot, chosen.q)
 
 
 def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expression]) -> Iterator[Block]:
@@ -114,7 +107,7 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
         lines = equation_lines(
             Equation(
                 data.notation.glyph(name).box,
-                (*data.angle(cell), Piece(_METRE if isinstance(cell, Number) else angle)),
+                (*data.angle(cell), TexPiece(_METRE if isinstance(cell, Number) else angle)),
             )
             for name, cell in assumed.items()
         )
@@ -160,7 +153,7 @@ def _number(context: Context, value: float) -> Box:
     return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
 
 
-def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> Formula:
+def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> SheetFormula:
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
     cells = matrix([[_number(context, value) for value in row] for row in rows])
@@ -175,10 +168,10 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
         )
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, python),)
-    return Formula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
+    return SheetFormula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
 
 
-def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> Formula:
+def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> SheetFormula:
     """g component by component, each with its unit."""
     values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
     names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
@@ -192,7 +185,7 @@ def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> Formula:
     )
     blanks = tuple(name.tex for name in names)
     task = context.text("Compute the gravity vector in numbers, each component with its unit.")
-    return Formula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
+    return SheetFormula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
 
 
 # -- the configuration

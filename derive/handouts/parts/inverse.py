@@ -20,7 +20,7 @@ from derive.handouts.parts.inverse_example import example
 from derive.handouts.parts.inverse_formulas import WIDEST_LEFT, FormulaWriter
 from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources, words_alone
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Table
+from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Table
 from derive.inverse.closed.nodes import Kind
 from derive.inverse.closed.solve import MAX_JOINTS, Freedom, solve, usual_task
 from derive.inverse.words.derivation import Step
@@ -51,7 +51,7 @@ def inverse(context: Context) -> Iterator[Block]:
     if task != found.graph.task:
         asked = replace(context.robot, inverse=InverseOptions(task))
         found = Model(asked).inverse
-    part = _Part(context, found)
+    part = _InversePart(context, found)
     yield from part.given()
     if not found.graph.is_closed:
         yield part.why_not()
@@ -60,7 +60,7 @@ def inverse(context: Context) -> Iterator[Block]:
     yield from part.decoupled()
     yield from part.derived()
     if task != context.entries.model.inverse.graph.task:
-        yield from _Part(context, context.entries.model.inverse).of_whole_pose()
+        yield from _InversePart(context, context.entries.model.inverse).of_whole_pose()
     yield from part.branches()
     if context.robot.n > 1:
         yield from example(context, found)
@@ -73,7 +73,7 @@ def _too_long(context: Context) -> Paragraph:
 
 
 @dataclass
-class _Part:
+class _InversePart:
     """One arm's inverse kinematics on its way to the page."""
 
     context: Context  # the handout
@@ -157,7 +157,7 @@ class _Part:
         lines = equation_lines(Equation(joined(left), tuple(self._pieces(right))) for left, right in short)
         lines += [line for side in sides if side not in short for line in self.writer.broken(*side)]
         task = _("Which conditions must a pose satisfy so that the arm can reach it?")
-        yield Formula((Rows(tuple(lines)),), task=task, blanks=("",))
+        yield SheetFormula((Rows(tuple(lines)),), task=task, blanks=("",))
         variables = {self._variable(k) for k in range(self.context.robot.n)}
         if any(not variables.isdisjoint(map(str, e.free_symbols)) for c in conditions for e in (c.left, c.right)):
             yield self.context.answer("with the joint variables of the solution.")

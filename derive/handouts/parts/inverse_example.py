@@ -19,7 +19,7 @@ from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.example import configuration
 from derive.handouts.parts.figure import stated_values
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Figure, Formula, Paragraph, Rows, Table
+from derive.handouts.sheet.document import Block, Entry, Figure, Paragraph, Rows, SheetFormula, Table
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.numeric.in_numbers import Numbers
 from derive.inverse.words.solutions import CLOSE, InverseKinematics
@@ -70,7 +70,11 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
         yield context.paragraph("In numbers, with %(values)s, at this pose:", values=assumed_values)
     else:
         yield context.paragraph("In numbers, at this pose:")
-    yield Rows((_pose(context, value_at(robot, "T", q)),))
+    # what is 0, 1 or -1 but for rounding is written so
+    rows = value_at(robot, "T", q)
+    whole = {value: round(value) for row in rows for value in row if abs(value - round(value)) < _LEAST}
+    cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
+    yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
     words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
     rest = _("These reach it; put into $%(end)s$, each gives the pose back with all of its digits:", end=bold("T").tex)
     yield Paragraph(f"{words} {rest}", is_answer=True)
@@ -176,13 +180,6 @@ def _number(context: Context, value: float, places: int = _PLACES) -> Box:
     return Box(shown.replace(".", DECIMAL_COMMA) if context.notation.comma else shown, _DIGIT * len(shown) + _DIGIT)
 
 
-def _pose(context: Context, rows: Sequence[Sequence[float]]) -> str:
-    """T; what is 0, 1 or -1 but for rounding is written so."""
-    whole = {value: round(value) for row in rows for value in row if abs(value - round(value)) < _LEAST}
-    cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
-    return concatenate(bold("T"), EQUALS, matrix(cells)).tex
-
-
 def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     """What an exercise asks for and a page copies, then the configurations as a table."""
     _, joints = context.text, context.robot.joints
@@ -195,7 +192,7 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     python = "[" + ", ".join("[" + ", ".join(map(_COPIED, s.q)) + "]" for s in solutions) + "]"
     task = _("Compute in numbers all configurations that reach this pose.")
     room = ("",) * max(1, len(solutions) // 2)
-    yield Formula(
+    yield SheetFormula(
         (), function="inverse_kinematics", entries=(Entry("\\mathbf{q}", array, python),), task=task, blanks=room
     )
     if sum(max(name.width + _UNIT, _CELL) for name in names) > _ROOM:

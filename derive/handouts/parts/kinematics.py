@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import Box, Break, Piece, concatenate
+from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
@@ -126,5 +126,5 @@ def _partial_products(context: Context) -> Iterator[Block]:
         laid_out = _laid_out(context, frame("T", end, start), quantity, Group.factor(start))
         yield formula(context, laid_out, "link_transforms", _("Multiply these transforms out."))
     yield context.paragraph("The arm as a whole is")
-    factors = (Piece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
+    factors = (TexPiece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
     yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))

@@ -9,7 +9,7 @@ from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Formula, Rows, Steps
+from derive.handouts.sheet.document import Block, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import formula, textbook
 from derive.robot.expression import ZERO
 
@@ -27,7 +27,7 @@ def christoffel(context: Context) -> Iterator[Block]:
     yield textbook("christoffel_symbols", b=b, c=c)
     task = _("Which Christoffel symbols are not zero? Find them.")
     if not context.entries.triples:
-        yield Formula((), note=_("All are zero."), task=task, blanks=("",))
+        yield SheetFormula((), note=_("All are zero."), task=task, blanks=("",))
         return
     if context.steps and context.dynamics.is_compact(context.entries.Bdot):
         joints, partial, derivatives = range(1, context.robot.n + 1), Box("\\partial ", 6.0), []

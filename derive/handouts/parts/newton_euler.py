@@ -12,7 +12,7 @@ from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows, Steps
+from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import component_namer, entry_namer, matrix_lines, textbook
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
@@ -137,7 +137,7 @@ class _Constant:
         return [(namer(r, c), cell) for r, row in enumerate(self.cells, 1) for c, cell in enumerate(row, 1)]
 
 
-def _link_data(context: Context, recursion: Recursion, i: int) -> Formula:
+def _link_data(context: Context, recursion: Recursion, i: int) -> SheetFormula:
     """R_i^{i-1}, p_i, r_i, m_i and I_i of link i (from 1), one formula."""
     lines: list[str] = []
     shared: list[Box] = []
@@ -158,7 +158,7 @@ def _link_data(context: Context, recursion: Recursion, i: int) -> Formula:
     )
     blanks = tuple(constant.symbol.tex for constant in constants)
     task = context.text("Write the constants of each link that the recursion needs.")
-    return Formula((Rows((*pack(shared), *lines)),), entries=tuple(entries), task=task, blanks=blanks)
+    return SheetFormula((Rows((*pack(shared), *lines)),), entries=tuple(entries), task=task, blanks=blanks)
 
 
 def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Constant]:

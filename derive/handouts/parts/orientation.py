@@ -16,7 +16,7 @@ from derive.handouts.notation.pieces import (
     MINUS_WIDTH,
     Box,
     Break,
-    Piece,
+    TexPiece,
     concatenate,
     fraction,
     greek,
@@ -34,10 +34,10 @@ from derive.model.entries import Entries
 # Most terms of the entries of T from which angles are written out; of more they are given by the entries alone.
 SHORT_ANGLES = 12
 _END = bold("T").tex
-_COMMA = Piece(Box(",\\, ", 5.0), depth=1)
+_COMMA = TexPiece(Box(",\\, ", 5.0), depth=1)
 _RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
 
-Angles = tuple[tuple[Piece, ...], tuple[Piece, ...], tuple[Piece, ...]]  # each angle by entries of T
+Angles = tuple[tuple[TexPiece, ...], tuple[TexPiece, ...], tuple[TexPiece, ...]]  # each angle by entries of T
 Names = tuple[Box, Box, Box]
 Place = tuple[int, int]
 
@@ -74,8 +74,12 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     )
     task = _("Find roll, pitch and yaw of the end effector.")
     if not _terms(context, (1, 1), (2, 1)):
-        pitch_by_entry = (Piece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
-        angles: Angles = (Piece(italic("0")),), pitch_by_entry, _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2))
+        pitch_by_entry = (TexPiece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
+        angles: Angles = (
+            (TexPiece(italic("0")),),
+            pitch_by_entry,
+            _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2)),
+        )
         yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy, task)
         yield context.answer(
             "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
@@ -129,7 +133,11 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     if not _terms(context, (1, 3), (2, 3)):
         signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
-        angles: Angles = _atan2(*signed), (Piece(concatenate(_RIGHT_ANGLE, inside)),), (Piece(italic("0")),)
+        angles: Angles = (
+            _atan2(*signed),
+            (TexPiece(concatenate(_RIGHT_ANGLE, inside)),),
+            (TexPiece(italic("0")),),
+        )
         yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz, task)
         yield context.answer(
             "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
@@ -217,7 +225,7 @@ def _root(first: Box, second: Box) -> Box:
     return Box(f"\\sqrt{{{inner.tex}}}", inner.width + 10.0)
 
 
-def _atan2(sine: Box, cosine: Box) -> tuple[Piece, ...]:
-    opening, closing = Piece(Box("(", BRACKET_WIDTH)), Piece(Box(")", BRACKET_WIDTH))
-    second = Piece(cosine, Break.COMMA, depth=1)
-    return Piece(operator("atan2")), opening, Piece(sine, depth=1), _COMMA, second, closing
+def _atan2(sine: Box, cosine: Box) -> tuple[TexPiece, ...]:
+    opening, closing = TexPiece(Box("(", BRACKET_WIDTH)), TexPiece(Box(")", BRACKET_WIDTH))
+    second = TexPiece(cosine, Break.COMMA, depth=1)
+    return TexPiece(operator("atan2")), opening, TexPiece(sine, depth=1), _COMMA, second, closing

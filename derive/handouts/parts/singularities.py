@@ -9,20 +9,20 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, break_lines, pack
 from derive.handouts.layout.quantity import Item, omitted
-from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, Piece, concatenate, italic, script
+from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Steps
+from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import formula
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.conditions import Condition, Posture
 from derive.model.singularities.singularities import Outcome, SingularFactor, Singularities
 
-_IS_ZERO = Piece(Box(" = 0", RELATION_WIDTH + 5.0))
-_IF_AND_ONLY_IF = Piece(Box(" \\iff ", 34.0), Break.BINARY)
+_IS_ZERO = TexPiece(Box(" = 0", RELATION_WIDTH + 5.0))
+_IF_AND_ONLY_IF = TexPiece(Box(" \\iff ", 34.0), Break.BINARY)
 _DETERMINANT = Box("\\det", 16.0)
 
 _LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
@@ -188,7 +188,7 @@ class _SingularFormulas:
         glyphs = {symbol.name: Glyph(box) for symbol, box in self._names.items()}
         self._printer = LatexPrinter(context.notation.with_terms(glyphs))
 
-    def determinant(self) -> Formula:
+    def determinant(self) -> SheetFormula:
         """The determinant in factors, those that are too long by their numbers of terms."""
         left = concatenate(_DETERMINANT, _symbol(self.found))
         if not self._long:
@@ -210,24 +210,24 @@ class _SingularFormulas:
             )
             for symbol, f in self._long.items()
         )
-        return Formula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)))
+        return SheetFormula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)))
 
-    def conditions(self) -> Formula:
+    def conditions(self) -> SheetFormula:
         """Where each factor that moves with the arm is zero, or all factors of a line."""
         lines = [line for family in self.found.families for line in break_lines(EMPTY, list(self._zeros(family)))]
         present = [condition.posture for family in self.found.families for condition in family]
         note = " ".join(meaning for posture, (_word, meaning) in self._words.items() if posture in present)
         symbol = _symbol(self.found).tex
         task = self.context.text("In which configurations does $%(matrix)s$ lose rank?", matrix=symbol)
-        return Formula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
+        return SheetFormula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
 
-    def _zeros(self, family: Sequence[Condition]) -> Iterator[Piece]:
+    def _zeros(self, family: Sequence[Condition]) -> Iterator[TexPiece]:
         for k, condition in enumerate(family):
             if k:
-                yield Piece(Box(",\\quad ", 14.0), Break.COMMA)
+                yield TexPiece(Box(",\\quad ", 14.0), Break.COMMA)
             yield from self._zero(condition)
 
-    def _zero(self, condition: Condition) -> Iterator[Piece]:
+    def _zero(self, condition: Condition) -> Iterator[TexPiece]:
         """``s_5 = 0 <=> q_5 = 0 or pi (wrist)``."""
         values, text = condition.values, self.context.text
         if not condition.is_solution:
@@ -237,19 +237,19 @@ class _SingularFormulas:
             if not condition.is_solution:
                 yield _IF_AND_ONLY_IF
             yield from self._printer.pieces(condition.variable)
-            yield Piece(EQUALS)
+            yield TexPiece(EQUALS)
             if len(values) == 2 and values[0] == -values[1]:
-                yield Piece(Box("\\pm ", 8.0))
+                yield TexPiece(Box("\\pm ", 8.0))
                 values = values[1:]
             for index, value in enumerate(values):
                 if index:
                     word = text("or")
-                    yield Piece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
+                    yield TexPiece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
                 yield from self._printer.angle(value)
         real = [] if condition.is_certain else [text("where it has real solutions")]
         posture = [self._words[condition.posture][0]] if condition.posture in self._words else []
         for word in posture + real:
-            yield Piece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
+            yield TexPiece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
 
     def _short(self, factor: SingularFactor | Condition) -> Expr:
         same = (symbol for symbol, long in self._long.items() if long.expression == factor.expression)

@@ -9,7 +9,16 @@ from itertools import chain
 import sympy
 
 from derive.handouts.layout.lines import Equation, equation_lines, pack
-from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, italic, joined, list_separator, script
+from derive.handouts.notation.pieces import (
+    BRACKET_WIDTH,
+    Box,
+    Break,
+    TexPiece,
+    italic,
+    joined,
+    list_separator,
+    script,
+)
 from derive.handouts.notation.printer import Cell
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
@@ -157,15 +166,15 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
     """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero."""
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
-    com: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]
+    com: list[TexPiece] = [TexPiece(Box("(", BRACKET_WIDTH))]
     parts = [context.data.length(cell) for cell in link.com]
-    separator = Piece(list_separator(chain(*parts)))
+    separator = TexPiece(list_separator(chain(*parts)))
     for index, part in enumerate(parts):
         if index:  # behind a comma a line may be broken
             com.append(separator)
             part = (part[0]._replace(before=Break.COMMA), *part[1:])
         com += part
-    yield Equation(_word(_("centre of mass")), (*com, Piece(Box(")", BRACKET_WIDTH))))
+    yield Equation(_word(_("centre of mass")), (*com, TexPiece(Box(")", BRACKET_WIDTH))))
     cells = [(f"$I_{{{item.name}}}$", getattr(link.inertia, item.name)) for item in fields(link.inertia)]
     if link.motor is not None:
         cells += [

@@ -16,10 +16,10 @@ from derive.handouts.sheet.document import (
     Block,
     Document,
     Figure,
-    Formula,
     Paragraph,
     Rows,
     Section,
+    SheetFormula,
     Steps,
     Table,
     rows_of,
@@ -89,7 +89,7 @@ def _pieces(block: Block) -> Iterator[float]:
         case Rows(lines, landscape):
             drawn = [_DISPLAY, *map(_row, lines)]  # a page may end between any two rows of a display
             yield from [PAGE] * ceil(sum(drawn) / _LANDSCAPE) if landscape else drawn
-        case Formula():
+        case SheetFormula():
             for rows in block.rows:
                 yield from _pieces(rows)
             # Above named terms and above what is omitted stand two lines of words.
@@ -139,7 +139,7 @@ class _Sparing:
                 shown = Paragraph(self._sentence(block), is_answer=True)
             elif isinstance(block, Steps):
                 shown = replace(block, blocks=self.blocks(block.blocks, test))
-            elif isinstance(block, Formula) and any(map(test, block.rows)):
+            elif isinstance(block, SheetFormula) and any(map(test, block.rows)):
                 rows = tuple(rows for rows in block.rows if not test(rows))
                 sentence = self.text(
                     "The longest entries are left out to keep within the page limit (%(pages)s).", pages=self.limit
@@ -155,7 +155,7 @@ class _Sparing:
             return _(
                 "%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=self.limit
             )
-        if isinstance(block, Formula) and block.function:
+        if isinstance(block, SheetFormula) and block.function:
             return _(
                 "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
                 pages=self.limit,
@@ -195,9 +195,9 @@ def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tupl
     """One part after the other, shorter each time it comes; None in place of a part that is left out as a whole."""
     tests: tuple[Test, ...] = (
         lambda block: isinstance(block, Rows) and block.landscape,
-        lambda block: isinstance(block, Formula | Steps) and _tallest(block) > PAGE,
+        lambda block: isinstance(block, SheetFormula | Steps) and _tallest(block) > PAGE,
         lambda block: isinstance(block, Steps),
-        lambda block: isinstance(block, Formula) and height(block) > _LONG,
+        lambda block: isinstance(block, SheetFormula) and height(block) > _LONG,
     )
     for test in tests:  # from what is missed least to what is missed most, through all parts each time
         for part in USEFULNESS:

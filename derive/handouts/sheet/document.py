@@ -61,7 +61,7 @@ class LazyEntries(Sequence[Entry]):
 
 
 @dataclass(frozen=True, slots=True)
-class Formula:
+class SheetFormula:
     """The result for one quantity: what an exercise leaves blank."""
 
     rows: tuple[Rows, ...]  # the matrix, or its entries one by one
@@ -122,7 +122,7 @@ class Steps:
     blocks: tuple[Block, ...]  # the steps
 
 
-Block: TypeAlias = Paragraph | Rows | Formula | Blank | Table | Figure | Steps
+Block: TypeAlias = Paragraph | Rows | SheetFormula | Blank | Table | Figure | Steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +176,7 @@ def gap_rows(gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:
 
 def rows_of(block: Block) -> tuple[Rows, ...]:
     """The displayed mathematics of a block."""
-    if isinstance(block, Formula):
+    if isinstance(block, SheetFormula):
         return block.rows
     return (block,) if isinstance(block, Rows) else ()
 
@@ -184,7 +184,7 @@ def rows_of(block: Block) -> tuple[Rows, ...]:
 _SPAN = re.compile(r"\$([^$]*)\$|`([^`]*)`")
 
 
-class Kind(Enum):
+class SpanKind(Enum):
     """What a span of text is."""
 
     WORDS = "words"
@@ -195,7 +195,7 @@ class Kind(Enum):
 class Span(NamedTuple):
     """A part of a text."""
 
-    kind: Kind  # what it is
+    kind: SpanKind  # what it is
     text: str  # its contents without the marks
 
 
@@ -204,9 +204,9 @@ def spans(text: str) -> Iterator[Span]:
     end = 0
     for match in _SPAN.finditer(text):
         if match.start() > end:
-            yield Span(Kind.WORDS, text[end : match.start()])
+            yield Span(SpanKind.WORDS, text[end : match.start()])
         mathematics, code = match.groups()
-        yield Span(Kind.CODE, code) if mathematics is None else Span(Kind.MATHEMATICS, mathematics)
+        yield Span(SpanKind.CODE, code) if mathematics is None else Span(SpanKind.MATHEMATICS, mathematics)
         end = match.end()
     if end < len(text):
-        yield Span(Kind.WORDS, text[end:])
+        yield Span(SpanKind.WORDS, text[end:])

@@ -14,13 +14,13 @@ from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, concatenate, ita
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Formula, LazyEntries, Rows
+from derive.handouts.sheet.document import Block, Entry, LazyEntries, Rows, SheetFormula
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries
 
 
-def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> Formula:
+def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> SheetFormula:
     """A laid-out quantity as a formula."""
     _ = context.text
     rows = [Rows(laid_out.lines)] if laid_out.lines else []
@@ -32,7 +32,7 @@ def formula(context: Context, laid_out: LaidOut, function: str = "", task: str =
         python = PlainPrinter().doprint
         return (Entry(name.tex, context.printer.latex(value), python(value)) for name, value in laid_out.values)
 
-    return Formula(
+    return SheetFormula(
         rows=tuple(rows),
         named=laid_out.named,
         omitted=laid_out.omitted,

@@ -15,11 +15,11 @@ from derive.handouts.sheet.document import (
     Block,
     Document,
     Figure,
-    Formula,
     Gap,
-    Kind,
     Paragraph,
     Rows,
+    SheetFormula,
+    SpanKind,
     Steps,
     Table,
     blocks_of,
@@ -114,9 +114,9 @@ def latex_words(text: str) -> str:
     """A text with its marks."""
     written = []
     for kind, part in spans(text):
-        if kind is Kind.MATHEMATICS:
+        if kind is SpanKind.MATHEMATICS:
             written.append(f"${part}$")
-        elif kind is Kind.CODE:
+        elif kind is SpanKind.CODE:
             code = latex_text(part).replace("\\_", "\\_\\allowbreak{}").replace(" ", "\\ ")
             written.append(f"\\texttt{{{code}}}")
         else:
@@ -156,7 +156,7 @@ def _written(block: Block, _: Text) -> str:
             return latex_words(text) + _OPEN
         case Rows(lines, landscape):
             return _macro("rows", displays=displays(lines), landscape=landscape)
-        case Formula():
+        case SheetFormula():
             named = displays(block.named)
             sentences = {
                 "named": latex_words(_("With the abbreviations")),
@@ -187,7 +187,7 @@ def _written(block: Block, _: Text) -> str:
             return _macro("steps", title=latex_words(title), blocks=_joined(blocks, _, is_open=True))
 
 
-def omitted_words(block: Formula, _: Text) -> str:
+def omitted_words(block: SheetFormula, _: Text) -> str:
     """What stands before the numbers of terms of entries that are left out."""
     if block.function:
         return _(

@@ -9,7 +9,7 @@ import pytest
 
 from derive.handouts.figure.arm import WIDTH, arm_drawing
 from derive.handouts.figure.convention import convention_drawing
-from derive.handouts.figure.drawing import Drawing, Label, Path, Run, label_runs, label_width
+from derive.handouts.figure.drawing import Drawing, Label, LabelRun, Path, label_runs, label_width
 from derive.handouts.figure.writers import PREAMBLE, SUFFIXES, drawing_bytes, latex_drawing, svg_drawing
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
@@ -97,7 +97,7 @@ def test_convention_shows_its_four_parameters(convention: Convention) -> None:
 
 
 def test_labels_are_read_as_runs() -> None:
-    assert label_runs("a_{12}") == (Run("a"), Run("12", "upright", -1))
-    assert label_runs(r"\vartheta _{1}") == (Run("\N{GREEK THETA SYMBOL}"), Run("1", "upright", -1))
+    assert label_runs("a_{12}") == (LabelRun("a"), LabelRun("12", "upright", -1))
+    assert label_runs(r"\vartheta _{1}") == (LabelRun("\N{GREEK THETA SYMBOL}"), LabelRun("1", "upright", -1))
     assert "".join(run.text for run in label_runs(r"-0.5\,\mathrm{m}")) == "\N{MINUS SIGN}0.5\N{THIN SPACE}m"
     assert label_width("x_{0},x_{1}") > label_width("x_{0}") > 0
