@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import derive
-from derive.api.possible import possible
+from derive.api.convert import possible
 
 pytest.importorskip("clarabel")
 

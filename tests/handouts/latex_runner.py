@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -10,6 +11,20 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.pdf import LatexLog
+
+_OVERFULL = re.compile(
+    r"^Overfull \\[hv]box \((?P<size>[0-9.]+)pt too (?:wide|high)\)(?:.*?lines? (?P<line>\d+))?", re.M
+)
+
+
+def overfull_boxes(log: LatexLog) -> list[tuple[float, int]]:
+    """What is too large for its place: by how much [pt], and the line where its paragraph begins, 0 for none."""
+    return [(float(match["size"]), int(match["line"] or 0)) for match in _OVERFULL.finditer(log.text)]
+
+
+def overfull(log: LatexLog) -> float:
+    """The worst overfull box [pt]; 0 if there is none."""
+    return max((size for size, _ in overfull_boxes(log)), default=0.0)
 
 
 def require_latex() -> None:

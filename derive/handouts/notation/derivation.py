@@ -65,11 +65,7 @@ def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
         "sums": {write(name): write(total) for total, name in found.sums.items()},
         "steps": steps,
         "solutions": [
-            {
-                "name": solution.name,
-                "signs": {str(sign): value for sign, value in solution.signs.items()},
-            }
-            for solution in found.solutions
+            {"name": one.name, "signs": {str(k): v for k, v in one.signs.items()}} for one in found.solutions
         ],
     }
 
@@ -90,7 +86,8 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
         if step.kind is Kind.CONIC:
             lines.append(f"   of the fourth degree in tan({write(step.unknown)}/2): at most {step.branches} values")
         if step.exists is not sympy.true:
-            lines.append(f"   real for {_relation(step.exists, write)}")
+            real = step.exists  # a relation such as Abs(D) <= 1
+            lines.append(f"   real for {write(real.lhs)} {real.rel_op} {write(real.rhs)}")
         lines += [f"   {text}" for text in _failing(found, step, write)]
     return lines
 
@@ -176,7 +173,6 @@ def reason(found: InverseKinematics, step: Step) -> str:
 
 
 def _general_reason(found: InverseKinematics, step: Step) -> str:
-    """What a joint of an eigenvalue problem follows from."""
     formula = next(node.formulas[0] for node in found.graph.nodes if node.kind is Kind.GENERAL).payload
     hidden, others, eliminated = formula.joints
     (joint,) = step.joints
@@ -193,7 +189,6 @@ def _general_reason(found: InverseKinematics, step: Step) -> str:
 
 
 def _sources(robot: Robot, equations: Iterable[PrintedEquation]) -> str:
-    """Entries of which product."""
     by_matrix: dict[str, list[str]] = {}
     origins = [origin for equation in equations for origin in equation.origins]
     for matrix, entry in (_place(robot, origin) for origin in origins):
@@ -257,7 +252,3 @@ def formula(line: Line, write: Print, equals: str = " = ", or_: str = " or ", ha
 
 def _equation(equation: PrintedEquation, write: Print) -> str:
     return f"{write(equation.left)} = {write(equation.right)}"
-
-
-def _relation(relation: Any, write: Print) -> str:
-    return f"{write(relation.lhs)} {relation.rel_op} {write(relation.rhs)}"

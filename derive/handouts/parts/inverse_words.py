@@ -35,7 +35,6 @@ def sources(context: Context, equations: Iterable[PrintedEquation]) -> str:
 
 
 def _phrase(context: Context, form: Form, matrix: str, origins: Sequence[Origin]) -> str:
-    """What is made of which entries of one product."""
     _ = context.text
     places = list(dict.fromkeys(entry for origin in origins for entry in origin.entries))
     entries = and_list(_, [f"$({','.join(map(str, place))})$" for place in places])
@@ -129,11 +128,7 @@ def words_alone(name: str) -> str:
 
 
 def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str], str] | None = None) -> str:
-    """The name of a branch in the reader's language.
-
-    Args:
-        plain: How a symbol is written in running text; None for LaTeX between dollar signs.
-    """
+    """The name of a branch in the reader's language; ``plain`` writes its symbols in running text, None: as LaTeX."""
     words = _branch_words(text)
 
     def _of(part: str) -> str:

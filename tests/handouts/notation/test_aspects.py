@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from derive.handouts.notation.aspects import aspects_parts, aspects_text
+from derive.handouts.notation.singularities import aspects_parts, aspects_text
 from derive.handouts.notation.text import TextPrinter
 from derive.model.model import Model
 from derive.robot.robot import Robot
