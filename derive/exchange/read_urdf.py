@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
 from derive.exchange.body_chain import roll_pitch_yaw
-from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
-from derive.exchange.urdf_grammar import look
+from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint, look
 from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from sympy import Expr, Symbol
 from derive.arrays import Array, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.motion.curves.formulas_of_time import followed
+from derive.motion.curves.formulas_of_time import curves_of, followed
 from derive.motion.curves.recording import read_recording
-from derive.motion.curves.trajectory import Segment, Trajectory, curves_of
+from derive.motion.curves.trajectory import Segment, Trajectory
 from derive.motion.curves.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
@@ -26,8 +26,8 @@ from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import Body
 from derive.motion.torques.functions import Functions
 from derive.motion.torques.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
+from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
-from derive.plans.data import plan_text, waypoints
 from derive.plans.disturbance import check_starts
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import PATHS, BaseCurve

@@ -11,9 +11,8 @@ from pathlib import Path
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
 from derive.plans.catalogue import plan_bytes
 from derive.plans.cells import PlanCells, Read
+from derive.plans.checks import check_effects, remarks_on_loads
 from derive.plans.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
-from derive.plans.ineffective import check_effects
-from derive.plans.load_remarks import remarks_on_loads
 from derive.plans.moving_base import PATHS, MovingBase, read_base
 from derive.plans.points import Payload, Point, Pose, Step, Vector
 from derive.plans.profile import Profile

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from sympy import Abs, Expr, Integer, Pow, cos, preorder_traversal, tan
@@ -10,12 +10,26 @@ from sympy import Abs, Expr, Integer, Pow, cos, preorder_traversal, tan
 from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.motion.curves.extremes import refined
+from derive.motion.curves.trajectory import Segment, Trajectory
 from derive.plans.hermite import TIME
-from derive.plans.profile import Curve
+from derive.plans.profile import ZERO, Curve
 
 # Times at which parts of a formula are looked at; zeros between two of them are found by the change of sign.
 PLACES = 4001
 NOTHING = 1e-12  # relative to the largest value: what is smaller is zero
+
+
+def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
+    """Joint variables by formulas of time.
+
+    Args:
+        duration: How long they last [s].
+    """
+    pieces = []
+    for formula in formulas:
+        velocity = formula.diff(TIME)
+        pieces.append((Curve(ZERO, duration, (formula, velocity, velocity.diff(TIME))),))
+    return Trajectory((Segment("curves", ZERO, duration, tuple(pieces)),))
 
 
 def followed(formula: Expr, duration: float) -> Expr:

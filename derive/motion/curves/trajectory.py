@@ -12,8 +12,8 @@ from sympy import Expr, Integer
 
 from derive.arrays import Array, Indices
 from derive.motion.curves.extremes import Peak, peak
-from derive.plans.hermite import TIME, Piece, power_coefficients, sampled
-from derive.plans.profile import ZERO, AnyPiece, Cosine, Curve
+from derive.plans.hermite import Piece, power_coefficients, sampled
+from derive.plans.profile import AnyPiece, Cosine, Curve
 
 Joints = tuple[tuple[AnyPiece, ...], ...]  # the pieces of each joint
 Corner = tuple[Expr, ...]  # joint variables at a point
@@ -183,16 +183,3 @@ def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
     if order == 2:
         return np.asarray(way / 2 * (np.pi / length) ** 2 * wave)
     return np.asarray(np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2))
-
-
-def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
-    """Joint variables by formulas of time.
-
-    Args:
-        duration: How long they last [s].
-    """
-    pieces = []
-    for formula in formulas:
-        velocity = formula.diff(TIME)
-        pieces.append((Curve(ZERO, duration, (formula, velocity, velocity.diff(TIME))),))
-    return Trajectory((Segment("curves", ZERO, duration, tuple(pieces)),))
