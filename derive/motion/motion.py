@@ -16,16 +16,17 @@ from sympy import Expr, Symbol
 from derive.arrays import Array, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.motion.curves.extremes import peak
 from derive.motion.curves.formulas_of_time import curves_of, followed
 from derive.motion.curves.recording import read_recording
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.trajectory import Trajectory
 from derive.motion.curves.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import Body
 from derive.motion.torques.functions import Functions
-from derive.motion.torques.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
+from derive.motion.torques.loads import LEAST_INTERVALS, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
 from derive.plans.disturbance import check_starts
@@ -33,6 +34,7 @@ from derive.plans.hermite import TIME
 from derive.plans.moving_base import PATHS, BaseCurve
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
 from derive.plans.points import Step
+from derive.plans.segments import Load, Segment, SegmentPeaks
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
@@ -312,13 +314,12 @@ class Motion:
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:
         """Largest speeds, accelerations and torques, segment by segment."""
-        return tuple(
-            SegmentPeaks(
-                segment, segment.peaks(1), segment.peaks(2), found[: self.plan.robot.n], *found[self.plan.robot.n :]
-            )
-            for segment in self.trajectory.segments
-            for found in (self._loads(segment),)
-        )
+        n, found = self.plan.robot.n, []
+        for segment in self.trajectory.segments:
+            speeds, accelerations = (tuple(peak(pieces, order) for pieces in segment.joints) for order in (1, 2))
+            of_joints = self._loads(segment)
+            found.append(SegmentPeaks(segment, speeds, accelerations, of_joints[:n], *of_joints[n:]))
+        return tuple(found)
 
     @cached_property
     def bounds(self) -> Bounds:

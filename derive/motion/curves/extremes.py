@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -12,6 +11,7 @@ from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expa
 from derive.arrays import Array
 from derive.plans.hermite import Piece, power_coefficients
 from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.plans.segments import Peak
 
 _U = Symbol("u", real=True)
 
@@ -24,15 +24,6 @@ MORE = 1e-12  # what is larger between two times by less, relative to it, is not
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 _SAME = 1e-9  # values that differ by less, relative to themselves, are one; the earliest counts
 _NEAR = 0.8  # of the largest value: what a polynomial has to reach at these places for its extremes to be computed
-
-
-@dataclass(frozen=True, slots=True)
-class Peak:
-    """The largest magnitude of a derivative of one joint."""
-
-    value: Expr  # with its sign [rad/s, m/s, rad/s^2 or m/s^2]
-    time: Expr  # when [s]; the earliest of equal ones
-    is_exact: bool  # whether both are exact; a `Float` otherwise
 
 
 def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:

@@ -10,9 +10,10 @@ from sympy import Abs, Expr, Integer, Pow, cos, preorder_traversal, tan
 from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.motion.curves.extremes import refined
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import TIME
 from derive.plans.profile import ZERO, Curve
+from derive.plans.segments import Segment
 
 # Times at which parts of a formula are looked at; zeros between two of them are found by the change of sign.
 PLACES = 4001

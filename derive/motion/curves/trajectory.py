@@ -11,34 +11,14 @@ import numpy as np
 from sympy import Expr, Integer
 
 from derive.arrays import Array, Indices
-from derive.motion.curves.extremes import Peak, peak
 from derive.plans.hermite import Piece, power_coefficients, sampled
 from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.plans.segments import Segment
 
-Joints = tuple[tuple[AnyPiece, ...], ...]  # the pieces of each joint
 Corner = tuple[Expr, ...]  # joint variables at a point
 ONE = Integer(1)
 
 JUMP = 1e-6  # of the largest acceleration of a joint: what is a jump, and no rounding
-
-
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """The way from one point to the next."""
-
-    name: str  # ``rest -> A``
-    start: Expr  # when it begins [s]
-    duration: Expr  # how long it takes [s]
-    joints: Joints  # the pieces of each joint
-
-    @property
-    def corners(self) -> tuple[float, ...]:
-        """Times within it at which a piece of a joint begins, so that accelerations may jump [s]."""
-        return tuple(sorted({float(piece.start) for pieces in self.joints for piece in pieces[1:]}))
-
-    def peaks(self, order: int) -> tuple[Peak, ...]:
-        """The largest velocity or acceleration of each joint."""
-        return tuple(peak(pieces, order) for pieces in self.joints)
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,10 @@ from typing import Any
 
 from sympy import sstr
 
-from derive.motion.curves.extremes import Peak
 from derive.motion.curves.violations import Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
-from derive.motion.torques.loads import SegmentPeaks
+from derive.plans.segments import Peak, SegmentPeaks
 from derive.robot.robot import Robot
 
 

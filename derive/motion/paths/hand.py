@@ -15,7 +15,7 @@ from sympy import Expr, Float, Integer, Symbol, sstr
 from derive.arrays import Array
 from derive.errors import QuantityError, RobotFileError, quoted
 from derive.motion.curves.limits import Limits
-from derive.motion.curves.trajectory import ONE, Corner, Joints, Trajectory
+from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector
 from derive.motion.paths.smooth import UNIFORM, grid_of, one_second, smooth_path
 from derive.motion.torques.functions import Functions
@@ -23,6 +23,7 @@ from derive.plans.hermite import Piece
 from derive.plans.plan import Plan
 from derive.plans.points import Point, Step, Vector
 from derive.plans.profile import ZERO
+from derive.plans.segments import Joints
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot

@@ -14,9 +14,10 @@ import numpy as np
 from sympy import Expr, Float
 
 from derive.arrays import Array
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.trajectory import Trajectory
 from derive.motion.paths.poses import Way, rotation_of, rotation_vector
 from derive.plans.profile import spline
+from derive.plans.segments import Segment
 
 TERMS = 24  # of the power series of a and b, which are exact to rounding up to a whole turn
 

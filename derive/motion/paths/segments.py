@@ -11,7 +11,7 @@ from sympy import Expr
 from derive.errors import RobotFileError
 from derive.motion.curves.extremes import numeric_peak
 from derive.motion.curves.limits import MOST_CRUISE, Limits, placed, proportions, rounded_up, trapezoid_peaks
-from derive.motion.curves.trajectory import ONE, Corner, Joints, Segment, Trajectory
+from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.plans.hermite import Piece, joined, symbolic
 from derive.plans.plan import Plan
 from derive.plans.points import Step
@@ -28,6 +28,7 @@ from derive.plans.profile import (
     trapezoid,
     via_velocities,
 )
+from derive.plans.segments import Joints, Segment
 from derive.robot.expression import Expression
 
 

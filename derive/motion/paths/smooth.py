@@ -10,9 +10,10 @@ import numpy as np
 from sympy import Expr, Float
 
 from derive.arrays import Array
-from derive.motion.curves.trajectory import ONE, Corner, Joints, Segment, Trajectory
+from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.plans.hermite import MOST_PRINTED, Piece, joined, sampled, symbolic
 from derive.plans.profile import ZERO
+from derive.plans.segments import Joints, Segment
 
 INTERVALS = 192  # of each segment
 NOISE = 1e-9  # slope of a joint, relative to the largest of all, below which it does not move
