@@ -12,7 +12,7 @@ from derive.errors import DeriveError
 from derive.exchange.arm import Arm
 from derive.exchange.body_chain import body_chain
 from derive.exchange.certificate import along_x, along_z, ball, certify, frame_of
-from derive.exchange.common_normals import Placement, Row
+from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.numeric import text
 from derive.exchange.urdf import SLIDE, Urdf
 from derive.mechanics.space import WORLD, exactly
@@ -51,7 +51,7 @@ def placement_of(table: Robot) -> Placement:
     with exactly():
         frames, rows = [frame_of(table.base)], []
         for joint in table.joints:
-            row = Row(*(ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha)))
+            row = DHRow(*(ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha)))
             along, across = along_z(row.theta, row.d), along_x(row.a, row.alpha)
             standard = table.convention is Convention.STANDARD
             frames.append(frames[-1].then(along.then(across) if standard else across.then(along)))

@@ -39,7 +39,7 @@ TOO_FAR = 1000.0  # what a far cell counts for each power of ten
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class DHRow:
     """The constant cells of a joint."""
 
     theta: Real  # [rad]
@@ -54,7 +54,7 @@ class Placement:
 
     convention: Convention  # standard or modified
     frames: tuple[Frame, ...]  # frame 0 to frame n, in the world
-    rows: tuple[Row, ...]  # of the table
+    rows: tuple[DHRow, ...]  # of the table
     tool: Frame  # the arm's end in frame n
     turned: tuple[float, ...]  # by how much axes were turned, where they were [rad]
     # The axes that are almost parallel to the one before, with a common normal beyond everything that the arm
@@ -230,7 +230,7 @@ def _normals(
             yield from ((foot, x) for foot in feet for x in across)
 
 
-def _row(before: Frame, after: Frame, standard: bool) -> Row:
+def _row(before: Frame, after: Frame, standard: bool) -> DHRow:
     """Cells from one frame to the next; what is below `NOTHING` is zero."""
     if standard:
         foot = plus(before.origin, before.z, dot(plus(after.origin, before.origin, -1), before.z))
@@ -241,7 +241,7 @@ def _row(before: Frame, after: Frame, standard: bool) -> Row:
         theta, alpha = _angle(before.x, after.x, after.z), _angle(before.z, after.z, before.x)
         a = dot(plus(foot, before.origin, -1), before.x)
         d = dot(plus(after.origin, foot, -1), after.z)
-    return Row(theta, d, a, alpha)
+    return DHRow(theta, d, a, alpha)
 
 
 def _angle(a: Point, b: Point, about: Point) -> Real:

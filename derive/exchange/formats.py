@@ -9,7 +9,7 @@ from functools import partial
 from types import MappingProxyType
 
 from derive.errors import DeriveError, near_miss, quoted
-from derive.exchange.body_chain import BodyChain, Rotor, Segment, body_chain, given
+from derive.exchange.body_chain import BodyChain, ChainSegment, Rotor, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.rotors import lost_coupling, with_rotors
@@ -26,7 +26,7 @@ from derive.version import __version__
 # Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2].
 EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
 # What a joint or its link may have: in words, and whether it has.
-GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
+GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = MappingProxyType(
     {
         "limits": ("the limits", lambda segment: segment.joint.limits is not None),
         "speed": ("the largest speed", lambda segment: given(segment.joint.speed)),
@@ -54,7 +54,7 @@ GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class ExportFormat:
     """A format."""
 
     program: str  # who reads it
@@ -97,7 +97,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     return Exported(text, remarks)
 
 
-def _remarks(arm: BodyChain, written: BodyChain, form: Form, reversed_joints: Sequence[str]) -> Iterator[str]:
+def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_joints: Sequence[str]) -> Iterator[str]:
     """What is not in the file, as sentences."""
     for key in form.lacks:
         words, has = GIVEN[key]
@@ -168,29 +168,31 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
 
 
 # By the name that users type.
-FORMS: Mapping[str, Form] = MappingProxyType(
+FORMS: Mapping[str, ExportFormat] = MappingProxyType(
     {
-        "urdf": Form("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
-        "mjcf": Form("MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco, says=coupled_by_tendon),
-        "rtb": Form(
+        "urdf": ExportFormat("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
+        "mjcf": ExportFormat(
+            "MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco, says=coupled_by_tendon
+        ),
+        "rtb": ExportFormat(
             "DHRobot",
             ("speed", "torque", "coupling"),
             partial(script_text, "exchange/rtb.py.jinja"),
             partial(_remarks_of_toolboxes, "rne_python", "rne"),
             reverses=False,
         ),
-        "corke": Form(
+        "corke": ExportFormat(
             "SerialLink",
             ("speed", "torque", "coupling"),
             partial(script_text, "exchange/corke.m.jinja"),
             partial(_remarks_of_toolboxes, "rne", "its compiled form frne"),
             reverses=False,
         ),
-        "rigidbodytree": Form(
+        "rigidbodytree": ExportFormat(
             "rigidBodyTree",
             ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),
             partial(script_text, "exchange/rigidbodytree.m.jinja"),
         ),
-        "csv": Form("CSV", (), csv_text, has_rotors=True),
+        "csv": ExportFormat("CSV", (), csv_text, has_rotors=True),
     }
 )

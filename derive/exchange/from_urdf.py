@@ -19,7 +19,7 @@ from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, place
 from derive.exchange.convert import convention_named
 from derive.exchange.robot_of_arm import robot_of_arm
 from derive.exchange.slanted import CutOff, as_meant, cut_off, meant, named, slant, slanted, snap_for
-from derive.exchange.source import Source
+from derive.exchange.source import ChainSource
 from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
 from derive.model.identification.possible import wants_possible, with_chosen_bodies
@@ -112,7 +112,7 @@ def import_urdf(
     base: str | None,
     tip: str | None,
     options: ImportOptions = AS_USUAL,
-    source: Source | None = None,
+    source: ChainSource | None = None,
 ) -> Imported:
     """The robot of a chain of a URDF.
 

@@ -45,7 +45,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
             remedy="give a URDF; a xacro file is read where its name ends with .xacro",
             location=Location(source, root.sourceline or 1),
         )
-    reader = _Reader(source, root.get("version", VERSIONS[0]))
+    reader = _UrdfReader(source, root.get("version", VERSIONS[0]))
     if reader.version not in VERSIONS:
         found = f"version {quoted(reader.version)} of URDF"
         raise reader.refused(root, found, 'write version="1.0", or leave it out', f"allowed: {', '.join(VERSIONS)}")
@@ -163,7 +163,7 @@ def _without_default(root: etree._Element) -> list[str]:
 
 
 @dataclass(frozen=True)
-class _Reader:
+class _UrdfReader:
     """Elements to data."""
 
     source: str  # file name for messages

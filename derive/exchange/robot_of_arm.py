@@ -10,7 +10,7 @@ from flint import arb
 
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass
-from derive.exchange.common_normals import Placement, Row
+from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.urdf import UNLIMITED
 from derive.mechanics.space import NOTHING, Frame, Point, Real, decimal, plus, real
 from derive.mechanics.vectors import dot
@@ -55,7 +55,7 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
     )
 
 
-def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
+def _joint(i: int, axis: Axis, row: DHRow, snap: Fraction) -> Joint:
     """A row of the table; its variable is the joint's own."""
     of_file, limits = axis.joint, None
     if axis.limits is not None:

@@ -41,7 +41,7 @@ OPENERS = ("type", "vars")  # functions of xacro that do the same
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class ChainSource:
     """A chain of a file."""
 
     file: str  # its path, from the folder of the robot file; empty for standard input
@@ -57,7 +57,7 @@ class Source:
         return MARK + json.dumps({key: value for key, value in asdict(self).items() if value or key == "file"})
 
     @classmethod
-    def of(cls, text: str) -> tuple[Source, Certificate] | None:
+    def of(cls, text: str) -> tuple[ChainSource, Certificate] | None:
         """What the head of a robot file says and promises.
 
         Returns:

@@ -24,7 +24,7 @@ from derive.motion.curves.violations import Bounds, Function, Violation, bounds_
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques
-from derive.motion.torques.bodies import Body
+from derive.motion.torques.bodies import CarriedBody
 from derive.motion.torques.functions import Functions
 from derive.motion.torques.loads import LEAST_INTERVALS, loads
 from derive.plans.catalogue import plan_text, waypoints
@@ -307,7 +307,7 @@ class Motion:
         """
         if step.payload is None:
             return ()
-        body = Body.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
+        body = CarriedBody.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
         standard = self._functions.standard_parameters
         return tuple((k, body[name]) for k, name in enumerate(standard) if name in body)
 

@@ -77,7 +77,7 @@ def simulate(
     stage, brought, pushed, divergence = stages[0], 0.0, np.zeros(1), None
     state = np.concatenate([*start, np.zeros(2 if stage.plant.base is None else 3)])
     held = stage.law(float(times[0]), *start)
-    parts = [_Part(times[:1], state[None], held[None], stage.plant, brought, pushed)]
+    parts = [_Stretch(times[:1], state[None], held[None], stage.plant, brought, pushed)]
     for (a, looks), (b, _) in pairwise(edges):
         now = [other for other in stages if other.start <= a + SAME][-1]
         if now is not stage:
@@ -101,7 +101,7 @@ def simulate(
         tau = [law(float(t), row[:n], row[n : 2 * n]) for t, row in zip(inside, kept, strict=False)]
         pushes = pushed[-1] + (rows[:, :n] - state[:n]) @ stage.plant.push
         part = inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant, brought, pushes[: len(kept)]
-        parts.append(_Part(*part))
+        parts.append(_Stretch(*part))
         if divergence is not None:
             break
         state, pushed = rows[-1], pushes
@@ -109,7 +109,7 @@ def simulate(
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _Stretch:
     """Samples between two edges: times, states, torques, the arm, what bodies brought and the work of pushes [J]."""
 
     t: Array
@@ -145,7 +145,7 @@ def _holding(held: Array) -> Law:
     return lambda *_: held
 
 
-def _run(parts: Sequence[_Part], divergence: Divergence | None) -> Run:
+def _run(parts: Sequence[_Stretch], divergence: Divergence | None) -> Run:
     n = parts[0].tau.shape[1]
     states = np.concatenate([part.states for part in parts])
     energies = []
