@@ -168,9 +168,7 @@ class ChainSegment:
     link: Link  # as in the robot file, of numbers
     origin: Frame  # frame of the link in that of the one before, at zero
     dh: Frame  # its DH frame in this frame
-    body: (
-        RigidBody | None
-    )  # in its DH frame, as `body_chain` makes it without rotors; None without dynamics
+    body: RigidBody | None  # in its DH frame, as `body_chain` makes it without rotors; None without dynamics
     rotor: Rotor | None  # that of this joint
     end: Point  # where the next joint or the tip is
 

@@ -25,14 +25,7 @@ SAME = 1e-9  # poses that differ by less are the same: a URDF's numbers have 17 
 
 
 def carried_table(urdf: Urdf, arm: Arm, convention: Convention | None) -> Robot | None:
-    """The table that a URDF carries.
-
-    Args:
-        convention: Of the table that is asked for; None for its own.
-
-    Returns:
-        A robot of numbers; None where there is none, it is of the other convention, or it is not this arm's.
-    """
+    """The table of numbers that a URDF carries; None without one, of the other convention, or of another arm."""
     if not urdf.table:
         return None
     try:

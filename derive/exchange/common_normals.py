@@ -75,11 +75,7 @@ class _Candidate:
 
 
 def place(arm: Arm, convention: Convention, snap: float) -> Placement:
-    """The table of an arm.
-
-    Args:
-        snap: Axes that are closer to parallel or to each other are taken for it [rad, m].
-    """
+    """The table of an arm; axes closer to parallel or to each other than the snap are taken for it [rad, m]."""
     lines, far = _straightened(arm, snap)
     turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
     standard = convention is Convention.STANDARD

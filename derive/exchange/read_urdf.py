@@ -192,11 +192,7 @@ class _UrdfReader:
     def numbers(
         self, element: etree._Element, attribute: str, count: int, *, infinite: bool = False
     ) -> tuple[Fraction, ...] | None:
-        """The decimals of an attribute.
-
-        Returns:
-            They; None where the attribute is not there.
-        """
+        """The decimals of an attribute; None where it is not there."""
         text = element.get(attribute)
         if text is None:
             return None
@@ -207,11 +203,7 @@ class _UrdfReader:
         return tuple(self._number(element, attribute, word, infinite) for word in words)
 
     def number(self, element: etree._Element, attribute: str, *, infinite: bool = False) -> Fraction | None:
-        """The decimal of an attribute.
-
-        Returns:
-            It; None where the attribute is not there.
-        """
+        """The decimal of an attribute; None where it is not there."""
         found = self.numbers(element, attribute, 1, infinite=infinite)
         return found[0] if found else None
 
@@ -268,11 +260,7 @@ class _UrdfReader:
         return roll, pitch, yaw
 
     def body(self, element: etree._Element) -> UrdfBody | None:
-        """What a link weighs.
-
-        Returns:
-            It; None where nothing is said.
-        """
+        """What a link weighs; None where nothing is said."""
         inertial = element.find("inertial")
         if inertial is None:
             return None

@@ -34,11 +34,9 @@ Written = tuple[BodyChain, tuple[str, ...]]
 
 
 def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted: str) -> Written:
-    """The arm as a format says it.
+    """The arm as a format says it, which may say the inertia of some rotors otherwise; None for links alone.
 
-    Args:
-        is_said: Whether a rotor's inertia is said in another way, so that others may be divided; its mass is part of
-            the link that carries it. None where nothing but links is said.
+    Other rotors may be divided then; the mass of each is part of the link that carries it.
     """
     said = [i for i, s in enumerate(arm.segments) if s.rotor is not None and is_said and is_said(s.rotor)]
     inside = 0.0 if is_said else INSIDE

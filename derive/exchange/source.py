@@ -58,11 +58,7 @@ class ChainSource:
 
     @classmethod
     def of(cls, text: str) -> tuple[ChainSource, Certificate] | None:
-        """What the head of a robot file says and promises.
-
-        Returns:
-            The source and the bound; None for a file that says neither.
-        """
+        """The source and the bound that the head of a robot file promises; None for a file that says neither."""
         line, promise = _DATA.search(text), _PROMISE.search(text)
         if line is None or promise is None:
             return None
@@ -156,11 +152,7 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
 
 
 def forbidden(expression: str) -> str | None:
-    """The name for which an expression is not evaluated.
-
-    Returns:
-        The name; None where there is none, or where it is no expression, which xacro says itself.
-    """
+    """The name for which an expression is not evaluated; None without one, or for what is no expression."""
     try:
         tree = ast.parse(expression.strip(), mode="eval")
     except (SyntaxError, ValueError):

@@ -99,11 +99,7 @@ def _stride(robot: Robot, joint: Joint, known: Mapping[str, float]) -> tuple[flo
 
 
 def plan_text(keys: Mapping[str, Any]) -> str:
-    """The file of a plan.
-
-    Args:
-        keys: Numbers, texts of cells, lists, arrays and mappings; None and False count as left out.
-    """
+    """The file of a plan of numbers, texts of cells, lists, arrays and mappings; None and False count as left out."""
     return json.dumps(_plain(keys), indent=1, ensure_ascii=False)
 
 
@@ -122,12 +118,7 @@ def _plain(value: object) -> object:
 
 
 def waypoints(points: ArrayLike, times: ArrayLike | None) -> dict[str, Any]:
-    """The points and the path of a plan.
-
-    Args:
-        points: One row a configuration, (points, n).
-        times: Of the segments [s], (points - 1,), or one for all; None where limits decide.
-    """
+    """The points, (points, n), and the path of a plan; times of the segments or one for all [s], None by limits."""
     import numpy as np  # names of plans are completed without it
 
     rows = np.asarray(points)

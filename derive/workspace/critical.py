@@ -117,11 +117,7 @@ def _evaluated(p: Polynomial, domain: PolynomialDomain, plane: PlaneMap, *q: Arr
 
 
 def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
-    """Segments among which the boundary of a picture lies, their ends exactly on the curves.
-
-    Returns:
-        (segments, 2 ends, 2) [m].
-    """
+    """Segments among which a picture's boundary lies, their ends exactly on the curves, (segments, 2 ends, 2) [m]."""
     turn = plane.point.turn
     gap = plane.point.size * (TURN / cells) ** 2 / 2.0
     if turn is None or turn not in plane.joints or plane.picture is not Picture.TOP:
@@ -209,11 +205,7 @@ def _joined(q: Array) -> Array:
 
 
 def _image(plane: PlaneMap, ends: Array) -> Array:
-    """The image of short lines between configurations; where one passes the axis of a section it is cut there.
-
-    Returns:
-        (segments, 2 ends, 2) [m].
-    """
+    """The image of short lines, cut where one passes the axis of a section, (segments, 2 ends, 2) [m]."""
     q = ends.reshape(len(ends), -1)
     segments: Array = plane.values(q)[0].T.reshape(-1, 2, 2)
     if plane.picture is not Picture.SECTION:
@@ -231,10 +223,7 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     """The curves on which a function of two variables is zero, as short lines.
 
     The zeros on the lines of a grid are found by bisection; in each cell they are joined, all of them where there are
-    four, which closes every crossing.
-
-    Returns:
-        (2 variables, lines, 2 ends).
+    four, which closes every crossing: (2 variables, lines, 2 ends).
     """
     values = np.broadcast_to(function(us[:, None], vs[None, :]), (len(us), len(vs)))
     above = np.array(values >= 0.0)

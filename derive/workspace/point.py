@@ -110,11 +110,7 @@ class ArmPoint:
         return tuple(int(k) for k in np.flatnonzero(strength > _DEPENDS * self.size))
 
     def random(self, count: int, joints: Sequence[int], seed: int = 0, limits: float = 0.0) -> Array:
-        """Configurations between the limits, the same for the same seed.
-
-        Returns:
-            (joints, count) [rad or m].
-        """
+        """Configurations between the limits, the same for the same seed, (joints, count) [rad or m]."""
         rng = np.random.default_rng(seed)
         rows = []
         for way in (self.ranges[j] for j in joints):
@@ -126,14 +122,7 @@ class ArmPoint:
         return np.reshape(rows, (len(rows), count))
 
     def position(self, q: Array, joints: Sequence[int]) -> Array:
-        """Where the point is; joints that are not given are at zero.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (3, samples) [m], in the frame of the axis.
-        """
+        """Where the point is in the frame of the axis, (3, samples) [m]; joints that are not given are at zero."""
         (point,) = self.poses.end_point(self._all(q, joints), self.place)
         return self._seen(_array(point, q.shape[1]))
 
@@ -151,14 +140,7 @@ class ArmPoint:
         return seen
 
     def motion(self, q: Array, joints: Sequence[int]) -> tuple[Array, Array]:
-        """Where the point is, and its derivatives with respect to some joints; the others are at zero.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (3, samples) positions [m] and (3, joints, samples) derivatives, in the frame of the axis.
-        """
+        """Positions (3, samples) as `position` has them, and derivatives (3, joints, samples)."""
         count = q.shape[1]
         point, *columns = (_array(v, count) for v in self.poses.end_point(self._all(q, joints), self.place, joints))
         derivatives = np.stack(columns, axis=1) if columns else np.zeros((3, 0, count))
@@ -209,14 +191,7 @@ class PlaneMap:
         return np.array([1.0 if way.revolute else self.point.size for way in self.ranges])[:, None]
 
     def places(self, q: Array) -> Array:
-        """Places in the plane alone, which takes a fraction of the time of `values`.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (2, samples) [m]; three rows in space.
-        """
+        """Places in the plane alone, (2, samples) [m], in space three rows: a fraction of the time of `values`."""
         x, y, z = self.point.position(q, self.joints)
         match self.picture:
             case Picture.TOP:
@@ -229,14 +204,7 @@ class PlaneMap:
                 return np.stack([np.hypot(x, y), z])
 
     def values(self, q: Array) -> tuple[Array, Array]:
-        """Places in the plane and derivatives.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (2, samples) [m] and (2, joints, samples); three rows in space.
-        """
+        """Places in the plane, (2, samples) [m], and derivatives, (2, joints, samples), of q; three rows in space."""
         (x, y, z), (dx, dy, dz) = self.point.motion(q, self.joints)
         if self.picture is Picture.TOP:
             return np.stack([x, y]), np.stack([dx, dy])
@@ -259,13 +227,8 @@ class PlaneMap:
         """Configurations within the limits that bring the point nearest to targets, each from a start nearby.
 
         A damped Gauss-Newton step in the joints that are not held by a limit, with the damping of Levenberg and
-        Marquardt for each target (Nocedal and Wright, Numerical Optimization, sec. 10.3 and 18.5).
-
-        Args:
-            targets: (2, samples) places in the plane [m].
-
-        Returns:
-            Configurations (joints, samples), places (2, samples), distances (samples,) [m].
+        Marquardt for each target (Nocedal and Wright, Numerical Optimization, sec. 10.3 and 18.5): configurations
+        (joints, samples), places (2, samples) and distances (samples,) [m].
         """
         low, high = self.box
         free = np.array([way.full for way in self.ranges])[:, None]

@@ -61,11 +61,7 @@ class Postures:
         return NumericChain.of(robot, self._values).pose_and_jacobian(self._tried)[0]
 
     def poses(self, places: Array) -> Array:
-        """Poses whose point is at places, all of one orientation.
-
-        Args:
-            places: (3, k) in the frame of the axis [m].
-        """
+        """Poses whose point is at places (3, k) in the frame of the axis [m], all of one orientation."""
         rotation, origin = self.point.axis
         turn = self._poses_tried[0, :3, :3]
         found = np.tile(np.eye(4), (places.shape[1], 1, 1))
@@ -101,11 +97,7 @@ class Postures:
         return found
 
     def curves(self, plane: PlaneMap, parts: int) -> Array:
-        """Segments along which a bound is reached.
-
-        Returns:
-            (segments, 2 ends, 2) [m].
-        """
+        """Segments along which a bound is reached, (segments, 2 ends, 2) [m]."""
         far = _BEYOND * plane.point.size
         sides = [np.linspace(-1.0137 * far, far, parts + 1), np.linspace(-1.0071 * far, far, parts + 1)]
         if plane.picture is Picture.SECTION:

@@ -35,11 +35,7 @@ _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != 
 
 
 class _Cells:
-    """A grid over the picture, and for each node the configurations that come near it.
-
-    Args:
-        far: How far the grid goes on in every direction beyond the samples [m].
-    """
+    """A grid that goes on so far beyond samples of the picture [m]; for each node configurations that come near it."""
 
     def __init__(self, plane: PlaneMap, cells: int, far: float = 0.0) -> None:
         self.plane = plane
@@ -65,11 +61,7 @@ class _Cells:
         return bool(inner.sum() < self.reached.sum())
 
     def places(self, nodes: Array | Nodes) -> Array:
-        """Where nodes are.
-
-        Args:
-            nodes: Rows and columns, (2, k), whole or not.
-        """
+        """Where nodes are, by rows and columns, (2, k), whole or not."""
         found: Array = self.origin[:, None] + self.width * nodes
         return found
 
@@ -122,11 +114,7 @@ class _Cells:
             fresh = _grown(shrunk, 1) & outside
 
     def try_again(self, nodes: Nodes) -> Mask:
-        """Looks for configurations that reach nodes far from those known around them, as behind a narrow limit.
-
-        Args:
-            nodes: Rows and columns, (2, k).
-        """
+        """Looks for configurations that reach nodes, (2, k), far from those known around, as behind a narrow limit."""
         reached = is_reached(self.plane, self.places(nodes))
         self.tried_again[nodes[0], nodes[1]] = True
         self.reached[nodes[0], nodes[1]] |= reached

@@ -185,20 +185,12 @@ def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.
 
 
 def closed(region: Region, gap: float) -> Region:
-    """An area without gaps and slits as thin as the approximation of a curve by segments.
-
-    Args:
-        gap: The width of what is closed [m].
-    """
+    """An area without gaps and slits as thin as the approximation of a curve by segments [m]."""
     return region.buffer(gap, quad_segs=2).buffer(-gap, quad_segs=2)
 
 
 def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> npt.NDArray[np.bool_]:
-    """Whether the point gets to places of the plane.
-
-    Args:
-        places: (2, k) [m]; three rows in space.
-    """
+    """Whether the point gets to places of the plane, (2, k) [m], or of space, (3, k)."""
     if not places.shape[1]:
         return np.zeros(0, dtype=bool)
     configurations = plane.point.random(seeds, plane.joints)
@@ -225,10 +217,7 @@ def dexterous(region: Region, radius: float, revolves: bool) -> Region:
     """Places around which a whole circle, or sphere, lies in what a wrist centre reaches.
 
     A sphere does not meet a part of the outside if that part is farther away than its radius, or lies inside of it as a
-    whole. The outermost part lies inside of none.
-
-    Args:
-        radius: From the wrist centre to the end effector's origin [m].
+    whole. The outermost part lies inside of none. The radius is that of the hand, from the wrist's centre [m].
     """
     package = shapely()
     whole = package.unary_union([region, _mirrored(region)]) if revolves else region

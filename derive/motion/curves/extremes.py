@@ -68,13 +68,9 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
 
 
 def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
-    """Where functions of time are largest, each between two times.
+    """When functions of time (k, places) are largest, each between two times, and how large they are, (k,) each.
 
-    Args:
-        function: A row of times for each of them, (k, places), to their values there, (k, places).
-
-    Returns:
-        When, and how large, (k,) each; the latter is right to rounding where the function is smooth.
+    The latter is right to rounding where the function is smooth.
     """
     rows = np.arange(low.size)
     for _ in range(_ROUNDS):
@@ -86,15 +82,7 @@ def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tupl
 
 
 def highest(function: Callable[[Array], Array], times: Array, values: Array) -> Array:
-    """When each of several functions of time is largest, also between the times at which they are known.
-
-    Args:
-        times: At which they are known, ascending, (k,).
-        values: What they are then, (k, n).
-
-    Returns:
-        When, (n,); one of the times where it is not larger between them.
-    """
+    """When each function of time is largest, (n,), also between ascending times (k,) at which they are (k, n)."""
     at, joints = values.argmax(axis=0), np.arange(values.shape[1])
     low, high = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
     when, found = refined(lambda places: function(places)[joints, :, joints], low, high)

@@ -21,11 +21,7 @@ NOTHING = 1e-12  # relative to the largest value: what is smaller is zero
 
 
 def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
-    """Joint variables by formulas of time.
-
-    Args:
-        duration: How long they last [s].
-    """
+    """Joint variables by formulas of time that last so long [s]."""
     pieces = []
     for formula in formulas:
         velocity = formula.diff(TIME)
@@ -34,13 +30,10 @@ def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
 
 
 def followed(formula: Expr, duration: float) -> Expr:
-    """A formula that a joint can follow.
+    """A formula that a joint can follow from 0 to its duration [s].
 
     Magnitudes, as of ``sqrt(t**2)``, are written without where what stands in them keeps its sign: the derivatives are
     one-sided at both ends.
-
-    Args:
-        duration: How long it lasts from 0 on [s].
     """
     times = np.linspace(0.0, duration, PLACES)
     for magnitude in sorted(formula.atoms(Abs), key=lambda node: node.count_ops()):

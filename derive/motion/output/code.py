@@ -62,11 +62,7 @@ class VerifiedCode:
 
 
 def verified_code(motion: Motion, name: str | None = None) -> VerifiedCode:
-    """Generate the code of a motion and verify it.
-
-    Args:
-        name: What stands before ``_motion`` in C; None for the name of the robot.
-    """
+    """Generate the code of a motion and verify it; C has the name before ``_motion``, that of the robot for None."""
     code = MotionCode(motion, c_prefix(name or motion.plan.robot.name))
     texts, compiler = code.texts, find_compiler()
     worst = verify_code(motion, texts, code.prefix, compiler)
@@ -176,11 +172,7 @@ class _Joint:
 
 
 def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler: Command | None) -> float:
-    """Compare generated code with the motion at random times, at all ends of pieces, before and after.
-
-    Args:
-        compiler: The C compiler; None where there is none, and C is left out.
-    """
+    """Compare code with the motion at random times, at all ends of pieces, before and after; C needs a compiler."""
     times = _times(motion)
     expected = np.array(motion(times))
     size = np.abs(expected)

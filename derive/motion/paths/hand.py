@@ -69,11 +69,7 @@ class Hand:
         return Functions(kinematics, names, self._values, inverse=poses)
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
-        """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch.
-
-        Args:
-            before: Where the arm comes from; None at the start.
-        """
+        """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch."""
         point = self._plan.points[name]
         if point.q is not None:
             return self._exact(point.q)
@@ -169,11 +165,7 @@ class Hand:
         return joints
 
     def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
-        """The pieces of each joint, segment by segment, while the end effector moves on a spline.
-
-        Args:
-            times: When each begins, and the last one ends [s].
-        """
+        """The pieces of each joint, by segments, while the end effector moves on a spline between times [s]."""
         q = np.array(before, dtype=float)
         local = [time - times[0] for time in times]
         from derive.motion.paths.hand_spline import spline_way

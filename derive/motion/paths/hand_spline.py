@@ -23,11 +23,7 @@ TERMS = 24  # of the power series of a and b, which are exact to rounding up to 
 
 
 def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
-    """The way through poses, by time.
-
-    Args:
-        times: When each is passed [s], rationals from 0 on.
-    """
+    """The way through poses, by time; they are passed at rational times from 0 on [s]."""
     start = poses[0][:3, :3]
     turns = [np.zeros(3)]
     for pose in poses[1:]:
@@ -57,14 +53,7 @@ def _nearest(vector: Array, before: Array) -> Array:
 
 
 def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
-    """Angular velocity and acceleration of a rotation by its rotation vector.
-
-    Args:
-        w: The rotation vector, (3,) [rad].
-
-    Returns:
-        omega = V w' and its derivative V w'' + V' w', (3,) each.
-    """
+    """Angular velocity omega = V w' and acceleration V w'' + V' w', (3,) each, by the rotation vector w [rad]."""
     x, slope = float(w @ w), 2 * float(w @ rate)  # the square of the angle, and its rate
     cross, turning = _cross(w), _cross(rate)
     square, squared = cross @ cross, turning @ cross + cross @ turning

@@ -43,11 +43,7 @@ def rotation_vector(rotation: Array) -> Array:
 
 
 def rotation_of(vector: Array) -> Array:
-    """The rotation about an axis by an angle (Rodrigues).
-
-    Args:
-        vector: The axis times the angle, (3,) [rad].
-    """
+    """The rotation about an axis by an angle (Rodrigues), of the axis times the angle, (3,) [rad]."""
     angle = float(np.linalg.norm(vector))
     x, y, z = vector / angle if angle else vector
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -71,11 +67,7 @@ class Way:
 
     @classmethod
     def arc(cls, a: Array, through: Array, b: Array) -> Way:
-        """The arc of the circle through three positions.
-
-        Args:
-            through: (4, 4); its orientation is not looked at.
-        """
+        """The arc of the circle through three positions; the orientation of the middle pose does not count."""
         p, m, q = a[:3, 3], through[:3, 3] - a[:3, 3], b[:3, 3] - a[:3, 3]
         normal = np.cross(m, q)
         square = float(normal @ normal)

@@ -30,11 +30,7 @@ UNIFORM = one_second(((Piece(ZERO, ONE, ((ZERO, ONE), (ONE, ONE))),),))  # s its
 
 
 def smooth_path(knots: Array, corners: Array) -> Trajectory:
-    """The natural cubic spline through points; between two points a straight line.
-
-    Args:
-        knots: s at each point, from 0 to 1, (points,).
-    """
+    """The natural cubic spline through points at s from 0 to 1, (points,); between two points a straight line."""
     from scipy.interpolate import CubicSpline
 
     slopes = CubicSpline(knots, corners, bc_type="natural")(knots, 1)

@@ -75,12 +75,7 @@ class Controller:
 
 
 def looked_up(reference: Callable[[Array], tuple[Array, Array, Array]], period: float, duration: float) -> Reference:
-    """What is wanted at the looks of a sampled controller, computed for all of them at once.
-
-    Args:
-        period: Time between two looks [s].
-        duration: How long the motion lasts [s].
-    """
+    """What is wanted at the looks of a sampled controller [s], computed at once for all of a motion [s]."""
     q, qd, qdd = reference(period * np.arange(np.ceil(duration / period) + 1))
 
     def _at(t: float) -> tuple[Array, Array, Array]:
@@ -97,14 +92,10 @@ def stages_of(
     calls: float | None,
     added: BaseTorques | None = None,
 ) -> list[Stage]:
-    """The stages of a simulation.
+    """The stages of a simulation whose functions will be called so often; None for an estimate.
 
     The controller knows the robot, how its base moves and what the path says that the tool carries; it knows nothing of
     disturbances and of what stands under ``plant``.
-
-    Args:
-        calls: How often functions will be called; None for an estimate.
-        added: What the motion of the base adds to the torques; None where it stands.
     """
     robot, control = plan.robot, plan.control
     numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)

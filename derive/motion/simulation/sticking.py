@@ -29,16 +29,10 @@ class Contact:
 
     @classmethod
     def at(cls, plant: Plant, law: Law, t: float, q: Array, qd: Array) -> Contact | None:
-        """What slips after a time.
+        """What slips after a time at which the velocity of joints at rest is zero; None where rounding leaves it open.
 
         A joint that is at rest stands where friction can hold it, and slips against its friction otherwise. Which of
         them do depends on all: accelerations a = a(tau) - B^-1 p with |p| <= f, and p = f sign(a) where a is not zero.
-
-        Args:
-            qd: Velocities, zero where a joint is at rest, (n,).
-
-        Returns:
-            None where rounding leaves it open.
         """
         dry = plant.coulomb
         way, open_ = np.where(dry > 0, np.sign(qd), 0.0), (dry > 0) & (qd == 0)
@@ -80,11 +74,7 @@ class Contact:
         return np.outer(slips, slips), np.diag(1 - slips)
 
     def forces(self, t: float, q: Array, qd: Array) -> tuple[Array, Array, Array]:
-        """What acts on the joints.
-
-        Returns:
-            to hold those that stand, (n,) each.
-        """
+        """What acts on the joints, qdd, and the friction, that which holds joints that stand included, (n,) each."""
         plant, driven = self.plant, self.law(t, q, qd) + self.plant.push
         friction = self.slip
         qdd = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - friction)
@@ -192,11 +182,7 @@ def _mobility(plant: Plant, q: Array) -> Array:
 
 
 def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Array]:
-    """Velocities after a step, or accelerations, and the impulses or torques of friction, by projected Gauss-Seidel.
-
-    Args:
-        mobility: What friction of one does to all, (n, n).
-    """
+    """Velocities and impulses of friction, or accelerations and torques, by projected Gauss-Seidel with B^-1."""
     rows, velocity, bounds = mobility.tolist(), free.tolist(), most.tolist()
     joints: Sequence[int] = [j for j, bound in enumerate(bounds) if bound]
     friction = [0.0] * len(velocity)

@@ -91,11 +91,7 @@ class OnBase(Generic[S]):
 
 
 class ArrayDomain(FloatDomain):
-    """Cells of a robot as floats, at many configurations at once.
-
-    Args:
-        q: Joint variables [rad or m], (..., n).
-    """
+    """Cells of a robot as floats, at many configurations (..., n) at once [rad or m]."""
 
     def __init__(self, robot: Robot, q: Array, values: Mapping[str, float]) -> None:
         columns: Any = tuple(np.moveaxis(q, -1, 0))

@@ -44,11 +44,7 @@ class CarriedBody:
         return cls(evaluate(link.mass, values), np.array([evaluate(cell, values) for cell in link.com]), inertia)
 
     def about(self, point: Array) -> Array:
-        """The inertia about a point (Steiner), (3, 3) [kg m^2].
-
-        Args:
-            point: In the frame of the last link [m].
-        """
+        """The inertia about a point in the frame of the last link [m] (Steiner), (3, 3) [kg m^2]."""
         r = self.com - point
         return self.inertia + self.mass * (r @ r * np.eye(3) - np.outer(r, r))
 

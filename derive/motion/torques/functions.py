@@ -77,11 +77,7 @@ class Functions:
         return self._inverse.branches if self._inverse else 0
 
     def nearest(self, pose: Array, q: Array, branches: Sequence[int] = ()) -> Array:
-        """The solution of a pose nearest to a configuration.
-
-        Returns:
-            (n,); not numbers where there is none.
-        """
+        """The solution of a pose nearest to a configuration, (n,); not numbers where there is none."""
         module = self._module
         if not branches or self._inverse is None:
             found: Array = module.inverse_kinematics_nearest(pose, q, **self._options)

@@ -16,10 +16,9 @@ LEAST_INTERVALS = 64
 
 
 def mean_weights(count: int) -> Array:
-    """The mean of a function by its values at evenly spaced places: Boole's rule, Simpson's where two are left over.
+    """Weights (count + 1,) of evenly spaced places for the mean of a function: Boole's rule, Simpson's for the rest.
 
-    Returns:
-        Weights of the places, (count + 1,); polynomials of degree five are exact where four divides the number.
+    Polynomials of degree five are exact where four divides the number.
     """
     weights, last = np.zeros(count + 1), count - count % 4
     for k in range(0, last, 4):
@@ -35,12 +34,7 @@ def loads(
     state: Callable[[Array], tuple[Array, Array]],
     corners: Iterable[float] = (),
 ) -> tuple[Load, ...]:
-    """What each joint does in a segment.
-
-    Args:
-        end: When it ends, and the next one begins [s].
-        corners: Times in between at which torques may jump [s].
-    """
+    """What each joint does in a segment, whose torques may jump at its ends and its corners [s]."""
     count, length = max(2 * samples, LEAST_INTERVALS), end - start
     places, parts = [], []
     for a, b in pairwise(sorted({start, *corners, end})):
