@@ -25,7 +25,7 @@ from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import CarriedBody
-from derive.motion.torques.functions import Functions
+from derive.motion.torques.functions import Functions, check_numbers
 from derive.motion.torques.loads import LEAST_INTERVALS, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
@@ -338,11 +338,7 @@ class Motion:
             "acceleration": lambda t: self.trajectory(t)[2],
             **({"torque": self.torques} if self.has_torques else {}),
         }
-        limited = {
-            what: functions[what]
-            for what, bound in self.bounds.items()
-            if np.isfinite(bound).any() and what in functions
-        }
+        limited = {what: function for what, function in functions.items() if np.isfinite(self.bounds[what]).any()}
         within = np.arange(LEAST_INTERVALS) / LEAST_INTERVALS
         places = [float(segment.start) + float(segment.duration) * within for segment in self.trajectory.segments]
         times = np.sort(np.concatenate([self.times, *places]))
@@ -433,15 +429,12 @@ class Motion:
     @cached_property
     def _functions(self) -> Functions:
         self._check_dynamics()
-        payload = any(step.payload for step in self.plan.steps)
-        wanted = {"inverse_dynamics", *(["regressor"] if payload else [])}
-        return Functions(self.plan.robot, frozenset(wanted), self.values)
+        carries = any(step.payload for step in self.plan.steps)
+        names = ("inverse_dynamics", "regressor") if carries else ("inverse_dynamics",)
+        return Functions(self.plan.robot, frozenset(names), self.values)
 
     def _check_dynamics(self) -> None:
         robot = self.plan.robot
         if not robot.has_dynamics:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
-        if missing := [name for name in free_symbols(robot) if name not in self.values]:
-            remedy = f"write values: {{{missing[0]}: ...}} in the plan"
-            found = f"the symbol '{missing[0]}' of {robot.name} has no number"
-            raise QuantityError(found, remedy=remedy, location=self.plan.places["robot"])
+        check_numbers(free_symbols(robot), self.values, robot.name, self.plan.places["robot"])

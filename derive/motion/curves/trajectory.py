@@ -78,11 +78,6 @@ class Trajectory:
 _COSINE, _CURVE = 0, -1
 
 
-def _kind(piece: AnyPiece) -> int:
-    """How a piece is computed: a polynomial by its number of values at each end; a formula is alone in its motion."""
-    return piece.k if isinstance(piece, Piece) else _COSINE if isinstance(piece, Cosine) else _CURVE
-
-
 class _Track:
     """The pieces of one joint in floats."""
 
@@ -92,7 +87,9 @@ class _Track:
         self.end = float(pieces[-1].end)
         self.durations = np.array([float(piece.duration) for piece in pieces])
         self.pieces = pieces
-        self.kinds = np.array([_kind(piece) for piece in pieces])
+        # How a piece is computed: a polynomial by its number of values at each end; a formula is alone in its motion.
+        kinds = {Cosine: _COSINE, Curve: _CURVE}
+        self.kinds = np.array([piece.k if isinstance(piece, Piece) else kinds[type(piece)] for piece in pieces])
         self.numbers = [
             np.array([] if isinstance(piece, Curve) else [float(value) for end in piece.values for value in end])
             for piece in pieces

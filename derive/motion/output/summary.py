@@ -45,16 +45,9 @@ def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
 
 
 def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str, Any]]:
+    keys = ("what", "time", "value", "limit", "excess")
     return [
-        {
-            "joint": robot.joints[item.joint].variable,
-            "what": item.what,
-            "time": item.time,
-            "value": item.value,
-            "limit": item.limit,
-            "excess": item.excess,
-        }
-        for item in violations
+        {"joint": robot.joints[item.joint].variable, **{key: getattr(item, key) for key in keys}} for item in violations
     ]
 
 

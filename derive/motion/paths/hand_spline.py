@@ -15,7 +15,7 @@ from sympy import Expr, Float
 
 from derive.arrays import Array
 from derive.motion.curves.trajectory import Trajectory
-from derive.motion.paths.poses import Way, rotation_of, rotation_vector
+from derive.motion.paths.poses import Way, cross_matrix, rotation_of, rotation_vector
 from derive.plans.profile import spline
 from derive.plans.segments import Segment
 
@@ -55,7 +55,7 @@ def _nearest(vector: Array, before: Array) -> Array:
 def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
     """Angular velocity omega = V w' and acceleration V w'' + V' w', (3,) each, by the rotation vector w [rad]."""
     x, slope = float(w @ w), 2 * float(w @ rate)  # the square of the angle, and its rate
-    cross, turning = _cross(w), _cross(rate)
+    cross, turning = cross_matrix(w), cross_matrix(rate)
     square, squared = cross @ cross, turning @ cross + cross @ turning
     (a, b), (da, db) = _series(x)
     jacobian = np.eye(3) + a * cross + b * square
@@ -71,8 +71,3 @@ def _series(x: float) -> tuple[tuple[float, float], tuple[float, float]]:
         values.append(float(np.polyval(terms[::-1], x)))
         slopes.append(float(np.polyval([k * term for k, term in enumerate(terms)][:0:-1], x)))
     return (values[0], values[1]), (slopes[0], slopes[1])
-
-
-def _cross(vector: Array) -> Array:
-    x, y, z = vector
-    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

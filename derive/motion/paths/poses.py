@@ -45,9 +45,14 @@ def rotation_vector(rotation: Array) -> Array:
 def rotation_of(vector: Array) -> Array:
     """The rotation about an axis by an angle (Rodrigues), of the axis times the angle, (3,) [rad]."""
     angle = float(np.linalg.norm(vector))
-    x, y, z = vector / angle if angle else vector
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    cross = cross_matrix(vector / angle if angle else vector)
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+def cross_matrix(vector: Array) -> Array:
+    """The matrix v^ of a cross product: v^ u = v x u."""
+    x, y, z = vector
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 @dataclass(frozen=True)
@@ -82,11 +87,8 @@ class Way:
 
         def _place(s: float) -> tuple[Array, Array, Array]:
             c, z = np.cos(s * angle), np.sin(s * angle)
-            return (
-                centre + c * radius + z * side,
-                angle * (c * side - z * radius),
-                -(angle**2) * (c * radius + z * side),
-            )
+            outwards = c * radius + z * side
+            return centre + c * radius + z * side, angle * (c * side - z * radius), -(angle**2) * outwards
 
         return cls(_place, _about_one_axis(a, b))
 

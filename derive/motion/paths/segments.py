@@ -45,7 +45,9 @@ def trajectory_of(plan: Plan, hand: Hand) -> Trajectory:
         ends = [f"{a} -> {b}" for a, b in pairwise(names)]
         segments += [Segment(ends[i], times[i], times[i + 1] - times[i], joints[i]) for i in range(len(run))]
         name, start = names[-1], times[-1]
-        here = tuple(_last(track[-1]) for track in joints[-1]) if run[0].follows else corners[-1]
+        here = corners[-1]
+        if run[0].follows:  # where the last pieces end
+            here = tuple(symbolic(track[-1].values[1][0]) for track in joints[-1] if not isinstance(track[-1], Curve))
     return Trajectory(tuple(segments))
 
 
@@ -59,12 +61,6 @@ def _runs(steps: Sequence[Step]) -> list[list[Step]]:
         else:
             runs.append([step])
     return runs
-
-
-def _last(piece: AnyPiece) -> Expr:
-    """Where a piece ends."""
-    assert not isinstance(piece, Curve), "curves have no points"
-    return symbolic(piece.values[1][0])
 
 
 Timed = tuple[list[Expr], list[Joints]]  # when each of some segments begins, and the last one ends; their pieces
@@ -126,7 +122,14 @@ def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: 
             alone.append(float(_limited(step, needed)))
         lengths = proportions(alone)
     times = list(accumulate(lengths, initial=start if given else ZERO))
-    tracks = [_through(profile, times, positions) for positions in zip(*corners, strict=True)]
+    tracks = []
+    for positions in zip(*corners, strict=True):
+        if profile is Profile.SPLINE:
+            tracks.append(spline(times, positions))
+        else:
+            rest = (ZERO,) * (VALUES[profile] - 2)
+            ends = zip(positions, via_velocities(times, positions), strict=True)
+            tracks.append(joined([(q, v, *rest) for q, v in ends], times))
     joints: list[Joints] = [tuple((track[i],) for track in tracks) for i in range(len(run))]
     return (times, joints) if given else _stretched_run(hand, run, start, times, joints)
 
@@ -157,14 +160,6 @@ def _stretched_run(
     factor = _stretched(hand, run[0], joints)
     moved: list[Joints] = [tuple(_moved(track, start, factor) for track in pieces) for pieces in joints]
     return [start + time * factor for time in times], moved
-
-
-def _through(profile: Profile, times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Piece, ...]:
-    """One joint through points at which it does not stop."""
-    if profile is Profile.SPLINE:
-        return spline(times, positions)
-    rest = (ZERO,) * (VALUES[profile] - 2)
-    return joined([(q, v, *rest) for q, v in zip(positions, via_velocities(times, positions), strict=True)], times)
 
 
 def _moved(track: Sequence[AnyPiece], start: Expr, factor: Expr) -> tuple[Piece, ...]:

@@ -122,31 +122,25 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
     n, t = plant.coulomb.size, span[0]
     rows: list[Array] = []
     changes: list[float] = []
-
-    def _so_far() -> Array:
-        return np.array(rows).reshape(-1, state.size)
-
-    while len(rows) < len(times):
+    divergence = None
+    while len(rows) < len(times) and divergence is None:
         contact = Contact.at(plant, law, t, state[:n], state[n : 2 * n])
         if contact is None or (len(changes) >= BUSY and t - changes[-BUSY] < MOMENT):
             changes.clear()
             end = min(t + LONGEST, float(times[len(rows)]))
             found, divergence = stepped(plant, law, state, (t, end), np.array([end]))
-            if divergence is not None:
-                return _so_far(), divergence
-            t, state = end, found[0]
-            rows += [state] if end == times[len(rows)] else []
+            if divergence is None:
+                t, state = end, found[0]
+                rows += [state] if end == times[len(rows)] else []
             continue
         wanted = times[len(rows) :]
         span, method = (t, span[1]), solver(contact.rates, state, (t, span[1]))
         got, change, divergence = integrated(contact.rates, state, span, wanted, method, contact.margin, LONGEST)
         rows += list(got)
-        if divergence is not None:
-            return _so_far(), divergence
         if change is not None:
             t, state = change[0], contact.rested(change[1])
             changes.append(t)
-    return _so_far(), None
+    return np.array(rows).reshape(-1, state.size), divergence
 
 
 def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
