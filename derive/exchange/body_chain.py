@@ -16,7 +16,7 @@ from derive.exchange.certificate import along_x, along_z, ball, frame_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.body_remarks import ROUNDING
-from derive.robot.description import Convention, Inertia, Joint, Link, Motor
+from derive.robot.description import Convention, Inertia, Joint, Link
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
@@ -36,15 +36,16 @@ class RigidBody:
     @classmethod
     def of(cls, link: Link) -> RigidBody:
         """A link of numbers in its own DH frame, without its motor."""
-        xx, yy, zz, xy, xz, yz = moments(link.inertia)
+        cells = (getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
+        xx, yy, zz, xy, xz, yz = map(ball, cells)
         com = (ball(link.com[0]), ball(link.com[1]), ball(link.com[2]))
         return cls(ball(link.mass), com, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
 
     @classmethod
     def spinning(cls, axis: Point, inertia: Real) -> RigidBody:
         """An inertia about an axis, without a mass."""
-        turned = tuple(times(axis, inertia * component) for component in axis)
-        return cls(arb(0), WORLD.origin, (turned[0], turned[1], turned[2]))
+        x, y, z = (times(axis, inertia * component) for component in axis)
+        return cls(arb(0), WORLD.origin, (x, y, z))
 
     def settled(self, inside: float) -> RigidBody:
         """The nearest body that exists and is a little inside of the limit, where rounding has left it beyond.
@@ -85,17 +86,15 @@ class RigidBody:
         mass, com = self.mass + other.mass, self.com
         if mass > 0:
             com = times(plus(times(self.com, self.mass), other.com, other.mass), 1 / mass)
-        both = [
-            tuple(a + b for a, b in zip(*rows, strict=True))
-            for rows in zip(self.about(com), other.about(com), strict=True)
-        ]
-        return RigidBody(mass, com, (both[0], both[1], both[2]))
+        pairs = zip(self.about(com), other.about(com), strict=True)
+        x, y, z = ((a[0] + b[0], a[1] + b[1], a[2] + b[2]) for a, b in pairs)
+        return RigidBody(mass, com, (x, y, z))
 
     @property
     def negative(self) -> RigidBody:
         """What is added to take the body away."""
-        rows = tuple(times(row, -1) for row in self.inertia)
-        return RigidBody(-self.mass, self.com, (rows[0], rows[1], rows[2]))
+        x, y, z = (times(row, -1) for row in self.inertia)
+        return RigidBody(-self.mass, self.com, (x, y, z))
 
     def link(self, own: Link) -> Link:
         """The body as a link of a robot file."""
@@ -123,12 +122,6 @@ class RigidBody:
         a, b, c = self.principal[0]
         slack = float(ROUNDING) * c + RESIDUE
         return bool(not self.mass < 0 and a >= -slack and a + b >= c - slack)
-
-
-def moments(inertia: Inertia) -> list[Real]:
-    """xx, yy, zz, xy, xz, yz."""
-    cells = (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
-    return [ball(cell) for cell in cells]
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,26 +195,16 @@ def body_chain(robot: Robot) -> BodyChain:
     ends = [*(origin.origin for origin in origins[1:]), dh[-1].point(tool.origin)]
     drags = _drags(robot)
     links = robot.links or (Link(),) * robot.n
-    segments = tuple(
-        ChainSegment(
-            joint,
-            link,
-            origins[i],
-            dh[i],
-            RigidBody.of(link) if robot.links else None,
-            None if link.motor is None else _rotor(joint, link.motor, origins[i], standard, drags[i]),
-            ends[i],
-        )
-        for i, (joint, link) in enumerate(zip(robot.joints, links, strict=True))
-    )
-    return BodyChain(robot, base, segments, tool)
-
-
-def _rotor(joint: Joint, motor: Motor, origin: Frame, standard: bool, drag: tuple[float, ...] | None) -> Rotor:
-    place = origin.origin if standard else plus(origin.origin, origin.z, ball(joint.d))
-    nothing = (arb(0), arb(0), arb(0))
-    body = RigidBody(ball(motor.mass), place, (nothing, nothing, nothing))
-    return Rotor(body, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
+    segments, nothing = [], (arb(0), arb(0), arb(0))
+    for joint, link, origin, own, end, drag in zip(robot.joints, links, origins, dh, ends, drags, strict=True):
+        body, rotor = RigidBody.of(link) if robot.links else None, None
+        if (motor := link.motor) is not None:
+            # A point mass where the frame of its joint's axis is: o_{i-1} in a standard table, o_i in a modified one.
+            place = origin.origin if standard else plus(origin.origin, origin.z, ball(joint.d))
+            rotating = RigidBody(ball(motor.mass), place, (nothing, nothing, nothing))
+            rotor = Rotor(rotating, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
+        segments.append(ChainSegment(joint, link, origin, own, body, rotor, end))
+    return BodyChain(robot, base, tuple(segments), tool)
 
 
 def _drags(robot: Robot) -> list[tuple[float, ...] | None]:

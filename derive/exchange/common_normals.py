@@ -121,10 +121,8 @@ def _straightened(arm: Arm, snap: float) -> tuple[list[Line], tuple[tuple[int, b
     for i, axis in enumerate(arm.axes):
         line = axis.line
         known = [other.direction for other in reversed(lines)] + [WORLD.z, WORLD.x, WORLD.y, arm.end.z]
-        for direction in known:
-            if parallel(direction, line.direction, snap):
-                line = _along(line, direction)
-                break
+        alike = next((direction for direction in known if parallel(direction, line.direction, snap)), None)
+        line = line if alike is None else _along(line, alike)
         if lines and parallel(lines[-1].direction, line.direction, snap):  # by then
             line = _along(line, lines[-1].direction)
         if lines and not parallel(line.direction, lines[-1].direction, 0) and _is_far(line, lines[-1], arm.reach):

@@ -45,9 +45,7 @@ GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = MappingProxyTy
         ),
         "coupling that varies": (
             "the coupling of the rotor with the joints before it, which depends on q,",
-            lambda segment: (
-                segment.rotor is not None and segment.rotor.is_coupled and not coupled_by_tendon(segment.rotor)
-            ),
+            lambda each: each.rotor is not None and each.rotor.is_coupled and not coupled_by_tendon(each.rotor),
         ),
     }
 )
@@ -79,9 +77,8 @@ class Exported:
 def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str, Expression] | None = None) -> Exported:
     """A robot in the format of another program."""
     if to not in FORMS:
-        raise DeriveError(
-            f"no format {quoted(to)}", allowed=f"allowed: {', '.join(FORMS)}", remedy=near_miss(to, FORMS)
-        )
+        allowed = f"allowed: {', '.join(FORMS)}"
+        raise DeriveError(f"no format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
     form = FORMS[to]
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
@@ -155,15 +152,10 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
     down = [float(ball(cell)) for cell in arm.robot.gravity or ()]
     if down and (down[0] or down[1] or abs(down[2] - EARTH) > ROUNDING_OF_EARTH):
         yield f"URDF cannot say the gravity {down[0]:g}, {down[1]:g}, {down[2]:g} m/s^2"
-    bounds = [
-        segment.joint.variable
-        for segment in arm.segments
-        if not (given(segment.joint.torque) and given(segment.joint.speed))
-    ]
-    if bounds:
+    joints = [segment.joint for segment in arm.segments]
+    if bounds := [joint.variable for joint in joints if not (given(joint.torque) and given(joint.speed))]:
         yield f"URDF wants an effort and a velocity: 1000000 where the robot file gives none, of {', '.join(bounds)}"
-    slides = [s.joint.variable for s in arm.segments if not s.joint.is_revolute and s.joint.limits is None]
-    if slides:
+    if slides := [joint.variable for joint in joints if not joint.is_revolute and joint.limits is None]:
         yield f"URDF wants limits of slides: {SLIDE} m to either side of {', '.join(slides)}"
 
 

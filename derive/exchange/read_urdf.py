@@ -295,14 +295,13 @@ class _UrdfReader:
             None if limit is None else self.number(limit, key, infinite=True)
             for key in ("lower", "upper", "effort", "velocity")
         )
-        if kind in ("revolute", "prismatic") and lower is None and upper is None:
-            self.note(
-                element, f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
-            )
+        bounded = kind in ("revolute", "prismatic") and (lower is not None or upper is not None)
+        if kind in ("revolute", "prismatic") and not bounded:
+            said = f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
+            self.note(element, said)
         damping, friction = (
             None if dynamics is None else self.number(dynamics, key) for key in ("damping", "friction")
         )
-        bounded = kind in ("revolute", "prismatic") and limit is not None and (lower is not None or upper is not None)
         return UrdfJoint(
             name=name,
             type=kind,

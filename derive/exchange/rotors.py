@@ -92,11 +92,8 @@ def _chosen(arm: BodyChain, wanted: str, inside: float) -> Written:
     repaired = [RigidBody.of(link) for link in found.robot.links]
     bodies = [body.settled(inside) for body in repaired]
     added = [float(sum(b.entries[:3]) - sum(a.entries[:3])) / 2 for a, b in zip(repaired, bodies, strict=True)]
-    sizes = [
-        f"{more:.2g} kg m^2 to link {i}"
-        for i, more in enumerate(added, 1)
-        if more > ADDED * bodies[i - 1].principal[0][2]
-    ]
+    amounts = [(i, more) for i, more in enumerate(added, 1) if more > ADDED * bodies[i - 1].principal[0][2]]
+    sizes = [f"{more:.2g} kg m^2 to link {i}" for i, more in amounts]
     changes = (f"rounding left too little for what exists: {', '.join(sizes)} are added",) if sizes else ()
     if gone := [str(i) for i, body in enumerate(bodies, 1) if not body.is_possible]:
         raise DeriveError(f"{arm.robot.name}: link {', '.join(gone)} does not exist as it would be written")

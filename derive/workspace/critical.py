@@ -49,8 +49,7 @@ def _determinant(plane: PlaneMap, u: Array, v: Array) -> Array:
     """Zero where the map folds, of floats."""
     grid = np.broadcast_arrays(u, v)
     _, (first, second) = plane.values(np.stack([part.ravel() for part in grid]))
-    found: Array = (first[0] * second[1] - first[1] * second[0]).reshape(grid[0].shape)
-    return found
+    return np.asarray((first[0] * second[1] - first[1] * second[0]).reshape(grid[0].shape))
 
 
 def _exact_factors(plane: PlaneMap) -> Iterator[Determinant]:
@@ -129,7 +128,9 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     if not way.full:
         curves = _curves(rest, cells)
         curves = np.concatenate([curves, _bridges(curves, gap), _whole_line(rest)])
-        found += [curves @ _turned(angle).T for angle in (way.lower, way.upper)]
+        for angle in (way.lower, way.upper):
+            c, s = math.cos(angle), math.sin(angle)
+            found.append(curves @ np.array([[c, -s], [s, c]]).T)
     return np.concatenate(found)
 
 
@@ -162,8 +163,7 @@ def _bridges(segments: Array, gap: float) -> Array:
     middle, low, high = (np.hypot(*corner.T) for corner in (at, before, after))
     tips = at[back | ((middle - low) * (middle - high) > 0.0)]
     arms = gap * np.array([[[-1.0, 0.0], [1.0, 0.0]], [[0.0, -1.0], [0.0, 1.0]]])
-    crosses: Array = (tips[:, None, None] + arms).reshape(-1, 2, 2)
-    return crosses
+    return np.asarray((tips[:, None, None] + arms).reshape(-1, 2, 2))
 
 
 def _curves(plane: PlaneMap, cells: int) -> Array:
@@ -178,9 +178,8 @@ def _curves(plane: PlaneMap, cells: int) -> Array:
     found = [_image(plane, ends) for ends in zero_lines]
     for held, moved in ((0, 1), (1, 0)):
         for value in () if plane.ranges[held].full else (grids[held][0], grids[held][-1]):
-            on_limit = [
-                ends[moved][ends[held] == value] for ends in zero_lines
-            ]  # corners shared with the critical curves
+            # Corners are shared with the critical curves.
+            on_limit = [ends[moved][ends[held] == value] for ends in zero_lines]
             along = np.unique(np.concatenate([_grid(plane, moved, 4 * cells), *on_limit]))
             q = np.empty((2, len(along)))
             q[held], q[moved] = value, along
@@ -261,10 +260,6 @@ def _circle(radius: float, corners: int) -> Array:
     return np.concatenate([radius * sides, radius / math.cos(math.pi / corners) * sides])
 
 
-def _turned(angle: float) -> Array:
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
-
-
 def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
     """Distances from the axis that are smallest or largest among those of configurations nearby."""
     if not plane.joints:
@@ -280,9 +275,7 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
             for step in (1, -1):
                 beside = np.roll(sign * radius, step, axis=k)
                 if not way.full:
-                    beside[tuple(slice(None) if j != k else (0 if step > 0 else -1) for j in range(len(shape)))] = (
-                        np.inf
-                    )
+                    np.moveaxis(beside, k, 0)[0 if step > 0 else -1] = np.inf  # what was rolled around
                 lowest &= sign * radius <= beside + 1e-12 * plane.point.size
         found += list(_lowest_nearby(plane, q[:, lowest.ravel()], sign, [float(np.ptp(g)) / cells for g in grids]))
     return sorted({round(r / plane.point.size / _ALIKE) * _ALIKE * plane.point.size for r in found if r > 0.0})

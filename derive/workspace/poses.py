@@ -94,13 +94,9 @@ class RobotPoses:
     def limits(self) -> tuple[tuple[float, float] | None, ...]:
         """Lower and upper limit of every joint [rad or m], None where the file gives none."""
         found: list[tuple[float, float] | None] = []
-        for joint in self.robot.joints:
-            if joint.limits is None:
-                found.append(None)
-                continue
-            values = {**dict.fromkeys((name for cell in joint.limits for name in names(cell)), 1.0), **self._values}
-            lower, upper = (to_float(cell, values) for cell in joint.limits)
-            found.append((lower, upper))
+        for limits in (joint.limits for joint in self.robot.joints):
+            values = {**dict.fromkeys((name for cell in limits or () for name in names(cell)), 1.0), **self._values}
+            found.append(limits and (to_float(limits[0], values), to_float(limits[1], values)))
         return tuple(found)
 
     def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
