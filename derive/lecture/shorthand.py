@@ -62,6 +62,7 @@ def read_formula(
     except ExpressionError as error:
         where = error.location or start
         raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy, location=where) from None
+    # names in the order in which they stand, so that an error is placed at the first that is unknown
     wanted = set(names(expression))
     meanings: dict[str, Expression] = {}
     for token in tokens:
@@ -119,6 +120,7 @@ class _Vocabulary:
         """The function of the sum of the joint angles whose labels are the digits."""
         if len(digits) > MAX_TOKEN_DIGITS:
             raise CheckError(f"token {quoted(token)}", allowed=f"at most {MAX_TOKEN_DIGITS} digits")
+        # two ways to read the digits that sum the same angles are one: c12 is cos(q1 + q2) in either order
         readings: dict[frozenset[str], tuple[str, ...]] = {}
         whole = ((variable,) for variable in self.revolute.get(digits, ()))
         for reading in whole if digits in self.revolute else _splits(digits, self.revolute, frozenset()):
