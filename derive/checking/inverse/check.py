@@ -18,14 +18,14 @@ from functools import cached_property
 import numpy as np
 
 from derive.checking.formulas.diagnosis import Repair
-from derive.checking.formulas.edits import Evaluator, Replacements, SlipKind, changes_text, edits
+from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, float_value, spots
 from derive.checking.formulas.findings import Finding, Role
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import places, pose_of
 from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse, count_calls, with_calls
 from derive.checking.inverse.reading import Vocabulary
-from derive.checking.inverse.repair import InverseRepair, Repairer, places_in
+from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.latex.names import SIGN
 from derive.errors import listed
 from derive.lecture.shorthand import notation_text
@@ -122,7 +122,7 @@ class _InverseCheck:
         may = Replacements(names=joints, angles=(), terms=(*half_turns, *map(Name, joints)))
         for kind in KINDS:
             for line in self._printed.primed:
-                for spot in places_in(line.formulas[0].expression):
+                for spot in spots(line.formulas[0].expression):
                     for edit in edits(spot, may, kind):
                         changed = self._printed.changed(line, line.formulas[0], edit.formula)
                         if all(self._leads_back(changed, place) for place in self._places[:3]):
@@ -138,7 +138,7 @@ class _InverseCheck:
             if found is None or not isinstance(line.target, Name):
                 return None
             values[line.target.name] = found
-        sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
+        sums = {name: float_value(meaning, values) for name, meaning in self._printed.sums.items()}
         return replace(place, values={**values, **sums}, twin=None)
 
     # -- lines

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 import sympy
 
-from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import Shape, form_of
 from derive.checking.inverse.poses import PoseNames
 from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse
@@ -179,5 +179,5 @@ class OurSolution:
         if not all(map(math.isfinite, q.values())):
             return None
         values = {**place.values, **q}
-        sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
+        sums = {name: float_value(meaning, values) for name, meaning in self._printed.sums.items()}
         return replace(place, values={**values, **sums}, twin=None)

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import sympy
 
-from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.edits import float_value
 from derive.checking.inverse.printed import Place
 from derive.errors import DeriveError
 from derive.inverse.numeric.in_numbers import ArrayDomain
@@ -184,7 +184,7 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
     centre, entries = arm.wrist if names.wrist else None, {**names.relatives, **names.entries}
     for k in range(CONFIGURATIONS):
         known = {**values, **{joint.variable: float(x[k]) for joint, x in zip(robot.joints, q, strict=True)}}
-        known.update({name: Evaluator(known)(meaning) for name, meaning in sums.items()})
+        known.update({name: float_value(meaning, known) for name, meaning in sums.items()})
         known.update({name: float(arm.pose[i - 1][j - 1][k]) for name, (i, j) in entries.items()})
         known["(phi)"] = float(np.arctan2(arm.pose[1][0][k], arm.pose[0][0][k]))
         if centre is not None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
-from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.formulas.findings import ROUNDED, significant
 from derive.checking.inverse.joint_combinations import JointCombinations, Known, Vector, unit_vector
 from derive.checking.latex.names import SIGN
@@ -33,7 +33,6 @@ from derive.robot.robot import Robot
 MAX_SIGNS = 10  # plus-minus signs that one line may depend on
 CLOSE = 1e-7  # difference of angles [rad] and of lengths relative to their size below which they are the same
 Choice = Mapping[str, float]  # a value of every plus-minus, and for lines with alternatives which one
-_BAD = (ArithmeticError, ValueError, KeyError)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,8 +171,8 @@ class PrintedInverse:
         known = {**place.values, **choice}
         for part in (*self.named_before(line), line):
             formula = part.formulas[int(choice.get(part.switch, 0))]
-            own = {formula.first: Evaluator(known)(part.formulas[0].expression)} if formula.first else {}
-            known[part.name or part.quantity] = value = Evaluator({**known, **own})(formula.expression)
+            own = {formula.first: float_value(part.formulas[0].expression, known)} if formula.first else {}
+            known[part.name or part.quantity] = value = float_value(formula.expression, {**known, **own})
         return value
 
     def values(self, line: Line, place: Place, fixed: Choice | None = None) -> Iterator[float]:
@@ -182,15 +181,15 @@ class PrintedInverse:
         for chosen in product(*free.values()):
             try:
                 yield self.value(line, place, {**(fixed or {}), **dict(zip(free, chosen, strict=True))})
-            except _BAD:
+            except NO_VALUE:
                 continue
 
     def wanted(self, line: Line, place: Place) -> float:
         """What a line should give at a configuration; not a number where its left side has no value."""
         assert line.target is not None
         try:
-            return Evaluator(place.values)(line.target)
-        except _BAD:
+            return float_value(line.target, place.values)
+        except NO_VALUE:
             return math.nan
 
     def hits(self, line: Line, place: Place, fixed: Choice | None = None) -> bool:

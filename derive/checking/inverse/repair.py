@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from derive.checking.formulas.diagnosis import PAIRED
-from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token
+from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token, spots
 from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError
@@ -93,7 +93,7 @@ class Repairer:
         return None
 
     def _edits(self, e: Expression, kind: SlipKind) -> Iterator[Edit]:
-        for spot in places_in(e):
+        for spot in spots(e):
             yield from edits(spot, self._may, kind)
             if kind is SlipKind.PLUS_MINUS and not isinstance(spot.parent, Product | Power):
                 yield from _plus_minus(spot)
@@ -121,15 +121,6 @@ class Repairer:
                 size = sum(_size(edit.old) for edit in made)
                 found.append((size, made[0].place.depth, len(found), InverseRepair(line, formula, made, changed)))
         return min(found)[-1] if found else None
-
-
-def places_in(e: Expression, above: Spot | None = None, index: int = 0) -> Iterator[Spot]:
-    """Every place of a formula, from one down, without values."""
-    spot = Spot(e, above, index, depth=above.depth + 1 if above else 0)
-    yield spot
-    if not is_token(e):
-        for i, part in enumerate(children(e)):
-            yield from places_in(part, spot, i)
 
 
 def _plus_minus(spot: Spot) -> Iterator[Edit]:
