@@ -14,7 +14,7 @@ from itertools import combinations
 
 from derive.checking.formulas.diagnosis import PAIRED
 from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token, spots
-from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse
+from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError
 from derive.robot.expression import (
@@ -43,8 +43,8 @@ MISSING = Name(f"{SIGN}new")  # a plus-minus that is put in
 class InverseRepair:
     """What makes a line right."""
 
-    line: Line  # the line that is changed: the one that is wrong, or a quantity that it needs
-    formula: Formula  # which of its formulas
+    line: PrintedLine  # the line that is changed: the one that is wrong, or a quantity that it needs
+    formula: PrintedFormula  # which of its formulas
     edits: tuple[Edit, ...]  # the changes
     solution: PrintedInverse  # the solution with them made
 
@@ -58,7 +58,7 @@ class Repairer:
     """The search for what repairs some lines."""
 
     def __init__(
-        self, printed: PrintedInverse, lines: Sequence[Line], places: Sequence[Place], known: Sequence[str]
+        self, printed: PrintedInverse, lines: Sequence[PrintedLine], places: Sequence[Place], known: Sequence[str]
     ) -> None:
         self._printed, self._lines, self._places = printed, lines, places
         self._tried = 0
@@ -75,7 +75,9 @@ class Repairer:
             ),
         )
 
-    def first(self, kinds: Sequence[SlipKind], sites: Sequence[tuple[Line, Formula]]) -> InverseRepair | None:
+    def first(
+        self, kinds: Sequence[SlipKind], sites: Sequence[tuple[PrintedLine, PrintedFormula]]
+    ) -> InverseRepair | None:
         """The first change, of the first kind that has one; then two changes of one kind."""
         for kind in kinds:
             for line, formula in sites:
@@ -106,7 +108,9 @@ class Repairer:
             if kind is SlipKind.EXPONENT and isinstance(spot.node, Sum):
                 yield from _squares(spot, spot.node.terms)
 
-    def _least(self, line: Line, formula: Formula, candidates: Sequence[tuple[Edit, ...]]) -> InverseRepair | None:
+    def _least(
+        self, line: PrintedLine, formula: PrintedFormula, candidates: Sequence[tuple[Edit, ...]]
+    ) -> InverseRepair | None:
         """The candidate that touches least, of those that are right."""
         found: list[tuple[int, int, int, InverseRepair]] = []
         for made in candidates:
