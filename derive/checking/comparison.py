@@ -20,9 +20,9 @@ from derive.checking.formulas.printed import (
     PrintedQuantity,
     PrintedText,
 )
+from derive.checking.inverse.block import solution_findings
 from derive.checking.inverse.solutions import check_inverse
 from derive.checking.latex.check import check_latex
-from derive.checking.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy

@@ -120,10 +120,10 @@ class StyleEvidence:
 
     def __init__(self, examples: Iterable[Example]) -> None:
         self.examples = tuple(examples)
-        self._robots: dict[int, _StyledRobot] = {}
+        self._robots: dict[Robot, _StyledRobot] = {}
         self._parts: list[tuple[_ExamplePart, ...]] = []
         for example in self.examples:
-            known = self._robots.setdefault(id(example.robot), _StyledRobot(example.robot))
+            known = self._robots.setdefault(example.robot, _StyledRobot(example.robot))
             self._parts.append(tuple(_parts(known, example)))
 
     def best_style(self, without: int | None = None) -> Style:
@@ -141,7 +141,7 @@ class StyleEvidence:
         return StyleFinding(
             style,
             tuple(
-                _finding(example, parts, style, self._robots[id(example.robot)].model(style))
+                _finding(example, parts, style, self._robots[example.robot].model(style))
                 for example, parts in zip(self.examples, self._parts, strict=True)
             ),
         )
@@ -151,6 +151,7 @@ def _improved(style: Style, known: Sequence[tuple[_ExamplePart, ...]]) -> Style:
     """Options changed as some part asks for it, as long as that makes more parts and examples come out as printed."""
     best = _score(style, known)
     while True:
+        # steepest ascent: of all changes that some part asks for, the one after which most examples fit
         different = [part for parts in known for part in parts if not part.fits(style)]
         moves = {move for part in different for move in part.remedies(style)}
         # in a fixed order, so that of equally good moves the same is made everywhere

@@ -234,9 +234,11 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
                 if function:
                     continue
             value = self._applied(function, child, exponent) if function else self._settled(child)
-            if divide and isinstance(value, Table):
-                raise CheckError("division by a matrix", remedy="write the inverse out")
-            factors.append(power(value, -1) if divide else value)
+            if divide:
+                if isinstance(value, Table):
+                    raise CheckError("division by a matrix", remedy="write the inverse out")
+                value = power(value, -1)
+            factors.append(value)
             function, divide = "", False
         formulas = [factor for factor in factors if not isinstance(factor, Table)]
         scale = _bounded(multiply(*formulas))
