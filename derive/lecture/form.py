@@ -11,7 +11,6 @@ from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 
 import sympy
 
@@ -170,8 +169,12 @@ class LectureForm:
     def _by_length(self, terms: Terms, inside: Order) -> Plan:
         """Each length in front of what it multiplies, a common sine or cosine in front of all."""
         among = frozenset[int]() if inside is Order.EXPANDED else None
-        by_length = partial(grouped, level=self._lengths, inside=lambda part: self._beside_length(part, inside))
-        return factored(terms, by_length, among)
+
+        def _beside(part: Terms) -> Plan:
+            short = self._stays_flat(part, ShortSums.POSITIONS, ShortSums.EXPANDED)
+            return flat(part) if short else self._by_joints(part, inside)
+
+        return factored(terms, lambda rest: grouped(rest, self._lengths, _beside), among)
 
     def _by_joints(self, terms: Terms, order: Order) -> Plan:
         """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
@@ -189,10 +192,6 @@ class LectureForm:
             case Order.TOOL:
                 levels = [*outwards[::-1], self._lengths]
         return cheapest([nested(terms, levels), flat(terms)])
-
-    def _beside_length(self, terms: Terms, order: Order) -> Plan:
-        short = self._stays_flat(terms, ShortSums.POSITIONS, ShortSums.EXPANDED)
-        return flat(terms) if short else self._by_joints(terms, order)
 
     def _stays_flat(self, terms: Terms, *styles: ShortSums) -> bool:
         """Whether a sum is short and left expanded, in these styles or because the whole arm is short."""

@@ -166,7 +166,10 @@ def with_plain_numbers(plan: Plan) -> Plan:
         return plan
     coefficient, sums = plan.coefficient, []
     for inner, exponent in plan.inner:
-        numbers = _numbers(inner)
+        # the numbers in front of the terms of a sum; of a sum with another one among its terms none
+        parts = inner.parts if isinstance(inner, Plus) else ()
+        numbers = [part.coefficient for part in parts if not isinstance(part, Plus)]
+        numbers = numbers if len(numbers) == len(parts) else []
         largest = max(map(abs, numbers), default=Fraction(1))
         if largest >= LARGE_FACTOR or (largest < 1 and abs(coefficient) != 1):
             # the power of ten of the largest number, from its digits: no logarithm, which may round
@@ -180,13 +183,6 @@ def with_plain_numbers(plan: Plan) -> Plan:
         whole = _scaled(sums[0][0], coefficient)
         return Times(Fraction(1), plan.monomial, ((whole, 1),)) if plan.monomial else whole
     return Times(coefficient, plan.monomial, tuple(sums))
-
-
-def _numbers(plan: Plan) -> list[Fraction]:
-    """The numbers in front of the terms of a sum; none where a term is a sum itself."""
-    parts = plan.parts if isinstance(plan, Plus) else ()
-    numbers = [part.coefficient for part in parts if not isinstance(part, Plus)]
-    return numbers if len(numbers) == len(parts) else []
 
 
 def _scaled(plan: Plan, factor: Fraction) -> Plan:

@@ -79,7 +79,8 @@ class _InverseCheck:
         every = [f for line in printed.lines for f in line.formulas]
         calls = sum(count_calls(f.expression, "Atan2") for f in every)
         if self._asked.cosine_first:  # every atan2 is the book's
-            return printed.mapped(_turned), ""
+            ours = printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=False))
+            return ours.mapped(partial(with_calls, old="atan2", new="atan2", swapped=True)), ""
         plain, turned = (
             printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=s)) for s in (False, True)
         )
@@ -138,7 +139,12 @@ class _InverseCheck:
             if line not in failing:
                 never = {f: wrong for f in line.formulas if (wrong := self._never_right(line, f))}
                 rest = tuple(f for f in line.formulas if f not in never)
-                found.update({**never, rest[0]: self._right(replace(line, formulas=rest))} if rest else never)
+                found.update(never)
+                if rest:
+                    is_same = len(rest) == 1 and self._ours.has_form(rest[0])
+                    whole = replace(rest[0], text=" or ".join(f.text for f in rest))
+                    right = self._ours.text(line)
+                    found[rest[0]] = self._finding(line.quantity, whole, RIGHT, right=right, same=is_same)
         done: set[PrintedLine] = set()  # what one change repairs has one verdict
         for line in failing:
             if line not in done:
@@ -182,12 +188,6 @@ class _InverseCheck:
                 text = notation_text(target, robot)
                 return Repair((SlipKind.SYMBOL,), f"left side: {text} instead of {line.quantity}", Name(text))
         return None
-
-    def _right(self, line: PrintedLine) -> Finding:
-        formula = line.formulas[0]
-        whole = replace(formula, text=" or ".join(f.text for f in line.formulas))
-        is_same = len(line.formulas) == 1 and self._ours.has_form(formula)
-        return self._finding(line.quantity, whole, RIGHT, right=self._ours.text(line), same=is_same)
 
     def _failing(
         self, line: PrintedLine, failing: Sequence[PrintedLine]
@@ -357,8 +357,3 @@ def shown(text: str) -> str:
     text = re.sub(rf"([+-]) -?{SIGN}\w*\*?", lambda m: f"{m[1]}- " if m[1] == "+" else "-+ ", text)
     text = re.sub(rf"-{SIGN}\w*\*?", "-+", text)
     return re.sub(rf"{SIGN}\w*\*?", "+-", text)
-
-
-def _turned(e: Expression) -> Expression:
-    """An expression whose arctangents all take the cosine first, in our order."""
-    return with_calls(with_calls(e, "Atan2", "atan2", False), "atan2", "atan2", True)

@@ -78,8 +78,8 @@ class Vocabulary:
         flat = word.replace("_", "")
         if _SIGN_NAME.fullmatch(flat):
             self.meanings[word] = Name(SIGN + flat)
-        elif (match := _JOINT.fullmatch(flat)) and (variable := self._variable(match[1], match[2])):
-            self.meanings[word] = Name(variable)
+        elif (match := _JOINT.fullmatch(flat)) and (variables := self._variables(*match.groups())):
+            self.meanings[word] = Name(variables[0])
         elif match := _SUM.fullmatch(flat):
             try:
                 token = resolve_tokens(Name(f"c{match[1]}"), self.robot)
@@ -99,11 +99,9 @@ class Vocabulary:
         except CheckError:
             return False
 
-    def _variable(self, stem: str, label: str) -> str:
-        for joint in self.robot.joints:
-            if joint_label(joint.variable) == label and (stem == "q" or (stem == "d") is not joint.is_revolute):
-                return joint.variable
-        return ""
+    def _variables(self, stem: str, label: str) -> list[str]:
+        joints = [joint for joint in self.robot.joints if joint_label(joint.variable) == label]
+        return [joint.variable for joint in joints if stem == "q" or (stem == "d") is not joint.is_revolute]
 
     def is_forward(self, word: str, e: Expression) -> bool:
         """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone."""
@@ -112,8 +110,7 @@ class Vocabulary:
 
     def has_joints(self, e: Expression) -> bool:
         """Whether joint variables occur in an expression."""
-        variables = {joint.variable for joint in self.robot.joints}
-        return any(name in variables or name in self.sums for name in names(e))
+        return not {*self.sums, *(joint.variable for joint in self.robot.joints)}.isdisjoint(names(e))
 
 
 @dataclass(frozen=True)
@@ -221,8 +218,8 @@ def _merge(lines: list[PrintedLine], line: PrintedLine, before: int) -> None:
     """One line more, or further alternatives of one that an equation before has."""
     for i, other in enumerate(lines[:before]):
         same = other.name == line.name if line.target is None else other.target == line.target
-        same = same and other.primed is line.primed
-        if same and (other.target is None) is (line.target is None) and not isinstance(line.target, Number):
+        same = same and other.primed is line.primed and (other.target is None) is (line.target is None)
+        if same and not isinstance(line.target, Number):
             known = {formula.expression for formula in other.formulas}
             new = tuple(f for f in line.formulas if f.expression not in known)
             lines[i] = replace(other, formulas=(*other.formulas, *new))

@@ -168,7 +168,9 @@ class _Check:
 
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
-        waiting = [(i, e, names) for i, e in enumerate(self.equations) if any(names := tuple(self._new_names(i, e)))]
+        several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1]
+        named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
+        waiting = [some for some in named if any(some[2])]
         for _ in range(MAX_PASSES):
             left = [some for some in waiting if not self._defines(*some)]
             if len(left) == len(waiting):
@@ -195,10 +197,6 @@ class _Check:
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
         return LatexReader(self.robot, self.text, self.start, meanings, EntryNames(self.meanings))
-
-    def _new_names(self, index: int, equation: Sides) -> Iterator[str]:
-        for place, side in enumerate(equation):
-            yield self._new_name(side, index, place == 0) if len(equation) > 1 else ""
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, RELATION, LatexPiece, display_piece
 from derive.checking.latex.typography import cleaned
@@ -104,9 +105,12 @@ def _closing(text: str, opening: int) -> int:
 
 
 def _equations(display: LatexPiece) -> Iterator[Sides]:
-    text = _without_fences(display.text)
+    # blanks for what marks a display, and for the one brace before a system of equations
+    text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), display.text)
+    if text.count("\\{") != text.count("\\}"):
+        text = text.replace("\\{", "  ")
     # rows and what stands side by side in them, then lines of one equation together again
-    spans = _joined(text, [span for row in _spans(text, "\f") for span in _row_parts(text, row)])
+    spans = _joined(text, [span for row in re.finditer("[^\f]+", text) for span in _row_parts(text, row.span())])
     shown, text = text, text.replace("\f", " ").replace("\v", " ")
     for begin, end in spans:
         whole = LatexPiece(text, display.offset, display.matrices)
@@ -115,23 +119,11 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         printed = text[begin:end].rstrip()
         end = begin + len(printed if printed.endswith("...") else printed.rstrip(" \n\r.,;:"))
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]
-        sides = (_without_separators(whole.part(a, b)) for a, b in zip(ends[::2], ends[1::2], strict=True))
-        if found := tuple(side for side in sides if side.text.strip()):
+        sides = [whole.part(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+        # spaces and words that part nothing are blank; commas stay, for a formula must not have one
+        plain = [_SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text) for side in sides]
+        if found := tuple(replace(side, text=text) for side, text in zip(sides, plain, strict=True) if text.strip()):
             yield found
-
-
-def _without_fences(text: str) -> str:
-    """Blanks for what marks a display, and for the one brace before a system of equations."""
-    text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), text)
-    if text.count("\\{") != text.count("\\}"):
-        text = text.replace("\\{", "  ")
-    return text
-
-
-def _spans(text: str, sign: str, begin: int = 0, end: int | None = None) -> Iterator[tuple[int, int]]:
-    end = len(text) if end is None else end
-    cuts = [i for i in range(begin, end) if text[i] == sign]
-    yield from zip((begin, *(i + 1 for i in cuts)), (*cuts, end), strict=True)
 
 
 def _depths(text: str, begin: int, end: int) -> int:
@@ -200,9 +192,3 @@ def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
                 continue
         found.append((begin, end))
     return found
-
-
-def _without_separators(side: LatexPiece) -> LatexPiece:
-    """Spaces and words that part nothing are blank; commas stay, for a formula must not have one."""
-    text = _SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text)
-    return LatexPiece(text, side.offset, side.matrices)

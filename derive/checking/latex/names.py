@@ -112,7 +112,12 @@ class LatexNames:
             return Call(_ANGLE[text[0].lower()], (Name(angle),))
         if opposed:
             signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
-            angles = [add(*terms) if (terms := self._sum_of_angles(x)) else self._angle(x) for x in labels]
+            angles = [
+                add(*terms)
+                if (terms := self._sum_of_angles(x))
+                else resolve_tokens(Name(self._name(f"q{x}")), self.robot)
+                for x in labels
+            ]
             others = (negate(a) if sign == "-" else a for sign, a in zip(signs, angles[1:], strict=True))
             return Call(_ANGLE[opposed[1].lower()], (add(angles[0], *others),))
         name = self._name(text)
@@ -124,9 +129,6 @@ class LatexNames:
             if text in self.entries:
                 return self.entries[text]
             raise
-
-    def _angle(self, label: str) -> Expression:
-        return resolve_tokens(Name(self._name(f"q{label}")), self.robot)
 
     def _sum_of_angles(self, digits: str) -> tuple[Expression, ...]:
         r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""
