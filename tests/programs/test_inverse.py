@@ -11,7 +11,7 @@ import pytest
 from derive.algebra.constants import to_float
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.programs.formulations.trace import Trace
 from derive.programs.inverse import Mask, around, inverse_function, solved
 from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
@@ -81,7 +81,7 @@ def test_the_tape_gives_what_the_graph_gives(name: str) -> None:
     robot, inverse = program_of(name)
     q, poses = poses_of(robot)
     found, status = run(robot, inverse, poses)
-    walk = Run(
+    walk = GraphWalk(
         solve(robot),
         FloatField(parameter_values(robot, numbers_of(robot))),
         [[poses[:, i, j] for j in range(4)] for i in range(3)],

@@ -20,7 +20,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignPrinter, pose_names, with_names
 from derive.inverse.closed.solve import Freedom
 from derive.inverse.numeric.in_numbers import array_value
-from derive.inverse.words.elementary import Line as OurLine
+from derive.inverse.words.elementary import PrintedLine as OurLine
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
