@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -395,9 +396,13 @@ def _flow(value: object) -> str:
 
 
 def seeds(count: int, usual: int, swept: int | None = None) -> list[Any]:
-    """Seeds: the first ones for every run of the tests, then those of the sweep, the others before a release."""
+    """Seeds: the first ones for every run of the tests, then those of the sweep, the others before a release.
+
+    Sweep and release begin after the number in ``DERIVE_NEW_EXAMPLES``.
+    """
     marks = [[]] * usual + [[pytest.mark.sweep]] * ((swept or count) - usual) + [[pytest.mark.release]] * count
-    return [pytest.param(seed, marks=marks[seed]) for seed in range(count)]
+    after = int(os.environ.get("DERIVE_NEW_EXAMPLES", "0"))
+    return [pytest.param(seed + after * (seed >= usual), marks=marks[seed]) for seed in range(count)]
 
 
 SWEPT = ("kuka-kr5", "puma560-corke", "scara-matlab", "stanford-deluca", "thumb")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from derive import _HOMES
 from tests.places import ROOT
 
 PACKAGE = ROOT / "derive"
@@ -102,3 +103,10 @@ def test_the_public_interface_says_what_it_takes_and_gives() -> None:
     assert {"build", "from_urdf", "equal"} <= {function.name for _, function in functions}
     silent = [f"{path.name}:{f.lineno}: {f.name}" for path, f in functions if is_silent(f)]
     assert not silent, "no Args: or Returns: in the docstring"
+
+
+def test_the_page_of_the_interface_documents_every_public_name() -> None:
+    """With its module, or as a class of its own."""
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    documented = re.findall(r"^\.\. auto(?:module|class):: (\S+)$", page, re.MULTILINE)
+    assert [name for name, home in _HOMES.items() if not {home, f"derive.{name}"} & {*documented}] == []
