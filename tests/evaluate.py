@@ -26,7 +26,6 @@ _FUNCTIONS = {
 
 
 def evaluate(expression: Any, values: Mapping[str, float]) -> Any:
-    """A float, or an array of the shape of a matrix."""
     known: dict[Any, float] = {}
     if hasattr(expression, "shape"):
         entries = [_value(x, values, known) for x in expression]

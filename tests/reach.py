@@ -57,7 +57,7 @@ def reached(changed: Iterable[str], graph: Mapping[str, set[str]]) -> list[str] 
     """The files of tests that a change of these files reaches; None stands for all of them."""
     waiting, found = [name for name in changed if not name.endswith(".md")], set[str]()
     if any(not name.startswith(FOLDERS) or not name.endswith(".py") or name.endswith(SET_UP) for name in waiting):
-        return None  # imports do not tell who reads it
+        return None  # imports do not tell
     while waiting:
         name = waiting.pop()
         if name not in found:

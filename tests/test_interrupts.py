@@ -19,7 +19,6 @@ posix = pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="interrup
 
 @pytest.fixture(autouse=True)
 def interrupts_are_heeded() -> Iterator[None]:
-    """Also where the tests run in the background."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -38,7 +37,6 @@ class Elsewhere:
         self._sent.set()
 
     def interrupt(self) -> None:
-        """Let the process be interrupted, and wait until it is."""
         self._wanted.set()
         self._sent.wait()
 

@@ -57,7 +57,6 @@ def test_an_unknown_option_is_refused_before_anything_is_written(
 
 
 def test_a_plan_is_a_part_of_the_sheet_and_moves_the_arm_of_the_page(tmp_path: Path) -> None:
-    """In the language and with the parts that the handout has."""
     options = {"formats": ["tex", "html"], "parts": ["table"], "language": "it", "plan": "skeleton-reach"}
     result = handout("skeleton-root", tmp_path, **options)  # type: ignore[arg-type]
     assert result.parts == ("table", "plan")

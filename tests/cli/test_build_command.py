@@ -19,7 +19,6 @@ from tests.cli.command import PENDULUM, derive, derive_process, environment, is_
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a robot file and its models."""
     folder = tmp_path_factory.mktemp("built")
     (folder / "arm.yaml").write_text(PENDULUM)
     outcome = derive_process("build", "arm.yaml", folder=folder)
@@ -72,7 +71,6 @@ def test_no_progress_without_a_terminal(tmp_path: Path) -> None:
 
 
 def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> None:
-    """Standard error is a terminal, standard output a file."""
     process, terminal = pty.fork()
     if process == 0:  # pragma: no cover -- the child
         os.chdir(tmp_path)

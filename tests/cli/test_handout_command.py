@@ -16,7 +16,6 @@ BARE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n%s\n
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a robot file."""
     (tmp_path / "arm.yaml").write_text(PENDULUM)
     return tmp_path
 

@@ -41,7 +41,6 @@ def seconds_of_work(*arguments: str) -> float:
 
 
 def test_help_answers_at_once() -> None:
-    """No more work than three times what an interpreter needs that reads arguments and nothing else."""
     assert seconds_of_work("-m", "derive", "--help") < 3 * seconds_of_work("-c", "import argparse")
 
 

@@ -46,7 +46,6 @@ def test_a_file_is_written_and_reported_on(folder: Path) -> None:
 
 
 def test_bodies_that_cannot_be_are_exchanged_for_ones_that_can(folder: Path) -> None:
-    """Their torques are the same."""
     assert derive("import", "arm.urdf", "-o", "given.yaml", folder=folder).status == 0
     done = derive("import", "arm.urdf", "--inertia", "possible", "-o", "possible.yaml", folder=folder)
     assert done.status == 0, done.stderr

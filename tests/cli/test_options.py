@@ -19,7 +19,6 @@ PARSERS = dict(zip(COMMANDS, whole_parser()[1], strict=True))
 
 
 def options() -> Iterator[tuple[str, argparse.Action]]:
-    """Every option of every command."""
     for name, parser in PARSERS.items():
         yield from ((name, action) for action in parser._actions if action.option_strings)
 

@@ -26,7 +26,6 @@ COMMANDS = [
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a robot file in which degrees stand among radians."""
     (tmp_path / "slip.yaml").write_text(SLIP)
     return tmp_path
 

@@ -28,7 +28,6 @@ def folder(tmp_path: Path) -> Path:
 
 
 def printed(folder: Path, *arguments: str) -> list[str]:
-    """The lines of ``derive show rod.yaml ...``."""
     outcome = derive("show", "rod.yaml", *arguments, folder=folder)
     assert outcome.status == 0, outcome.stderr
     return outcome.stdout.splitlines()

@@ -50,7 +50,6 @@ def test_json_has_the_steps_and_the_branches(capsys: pytest.CaptureFixture[str])
 
 
 def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    """A column each; the two elbows of an arm with links of equal length are mirrored."""
     text = shown(capsys, "--task", "x,y", "--at", "0.5, 1, a1=1, a2=1", "--format", "json")
     rows = json.loads(text)["quantities"]["inverse"]
     columns = sorted(zip(*([float(x) for x in row] for row in rows), strict=True))

@@ -70,8 +70,6 @@ def test_nobody_watches_a_pipe() -> None:
 
 
 class Stream(io.StringIO):
-    """A stream that may be a terminal."""
-
     def __init__(self, *, terminal: bool) -> None:
         super().__init__()
         self.terminal = terminal

@@ -24,7 +24,6 @@ APPENDIX = "appendix: Il codice MATLAB per lo SCARA"
 
 
 def section() -> list[str]:
-    """The lines of the section; numbers with six digits."""
     motion = Motion.load("scara-pick-and-place")
     items = (
         *_unscaled(motion),

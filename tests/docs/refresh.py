@@ -13,7 +13,6 @@ from tests.docs.console import Block, Command, agrees, blocks, commands, environ
 
 
 def refreshed(block: Block, folder: Path, variables: dict[str, str]) -> str:
-    """The block with its commands run again."""
     return "".join(_shown(command, *run(command, folder, variables)) for command in commands(block))
 
 

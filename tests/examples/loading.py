@@ -13,6 +13,5 @@ EXAMPLES = ROOT / "examples"
 
 
 def loaded(name: str) -> ModuleType:
-    """The example of that name, imported once."""
     with mock.patch.object(sys, "path", [str(EXAMPLES), *sys.path]):
         return importlib.import_module(name)

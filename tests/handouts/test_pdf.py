@@ -23,7 +23,6 @@ DOCUMENT = r"""\documentclass{{article}}
 
 @pytest.fixture(autouse=True)
 def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where temporary folders go."""
     require_latex()
     folder = tmp_path / "scratch"
     folder.mkdir()

@@ -18,7 +18,6 @@ PINS = {canonicalize_name(line.split("==")[0]): line.split("==")[1] for line in 
 
 
 def closure(names: Iterable[str]) -> set[str]:
-    """The requirements and theirs, as far as they are installed here."""
     found: set[str] = set()
     waiting = [Requirement(name) for name in names]
     while waiting:

@@ -41,7 +41,6 @@ def tracked() -> list[Path]:
 
 
 def relative(path: Path) -> Path:
-    """A path from the root of the tree: where the tree lies must make no difference."""
     return path.relative_to(ROOT)
 
 
@@ -109,6 +108,5 @@ def takes_no_text(call: ast.Call) -> bool:
 
 
 def length(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
-    """Lines of the body without the docstring."""
     body = function.body[1:] if ast.get_docstring(function) is not None else function.body
     return (function.end_lineno or 0) - body[0].lineno + 1 if body else 0

@@ -57,6 +57,5 @@ def value(program: Program, name: str, state: State, **changed: npt.NDArray[np.c
 def derivative(
     program: Program, name: str, state: State, direction: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
-    """Derivative of a function of q in a direction, to machine accuracy."""
     moved = state.q + 1j * STEP * direction
     return value(program, name, state, q=moved).imag / STEP

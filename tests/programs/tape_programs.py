@@ -27,7 +27,6 @@ RATIONAL = {
 
 
 def variables(graph: Graph, count: int = 3) -> list[Value]:
-    """q1, q2, ..."""
     return [Value(graph, graph.input("q", i)) for i in range(count)]
 
 
@@ -49,7 +48,6 @@ class RandomProgram:
     results: tuple[int, ...]
 
     def trace(self, graph: Graph) -> list[int]:
-        """References to the results on a graph."""
         values = [Value(graph, graph.input("q", i)) for i in range(INPUTS)]
         values += [Value(graph, graph.input(PARAMETER, i)) for i in range(PARAMETERS)]
         values += [Value(graph, graph.number(number)) for number in self.numbers]
@@ -57,7 +55,6 @@ class RandomProgram:
         return [value.ref for value in self._run(values, operations)]
 
     def evaluate(self, inputs: Sequence[Fraction], parameters: Sequence[Fraction]) -> list[Fraction]:
-        """The results on rationals, step by step."""
         return self._run([*inputs, *parameters, *self.numbers], RATIONAL)
 
     def _run(self, values: list[Any], functions: dict[str, Any]) -> list[Any]:

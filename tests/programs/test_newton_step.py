@@ -24,7 +24,6 @@ CASES = [("stanford-deluca", None, ()), ("planar-3r", POINT, (2,))]
 
 
 def program_of(name: str, task: Task | None, given: tuple[int, ...]) -> tuple[Robot, Function, list[tuple[int, int]]]:
-    """The arm, its step, and the entries of the pose that are wanted."""
     robot = Robot.load(name)
     graph = solve(robot, task, given or None)
     places = [(i - 1, j - 1) for row in graph.task for i, j in ROWS[row]]

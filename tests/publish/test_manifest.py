@@ -40,7 +40,6 @@ def test_compiled_files_are_names_whatever_the_manifest_holds() -> None:
 
 
 def test_a_folder_is_current_until_anything_differs(tmp_path: Path) -> None:
-    """Robot, version, targets, effort and every file count."""
     robot, targets = Robot.from_text(ARM), targets_named(["c"], only=True)
     folder = build_robot(robot, tmp_path, ["c"], only=True, verified=False, effort=Effort.QUICK).folder
     right = (robot.digest, __version__, targets, Effort.QUICK)

@@ -54,7 +54,6 @@ STATES: dict[str, tuple[Callable[[Path], None], bool, bool]] = {
 
 
 def contents(folder: Path) -> dict[str, object]:
-    """What stands where: bytes, the target of a link, or None for a folder."""
     return {
         str(path.relative_to(folder)): os.readlink(path)
         if path.is_symlink()

@@ -19,7 +19,6 @@ VALUES = {"a1": 0.3, "beta": 0.7}
 
 
 def cell(text: str) -> Expression:
-    """A cell as written."""
     return parse_expression(text, Location("arm.yaml"))
 
 

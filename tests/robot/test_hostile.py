@@ -16,7 +16,6 @@ SECONDS = 5.0
 
 
 def refusal(path: Path) -> str:
-    """The message of the refusal of a file, after checking its kind and its time."""
     begin = time.process_time()
     with pytest.raises((RobotFileError, ExpressionError)) as caught:
         Robot.load(path)

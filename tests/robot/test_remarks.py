@@ -17,7 +17,6 @@ HEAD = "name: arm\nconvention: standard\n"
 
 
 def remarks(row: str, units: str = "", tail: str = "") -> list[str]:
-    """The remarks on a robot of one row, as text."""
     text = f"{HEAD}{units}joints:\n  - {{type: revolute, {row}}}\n{tail}"
     return [str(remark) for remark in Robot.from_text(text, "arm.yaml").remarks]
 

@@ -51,11 +51,7 @@ Key = tuple[str, str]
 
 
 class Module:
-    """One source.
-
-    Args:
-        name: Of the module.
-    """
+    """One source."""
 
     def __init__(self, name: str) -> None:
         self.name = name

@@ -33,5 +33,4 @@ def test_an_argument_without_a_say_is_declared_and_not_loaded() -> None:
 
 
 def arrays(declaration: str) -> list[str]:
-    """Names of the pointers among some parameters."""
     return re.findall(r"\*(?:restrict )?(\w+)", declaration)

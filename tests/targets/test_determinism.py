@@ -23,7 +23,6 @@ SCRIPT = "from tests.targets.test_determinism import digest; print(digest({0}))"
 
 
 def digest(seeds: tuple[int, ...]) -> str:
-    """Of what is generated for some robots, of one to four joints."""
     found = hashlib.sha256()
     for seed in seeds:
         robot = Robot.from_text(random_robot(random.Random(seed), 1 + seed).text)

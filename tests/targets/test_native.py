@@ -32,15 +32,12 @@ ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]
 
 
 class Models(NamedTuple):
-    """A robot's folder and the two models in it."""
-
     folder: Path
     native: ModuleType
     numpy: ModuleType
 
 
 def built(robot: Robot, out: Path) -> Models:
-    """A robot, built and imported."""
     folder = build_robot(robot, out, TARGETS, verified=False, only=True).folder
     modules = {model.target: model.module for model in load_models(folder)}
     return Models(folder, modules["native"], modules["numpy"])

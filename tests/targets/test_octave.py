@@ -49,7 +49,6 @@ def test_every_function_gives_what_numpy_gives(name: str, tmp_path: Path) -> Non
 
 
 def compare(model: OctaveModel, numpy: ModuleType, function: str, samples: SampleSet) -> None:
-    """Equal within rounding, relative to the largest entry; angles and accelerations only where they have a value."""
     arguments = [samples.arguments[kind] for kind in FUNCTIONS[function].arguments]
     options = {"params": dict(samples.parameters)} if samples.parameters else {}
     with np.errstate(all="ignore"):

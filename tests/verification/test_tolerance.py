@@ -16,7 +16,6 @@ NOT_BOUNDED = {"forward_dynamics", "base_parameters", *ANGLES}
 
 
 def samples_of(name: str) -> SampleSet:
-    """Configurations of a robot of the catalogue."""
     return sample_sets(Robot.load(name), 24, np.random.default_rng(3))[0]
 
 

@@ -19,7 +19,6 @@ A, B, C, D, X = (Symbol(name) for name in ("a1", "b1", "c3", "d1", "x9"))
 
 
 def given(rows: list[list[Any]]) -> Entries:
-    """A matrix of expressions."""
     return of_matrix(sympy.ImmutableMatrix(rows))
 
 

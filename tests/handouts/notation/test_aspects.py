@@ -19,7 +19,6 @@ joints:
 
 
 def text(robot: Robot) -> list[str]:
-    """The aspects of a robot."""
     return aspects_text(Model(robot).aspects, TextPrinter(robot, None).doprint)
 
 

@@ -21,7 +21,6 @@ VALUES = {str(symbol): 0.3 + 0.37 * index for index, symbol in enumerate((*Q, *A
 
 
 def tokens() -> dict[str, float]:
-    """Every token of three joints with its value."""
     found = {}
     for chosen in ("1", "2", "4", "12", "14", "24", "124"):
         angle = sum(VALUES[f"q{label}"] for label in chosen)

@@ -10,7 +10,6 @@ from derive.robot.robot import Robot
 
 
 def lines(name: str, form: str) -> list[str]:
-    """The workspace of a robot of the catalogue."""
     robot = Robot.load(name)
     return workspace_lines(Model(robot).workspace, form, Notation.of(robot))
 

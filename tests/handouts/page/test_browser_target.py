@@ -41,7 +41,6 @@ def target(figure: Figure) -> np.ndarray:
 
 
 def inner(figure: Figure, rng: np.random.Generator) -> np.ndarray:
-    """A configuration well within the limits."""
     low, high = (np.array([getattr(travel, end) for travel in figure.travels]) for end in ("lower", "upper"))
     return low + rng.uniform(0.3, 0.7, len(low)) * (high - low)
 

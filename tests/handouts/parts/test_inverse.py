@@ -78,7 +78,6 @@ def printed(section: Section) -> list[str]:
 
 
 def solved(robot: Robot) -> Robot:
-    """The robot with the task by which the part solves it."""
     return replace(robot, inverse=InverseOptions(usual_task(robot)))
 
 

@@ -24,7 +24,6 @@ LONG = Formula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",))
 
 
 def sheet(**sections: tuple[object, ...]) -> Document:
-    """A document of parts named with underscores."""
     made = (Section(name.replace("_", "-"), name.title(), blocks) for name, blocks in sections.items())
     return Document("Bar", "", "bar", "en", "0", "0", "", tuple(made))  # type: ignore[arg-type]
 

@@ -34,7 +34,6 @@ links:
 
 
 def recursions(trace: Trace) -> list[list[Value]]:
-    """B, C, g, both energies, and tau without friction."""
     chain, rates = trace.chain, trace.arguments(QD)
     return [
         flat(inertia_matrix(chain)),

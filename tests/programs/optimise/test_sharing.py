@@ -10,7 +10,6 @@ from derive.programs.tape.value import Value
 
 
 def inputs(count: int) -> tuple[Graph, list[Value]]:
-    """A graph with some arguments."""
     graph = Graph()
     return graph, [Value(graph, graph.input("q", i)) for i in range(count)]
 

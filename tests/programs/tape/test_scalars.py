@@ -18,7 +18,6 @@ from derive.robot.robot import Robot
 
 
 def robot(theta: str, alpha: str = "0", a: str = "0", **extra: str) -> Robot:
-    """One joint."""
     lines = [
         "name: one",
         "convention: standard",

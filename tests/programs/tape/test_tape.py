@@ -32,7 +32,6 @@ def rational_functions() -> Iterator[None]:
 
 
 def operations(*values: Value) -> Operations:
-    """What values cost as they were written."""
     return cut(values[0].graph, [value.ref for value in values]).operations
 
 

@@ -12,7 +12,6 @@ from derive.robot.reading.document import KeyPath, Node, YamlMapping, YamlScalar
 
 
 def scalars(node: Node, path: KeyPath = ()) -> Iterator[tuple[KeyPath, YamlScalar]]:
-    """Every text of a tree and the way to it."""
     match node:
         case YamlScalar():
             yield path, node

@@ -18,24 +18,20 @@ STEP = 1e-6
 
 
 def numbers_for(robot: Robot) -> dict[str, float]:
-    """A number for every symbol without one."""
     return {symbol: 0.3 + 0.1 * place for place, symbol in enumerate(free_symbols(robot))}
 
 
 def arm_of(name: str) -> Arm:
-    """A robot of the catalogue in numbers."""
     robot = Robot.load(name)
     return numeric_arm(robot, numbers_for(robot))
 
 
 def configurations(arm: Arm, count: int = 5) -> Array:
-    """Random joint variables."""
     return np.random.default_rng(4).uniform(-1.0, 1.0, (count, arm.n))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_frames_are_rigid_and_follow_each_other(name: str) -> None:
-    """Rotations of determinant 1, and frame i is frame i-1 times its row."""
     arm = arm_of(name)
     q = configurations(arm)
     chain = frames.chain_frames(arm, q)
