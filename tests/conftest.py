@@ -4,8 +4,6 @@ With ``DERIVE_NEW_EXAMPLES=1`` in the environment every run draws others, and sw
 With ``DERIVE_SWEEP_SHARE=3`` a sweep takes of each test every third case, the first among them.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 from collections import Counter

@@ -1,7 +1,5 @@
 """The float value of a SymPy expression: every shared subexpression once, no code generated."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

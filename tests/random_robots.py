@@ -5,8 +5,6 @@ millimetres, named parameters with and without numbers, formulas), so a test tha
 with another engine checks the whole path from the text on.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

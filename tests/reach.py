@@ -5,8 +5,6 @@ inside functions and for type checkers count. Pages of text reach none. Whatever
 the set-up) reaches all. Without a revision nothing is printed, and pytest takes all.
 """
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Interrupts wait where they would leave something behind, and arrive afterwards; temporary folders go whole."""
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil

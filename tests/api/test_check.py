@@ -1,7 +1,5 @@
 """`derive.check` and `derive.check_formula` do what the command does."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`derive.handout` and `derive.fragment` do what the command does."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

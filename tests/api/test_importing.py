@@ -1,7 +1,5 @@
 """Robots from URDF, from Python."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What `derive` shows: every public name, in every order of imports, and no more."""
 
-from __future__ import annotations
-
 import inspect
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Runs the command: in this process, or in one of its own, as a shell does."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

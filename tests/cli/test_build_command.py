@@ -1,7 +1,5 @@
 """``derive build`` as scripts and people use it: reports, silence, staleness, several robots."""
 
-from __future__ import annotations
-
 import json
 import os
 import pty

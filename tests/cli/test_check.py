@@ -1,7 +1,5 @@
 """``derive check``: what it prints and how it ends."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

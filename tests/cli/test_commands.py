@@ -1,7 +1,5 @@
 """Every command is one module of one shape, and none of them computes."""
 
-from __future__ import annotations
-
 import argparse
 import ast
 from pathlib import Path

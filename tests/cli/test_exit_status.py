@@ -1,7 +1,5 @@
 """Exit status 0 done, 1 a check failed, 2 wrong input with one message on standard error."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import signal

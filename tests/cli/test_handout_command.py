@@ -1,7 +1,5 @@
 """``derive handout`` as teachers use it: files, exercises, fragments, options over the file, and what it refuses."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Help answers at once and names every command."""
 
-from __future__ import annotations
-
 import resource
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """``derive import`` as it is typed."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from unittest import mock

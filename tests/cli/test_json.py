@@ -1,7 +1,5 @@
 """``--json`` is one JSON value on standard output, whatever the command found."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """One option, one name in every command: properties over the parsers of all of them."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import re

@@ -1,7 +1,5 @@
 """Remarks reach whoever runs a command: on standard error, in JSON, as errors with ``--strict``, as warnings."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

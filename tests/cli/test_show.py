@@ -1,7 +1,5 @@
 """``derive show``: numbers in few digits, and it says so; exactly where that is asked for."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

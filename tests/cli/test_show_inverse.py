@@ -1,7 +1,5 @@
 """``derive show ROBOT inverse``: the task of the command line, every form of output, all configurations of a pose."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """How commands speak: one line for a message, aligned columns, and arguments that are refused with what is allowed."""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import io

@@ -1,7 +1,5 @@
 """Reads the console blocks of a Markdown page and runs them as a reader would: in order, in one empty folder."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Writes docs/errata.md from the lecture corpus: ``python -m tests.docs.errata``."""
 
-from __future__ import annotations
-
 from derive.api.check import printout_of
 from derive.checking.files import check_path
 from derive.checking.report import Printout, errata_report

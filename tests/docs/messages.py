@@ -5,8 +5,6 @@ leave. The files name no date and no line, so that they change only when a text 
 written, and the exit status is 1 where something would be.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import sys

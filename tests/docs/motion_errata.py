@@ -3,8 +3,6 @@
 No formula is printed there that could be compared: the items are commands and numbers of the MATLAB appendix.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import permutations
 

@@ -3,8 +3,6 @@
 Only what no longer agrees is rewritten, so ``...`` stays where a page has it on purpose.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The map of the code, `docs/architecture.md`, and the recipes of `CONTRIBUTING.md` name what is there."""
 
-from __future__ import annotations
-
 import ast
 import re
 

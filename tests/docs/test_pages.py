@@ -1,7 +1,5 @@
 """What the README and the pages under docs/ show is what a reader gets."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

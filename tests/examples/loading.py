@@ -1,7 +1,5 @@
 """Examples as modules, as `python examples/NAME.py` finds them and what lies beside them."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from types import ModuleType

@@ -1,7 +1,5 @@
 """The committed models are what a build makes now, and stand alone."""
 
-from __future__ import annotations
-
 from tests.places import ROOT
 
 import difflib

@@ -1,7 +1,5 @@
 """`make verify-generated` finds what is wrong in a committed folder."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -5,8 +5,6 @@ processor or NumPy evaluates differently, is found even where a fresh build is r
 each robot; the exit status is 1 if a model is wrong, is missing or belongs to no robot of the catalogue.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import sys

@@ -1,7 +1,5 @@
 """Runs pdflatex once and reads its log."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

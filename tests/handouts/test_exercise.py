@@ -1,7 +1,5 @@
 """Exercises ask for what the handout tells, tell none of it, and have solutions that match."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace

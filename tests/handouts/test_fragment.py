@@ -1,7 +1,5 @@
 """Fragments: every quantity that the model has can be put into notes, alone, and names the packages that it needs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

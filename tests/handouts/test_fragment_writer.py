@@ -1,7 +1,5 @@
 """Fragments keep to the line that they find: every class, letter size and column, with the packages that they name."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """No page ends between a sentence and what it announces, and the last page of a sheet is not one matrix."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A document becomes the same PDF wherever and whenever; a refusal says where, and nothing is read, run or left."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from pathlib import Path

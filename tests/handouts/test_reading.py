@@ -1,7 +1,5 @@
 """Sheets read as text, as a reader meets them: sentences stand apart, numbers are those of the language."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """A handout as files in memory: which there are, what they are called, and that all say who wrote them."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.handouts.render import Format, handout_files

@@ -1,7 +1,5 @@
 """Sheets in other notations and languages are as clean as those in the default one."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Handouts of all kinds of arms compile in every language, keep to their margins and stay short."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from pathlib import Path

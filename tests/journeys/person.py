@@ -1,7 +1,5 @@
 """Somebody at a terminal: commands typed in one folder, files written by hand, and what comes out."""
 
-from __future__ import annotations
-
 import shlex
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The constraints file fixes everything that is installed, by version alone."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable

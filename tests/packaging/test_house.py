@@ -1,7 +1,5 @@
 """The house in order: tests beside what they test, no circle of imports, a public interface that says what it takes."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """CI runs the sweeps that a change can reach, and a share of their cases."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

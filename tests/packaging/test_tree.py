@@ -1,7 +1,5 @@
 """Rules for the whole tree: layers, no machine's paths, no evaluation of users' text, readable files and functions."""
 
-from __future__ import annotations
-
 import ast
 import os
 import subprocess

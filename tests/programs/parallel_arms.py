@@ -1,7 +1,5 @@
 """Random arms with many parallel axes: aligned and opposed, slides between them, odd offsets, both conventions."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Tapes of a robot's functions evaluated at any numbers, complex ones too: derivatives by complex steps."""
 
-from __future__ import annotations
-
 import cmath
 import random
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Random straight-line programs: as tape values, and as plain arithmetic on rationals."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Inverse kinematics as a program: every branch, the angles taken once, nothing lost between graph and tape."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

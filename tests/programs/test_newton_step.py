@@ -1,7 +1,5 @@
 """A step of damped Newton: the error is that of the pose, the step that of the normal equations, and it converges."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

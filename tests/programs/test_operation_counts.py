@@ -3,8 +3,6 @@
 Multiplications, additions and divisions; signs are free, sines and cosines apart, work on parameters alone apart.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest

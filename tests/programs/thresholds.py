@@ -9,8 +9,6 @@ generated function; each may be repeated. Three quarters of an hour on one core 
 Where a threshold leaves an arm no formulation of a function, it shows as much cheaper: it has no value.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import sys

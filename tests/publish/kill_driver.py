@@ -6,8 +6,6 @@ on the way. Prints a JSON list of states: ``old``, ``new``, ``backup`` (between 
 or what is wrong.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

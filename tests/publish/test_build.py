@@ -1,7 +1,5 @@
 """Building a robot: what is written, when nothing is, and what a check finds."""
 
-from __future__ import annotations
-
 import hashlib
 import importlib
 import json

@@ -1,7 +1,5 @@
 """A build killed at any moment leaves the complete old folder or the complete new one."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

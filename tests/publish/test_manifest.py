@@ -1,7 +1,5 @@
 """Manifests: what is ours, and whether a folder is still what a build left."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

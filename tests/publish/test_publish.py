@@ -1,7 +1,5 @@
 """Publishing: what is replaced, what is kept, what is refused, and what is left behind when something fails."""
 
-from __future__ import annotations
-
 import errno
 import json
 import multiprocessing

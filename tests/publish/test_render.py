@@ -1,7 +1,5 @@
 """All files of a robot in memory, and the libraries that a compiler makes of them."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

@@ -1,7 +1,5 @@
 """Single files: nobody's is overwritten unasked, all are written or none, and devices are written to."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Callable, Sequence

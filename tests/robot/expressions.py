@@ -1,7 +1,5 @@
 """Random expression trees in the form that the parser yields."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from hypothesis import strategies as st

@@ -3,8 +3,6 @@
 Every file must be refused quickly, with one line that names the file and the line.
 """
 
-from __future__ import annotations
-
 GOOD = """\
 name: r
 title: t

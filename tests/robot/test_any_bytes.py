@@ -1,7 +1,5 @@
 """Whatever the bytes are, the answer is a robot or one refusal."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

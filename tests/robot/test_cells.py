@@ -1,7 +1,5 @@
 """Cells in degrees and millimetres mean what the same cells mean in radians and metres."""
 
-from __future__ import annotations
-
 from math import pi
 
 import pytest

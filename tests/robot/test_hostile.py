@@ -1,7 +1,5 @@
 """Broken and hostile files are refused quickly, in one line, with the file's name and the line."""
 
-from __future__ import annotations
-
 import re
 import time
 from pathlib import Path

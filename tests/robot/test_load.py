@@ -1,7 +1,5 @@
 """What a robot file means: defaults, signs, dynamics, names."""
 
-from __future__ import annotations
-
 import dataclasses
 import hashlib
 from pathlib import Path

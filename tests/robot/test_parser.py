@@ -1,7 +1,5 @@
 """The cell grammar: what it means, what it refuses, and where it says so."""
 
-from __future__ import annotations
-
 import ast
 import math
 import operator

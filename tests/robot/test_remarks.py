@@ -1,7 +1,5 @@
 """What a file says and hardly means is remarked on at its place; what is meant is not."""
 
-from __future__ import annotations
-
 from math import pi
 
 import pytest

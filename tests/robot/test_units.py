@@ -1,7 +1,5 @@
 """Degrees and millimetres become radians and metres exactly; names and factors stay what they are."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

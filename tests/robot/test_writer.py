@@ -1,7 +1,5 @@
 """A robot as text reads back as the same robot, in the units of its file."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import fields
 

@@ -1,7 +1,5 @@
 """Generated C models, compiled and callable."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Generated modules as namespaces, without writing them."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Mapping
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Generated JavaScript run in V8, without a browser."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Generated packages of MATLAB and Octave, written to a folder and run in one process of Octave."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Arms without formulas, with their programs, each derived once."""
 
-from __future__ import annotations
-
 from functools import cache
 from types import ModuleType
 

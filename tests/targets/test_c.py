@@ -1,7 +1,5 @@
 """The C model: clean C99, one configuration and a batch, the same values as the NumPy model."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import re

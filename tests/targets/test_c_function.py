@@ -1,7 +1,5 @@
 """A function in C: its parts take what they need and no more."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 

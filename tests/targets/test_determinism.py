@@ -1,7 +1,5 @@
 """What is generated depends on nothing but the robot and the version."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import random

@@ -1,7 +1,5 @@
 """Inverse kinematics in every language: the same solutions, the same words, the nearest one within the limits."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 from functools import cache

@@ -1,7 +1,5 @@
 """The JavaScript module: the same functions as the NumPy one, in agreement with the independent recursion."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every printer gets every operation right: floats, recorded columns and CasADi, on one list of expressions."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

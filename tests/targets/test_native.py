@@ -1,7 +1,5 @@
 """The native model: whatever the NumPy model answers or refuses, in the same words; and generalised ufuncs besides."""
 
-from __future__ import annotations
-
 import inspect
 import random
 import shutil

@@ -1,7 +1,5 @@
 """Without a C compiler: C is written but not verified, the native model is refused in one line, nothing is written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The NumPy module as users meet it: shapes, batches, parameters, refusals."""
 
-from __future__ import annotations
-
 import ast
 import math
 import random

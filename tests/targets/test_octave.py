@@ -1,7 +1,5 @@
 """The package of MATLAB and Octave: the same functions as the NumPy module, with a column for each configuration."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

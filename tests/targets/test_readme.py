@@ -1,7 +1,5 @@
 """The page of a generated folder: its example runs, and no text of the user's becomes markup."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

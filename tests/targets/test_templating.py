@@ -1,7 +1,5 @@
 """Templates hold text, loops and flags; every file on disk is used, and every one used is on disk."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Verification of inverse kinematics finds what is wrong, and nothing where all is right."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Octave as a callable: found as other programs are, and what goes wrong in it is one message."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The yardstick of errors: every function has a natural size that its values keep within, and 1e-9 is the tolerance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

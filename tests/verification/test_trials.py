@@ -1,7 +1,5 @@
 """The calls of a function: every way that a target offers, each with arguments that the oracle can answer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`verify` passes what is right, finds every planted fault, and says where."""
 
-from __future__ import annotations
-
 import json
 import random
 import re

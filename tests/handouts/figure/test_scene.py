@@ -1,7 +1,5 @@
 """Drawings of arms: where things stand, what they are called, and that any robot can be drawn."""
 
-from __future__ import annotations
-
 import math
 import random
 

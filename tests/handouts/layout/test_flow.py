@@ -1,7 +1,5 @@
 """Equations that TeX breaks itself: whole again, marked where a line may end, nothing else changed."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

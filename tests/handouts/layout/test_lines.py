@@ -1,7 +1,5 @@
 """Long expressions over several lines: nothing is lost, nothing is too wide."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """A quantity on the sheet: whole if it fits, else entry by entry, and nothing is lost in named terms."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

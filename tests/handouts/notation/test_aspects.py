@@ -1,7 +1,5 @@
 """Aspects read as text and JSON."""
 
-from __future__ import annotations
-
 import json
 
 from derive.handouts.notation.aspects import aspects_parts, aspects_text

@@ -1,7 +1,5 @@
 """The options of the notation, letters, functions, frames; and the order of textbooks, whatever that of SymPy."""
 
-from __future__ import annotations
-
 import random
 import re
 from functools import partial

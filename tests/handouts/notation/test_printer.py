@@ -1,7 +1,5 @@
 """Expressions and cells of the robot file in the notation of lecture notes."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

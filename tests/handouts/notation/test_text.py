@@ -1,7 +1,5 @@
 """Plain text says what the expression says, in the shorthand where it can be read one way."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

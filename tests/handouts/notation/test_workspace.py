@@ -1,7 +1,5 @@
 """A workspace in formulas reads as text, LaTeX, Python and JSON."""
 
-from __future__ import annotations
-
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.workspace import workspace_lines, workspace_parts
 from derive.inverse.words.reach import Reach

@@ -1,7 +1,5 @@
 """The target of the figure in Chromium: it is dragged, the arm follows, branches can be chosen, keys work."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

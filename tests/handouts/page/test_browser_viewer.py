@@ -1,7 +1,5 @@
 """The figure in Chromium: sliders move the arm, and the pose that it shows is that of the NumPy model."""
 
-from __future__ import annotations
-
 import io
 import json
 import math

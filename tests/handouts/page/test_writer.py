@@ -1,7 +1,5 @@
 """The web page: one file, everything escaped, every formula in it as LaTeX, with KaTeX and its fonts."""
 
-from __future__ import annotations
-
 import ast
 import re
 from html import unescape

@@ -1,7 +1,5 @@
 """A page that holds nothing but the figure."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

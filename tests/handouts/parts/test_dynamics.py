@@ -1,7 +1,5 @@
 """The dynamics of the handout: what it prints is true, complete, in the chosen letter, and fits the page."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

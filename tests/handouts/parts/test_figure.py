@@ -1,7 +1,5 @@
 """The part of the handout with the pictures of the arm."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The part of the handout with the inverse kinematics: it reads as a teacher writes it, and its formulas hold."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The formulas of the inverse kinematics as blocks of a handout."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

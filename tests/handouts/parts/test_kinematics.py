@@ -1,7 +1,5 @@
 """The parts of the handout about kinematics, and its example in numbers."""
 
-from __future__ import annotations
-
 import json
 import random
 import re

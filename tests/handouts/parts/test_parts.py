@@ -1,7 +1,5 @@
 """What holds for every part of the handout, whatever it shows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """The part with the DH table and the data of the links."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """A sheet within a number of pages: it fits, says what it lacks, and loses the least useful first."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Formulas: notes, small matrices side by side, entries to copy, and those of textbooks, line by line balanced."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

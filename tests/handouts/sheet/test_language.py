@@ -1,7 +1,5 @@
 """The handout in other languages: catalogues are complete, and translations keep places, formulas and code."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """The sheet compiles without an error or an overfull box, and leaves nothing out in silence."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Pose, link frames and Jacobian by the cheapest ways are those of the plain formulas, for fewer operations."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

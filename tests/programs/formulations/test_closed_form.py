@@ -1,7 +1,5 @@
 """Closed forms give what the recursions give, in either choice of angles."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 

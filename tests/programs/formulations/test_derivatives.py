@@ -1,7 +1,5 @@
 """Rates and derivatives are those of the functions that they are named after, on any robot."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """All formulations of one function compute the same values: whichever is the cheapest, it is right."""
 
-from __future__ import annotations
-
 import random
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Whatever choices the joints take, the recursions compute the same; the search finds cheap ones and stops."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 

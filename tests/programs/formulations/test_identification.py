@@ -1,7 +1,5 @@
 """The closed forms of regressors and base parameters, and the functions generated for identification."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Runs of parallel axes: joint frames by sums of angles are those of the chain, joint after joint."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Laws that the traced recursions obey on any robot: both conventions, R and P, motors, base, tool, any gravity."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass, replace
 from functools import cache

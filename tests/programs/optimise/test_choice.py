@@ -1,7 +1,5 @@
 """Combinations of ways that share work."""
 
-from __future__ import annotations
-
 import random
 from itertools import product
 

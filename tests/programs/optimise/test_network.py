@@ -1,7 +1,5 @@
 """Networks of polynomials: what is shared, written out and redefined keeps its value; the cost kept is the cost."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """The policy of the search: every threshold counts, and can be tried with other values."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from dataclasses import fields, replace

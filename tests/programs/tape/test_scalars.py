@@ -1,7 +1,5 @@
 """Cells as tape values: which angles are exact, which numbers are baked, what stays free."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

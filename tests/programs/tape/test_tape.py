@@ -1,7 +1,5 @@
 """Tapes: the same values after every pass, every operation once, nothing without use."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """A document knows the place of every text in it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """The independent recursion agrees with Pinocchio on random robots, from the text of the robot file on."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np

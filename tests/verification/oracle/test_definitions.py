@@ -1,7 +1,5 @@
 """The oracle's own parts against what they are defined by: frames, Jacobians, motions and regressors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The independent recursion obeys mechanics: identities that no other engine is needed for."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
