@@ -108,14 +108,6 @@ def test_one_failure_does_not_stop_the_rest(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "generated" / "skeleton").iterdir()] == ["thesis.txt"]
 
 
-def test_two_robots_of_one_name_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "one.yaml").write_text(PENDULUM)
-    (tmp_path / "two.yaml").write_text(PENDULUM.replace("a: a1", "a: b1").replace("l1 - a1", "l1 - b1"))
-    outcome = derive("build", "one.yaml", "two.yaml", "--jobs", "2", folder=tmp_path)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr), outcome.stderr
-
-
 def test_a_target_is_added_to_the_usual_ones_and_only_leaves_the_named_ones(tmp_path: Path) -> None:
     folder = tmp_path / "generated" / "planar_3r"
     usual = {name for target in targets_named() for name in target.files}

@@ -63,21 +63,6 @@ def test_a_web_page_is_one_file(folder: Path) -> None:
     assert "http-equiv" in (folder / "pendulum.html").read_text()
 
 
-def test_files_that_are_there_are_replaced_by_force_alone(folder: Path) -> None:
-    require_latex()
-    assert handout(folder, "--pdf").status == 0
-    for name, other in (("pendulum.tex", "pendulum.pdf"), ("pendulum.pdf", "pendulum.tex")):
-        (folder / name).write_text("my own notes")
-        (folder / other).unlink()
-        outcome = handout(folder, "--pdf")
-        assert outcome.status == 2
-        assert is_one_message(outcome.stderr)
-        assert name in outcome.stderr
-        assert (folder / name).read_text() == "my own notes"
-        assert handout(folder, "--pdf", "--force").status == 0
-    assert names(folder) == {"pendulum.tex", "pendulum.pdf"}
-
-
 def test_a_refusal_of_latex_leaves_what_was_there(folder: Path) -> None:
     assert handout(folder).status == 0
     before = (folder / "pendulum.tex").read_bytes()

@@ -68,15 +68,6 @@ def test_a_urdf_comes_from_standard_input(folder: Path) -> None:
     assert "not tested" in derive("verify", "arm.yaml", folder=folder).stdout
 
 
-def test_a_file_that_is_there_stays(folder: Path) -> None:
-    (folder / "arm.yaml").write_text("mine")
-    done = derive("import", "arm.urdf", "-o", "arm.yaml", folder=folder)
-    assert done.status == 2
-    assert is_one_message(done.stderr)
-    assert (folder / "arm.yaml").read_text() == "mine"
-    assert derive("import", "arm.urdf", "-o", "arm.yaml", "--force", folder=folder).status == 0
-
-
 def test_all_tips_get_files(folder: Path) -> None:
     two = urdf([J(link="left"), J(link="right", parent="l0"), J(link="head", parent="l0", type="planar")], name="torso")
     (folder / "torso.urdf").write_text(two)

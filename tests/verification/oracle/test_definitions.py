@@ -29,28 +29,6 @@ def configurations(arm: Arm, count: int = 5) -> Array:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_frames_are_rigid_and_follow_each_other(name: str) -> None:
-    arm = arm_of(name)
-    q = configurations(arm)
-    chain = frames.chain_frames(arm, q)
-    rotations = chain[..., :3, :3]
-    assert np.allclose(rotations @ np.swapaxes(rotations, -1, -2), np.eye(3), atol=1e-12)
-    assert np.allclose(np.linalg.det(rotations), 1.0)
-    for i in range(arm.n):
-        assert np.allclose(chain[:, i] @ frames.row_transform(arm, i, q[:, i]), chain[:, i + 1])
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_linear_rows_of_the_jacobian_are_differences_of_the_pose(name: str) -> None:
-    arm = arm_of(name)
-    q = configurations(arm)
-    moved = q[:, None, :] + STEP * np.eye(arm.n)
-    back = q[:, None, :] - STEP * np.eye(arm.n)
-    slope = (frames.forward_kinematics(arm, moved) - frames.forward_kinematics(arm, back)) / (2 * STEP)
-    assert np.allclose(np.swapaxes(slope[..., :3, 3], -1, -2), frames.jacobian(arm, q)[:, :3], atol=1e-7)
-
-
-@pytest.mark.parametrize("name", NAMES)
 def test_motions_of_links_are_differences_of_their_frames(name: str) -> None:
     """Velocities by J qd, accelerations by a second difference along a motion."""
     arm = arm_of(name)
