@@ -1,7 +1,5 @@
 """Writes docs/errata.md from the lecture corpus: ``python -m tests.docs.errata``."""
 
-from __future__ import annotations
-
 from derive.api.check import printout_of
 from derive.checking.files import check_path
 from derive.checking.report import Printout, errata_report
@@ -26,13 +24,11 @@ HEAD = (
 
 
 def printouts() -> list[Printout]:
-    """Every file of the corpus, checked."""
     checked = (check_path(str(path)) for path in sorted(CORPUS.glob("*.yaml")))
     return [printout_of(report, robot) for report, robot in checked]
 
 
 def page() -> str:
-    """The page as it should be."""
     found = printouts()
     documents = {finding.remark.document.title for p in found for finding in p.report.findings}
     documents |= {p.report.document.title for p in found}

@@ -3,8 +3,6 @@
 No formula is printed there that could be compared: the items are commands and numbers of the MATLAB appendix.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import permutations
 
@@ -24,7 +22,6 @@ APPENDIX = "appendix: Il codice MATLAB per lo SCARA"
 
 
 def section() -> list[str]:
-    """The lines of the section; numbers with six digits."""
     motion = Motion.load("scara-pick-and-place")
     items = (
         *_unscaled(motion),

@@ -1,7 +1,5 @@
 """The part about a motion plan: its tables, and the derivation of the profiles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from sympy import Expr, Float, Integer, Rational, pi
