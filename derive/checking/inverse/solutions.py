@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from derive.checking.formulas.findings import Finding
+from derive.checking.formulas.findings import Finding, Skipped
 from derive.checking.formulas.printed import Asked, InverseText, PrintedText
 from derive.checking.inverse.check import inverse_findings
 from derive.checking.inverse.latex import latex_equations
-from derive.checking.inverse.reading import Refused, Side, assembled
+from derive.checking.inverse.reading import Side, assembled
 from derive.checking.inverse.text import text_equations
 from derive.checking.latex.names import PlusMinus
 from derive.errors import CheckError, QuantityError
@@ -16,7 +16,7 @@ from derive.model.model import Model
 from derive.model.quantity_names import parse
 
 
-def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Refused, ...]]:
+def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
     r"""Compare a printed solution with the arm."""
     robot, signs = model.robot, PlusMinus()
     equations: list[list[Side]] = []
@@ -34,7 +34,7 @@ def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, .
             raise error if part.verbatim else error.moved(part.location) from None
         equations += found[0]
         words += found[1]
-    refused: list[Refused] | None = [] if solution.document else None
+    refused: list[Skipped] | None = [] if solution.document else None
     try:
         printed, vocabulary = assembled(robot, equations, words, refused)
         findings = tuple(inverse_findings(model, printed, vocabulary, solution.asked))
