@@ -153,6 +153,7 @@ def _case(links: tuple[LinkStep[float], ...], i: int) -> LinkCase:
     arrays = {name: np.array(value) for name, value in values.items()}
     rotation, previous = np.array(data.rotation), np.array(data.before)
     following = np.array(links[i + 1].data.before).T if i + 1 < len(links) else np.eye(3)
+    # into the link's own frame: Rp from the link before, Rn from the next one, R0 from the base
     z0 = np.array([0.0, 0.0, 1.0])
     arrays |= {"Rp": previous, "Rn": following, "R0": rotation.T, "z0": z0}
     arrays |= {"z_prev": rotation @ previous @ z0, "p_in_next": following.T @ arrays["p"]}

@@ -179,7 +179,7 @@ class LectureForm:
     def _by_joints(self, terms: Terms, order: Order) -> Plan:
         """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
         present = {f for m in terms for f, _ in m}
-        # one level per group of parallel axes, from the base outwards; lengths come after the first of them
+        # one level per group of parallel axes, from the base outwards
         outwards = [joint for joint in self._outwards if present & joint]
         match order:
             case Order.EXPANDED:

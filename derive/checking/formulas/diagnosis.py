@@ -117,7 +117,7 @@ def diagnose(question: Question) -> Repair | None:
 def _smallest_change(question: Question) -> Repair | None:
     """The first change of those of `_Search` at a point where both formulas have a value."""
     known_names = _known_names(question)
-    # away from 0 and 1, where products vanish or do not change, and inside the range of square roots and arc functions
+    # numbers of either sign, all of the size of 1: no term vanishes beside another
     rng = random.Random(7)
     wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
     for _ in range(POINTS):

@@ -318,12 +318,14 @@ def form_of(e: Expression) -> tuple[Fraction, Shape]:
 def _product(e: Product | Power) -> tuple[Fraction, Shape]:
     factor = Fraction(1)
     factors: dict[Shape, int] = {}
+    # powers of the same base are joined, so that the order and the grouping of factors do not count
     for base, exponent in _flat_factors(e, 1):
         k, shape = form_of(base)
         factor *= k**exponent if k else Fraction(0)
         inner = shape[1:] if shape[0] == "*" else ((shape, 1),)
         for part, power in inner:
             factors[part] = factors.get(part, 0) + power * exponent
+    # by their text: shapes hold names, numbers and tuples, which have no order among each other
     kept = sorted(((s, p) for s, p in factors.items() if p), key=repr)
     if len(kept) == 1 and kept[0][1] == 1:
         return factor, kept[0][0]

@@ -160,6 +160,7 @@ def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vect
         for kind, text, changed in islice(_everywhere(printed, partial(_changes, what, names)), MAX_TRIES):
             if holds(changed):
                 return Repair((kind,), text, Name(str(changed)))
+    # two names of the same letters: a link's index mistaken throughout one term
     pairs = (
         (kind, f"2 changes: {first}; {second}", twice)
         for kind, first, changed in _everywhere(printed, relatives)

@@ -57,13 +57,12 @@ class _InverseCheck:
     def __init__(self, model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> None:
         self._model, self._vocabulary, self._asked = model, vocabulary, asked
         self.is_wrong = False
-        self._places = places(vocabulary.pose, vocabulary.sums)
+        self._places: Sequence[Place] = places(vocabulary.pose, vocabulary.sums)
         self._printed, self._note = self._in_order(printed)
-        if model.robot.parameters and not self._is_right(self._printed):
+        if model.robot.parameters and not self._is_right(self._places):
+            # wrong for arms with this table, but right perhaps for the one whose numbers the file gives
             numeric = places(vocabulary.pose, vocabulary.sums, numbers=True)
-            kept, self._places = self._places, numeric
-            if not self._is_right(self._printed):
-                self._places = kept
+            self._places = numeric if self._is_right(numeric) else self._places
         self._primed = tuple(self._second_solution()) if self._printed.primed else ()
         self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task, self._places)
 
@@ -71,8 +70,9 @@ class _InverseCheck:
     def _required(self) -> tuple[Place, ...]:
         return tuple(place for place in self._places if place.required)
 
-    def _is_right(self, printed: PrintedInverse) -> bool:
-        return all(printed.hits(line, place) for line in printed.given for place in self._required)
+    def _is_right(self, tried: Sequence[Place]) -> bool:
+        printed = self._printed
+        return all(printed.hits(line, place) for line in printed.given for place in tried if place.required)
 
     def _in_order(self, printed: PrintedInverse) -> tuple[PrintedInverse, str]:
         """The solution with atan2 for what may take the cosine first: whichever makes more lines right."""
@@ -240,6 +240,7 @@ class _InverseCheck:
         self, line: PrintedLine, failing: Sequence[PrintedLine], ordered: Sequence[Place], kinds: Sequence[SlipKind]
     ) -> tuple[InverseRepair | None, list[PrintedLine]]:
         """What repairs a line, and all lines that it repairs: a quantity that others need too, itself, another one."""
+        # one slip in a quantity that several failing lines need explains all of them
         needed = self._printed.named_before(line)
         for part in needed:
             users = [other for other in failing if part in self._printed.named_before(other)]
@@ -269,6 +270,7 @@ class _InverseCheck:
         parts = [part for line in group for part in (*self._printed.named_before(line), line)]
         for sign in {name: None for line in group for name in self._printed.choices(line) if len(name) > 1}:
             holders = [(part, f) for part in parts for f in part.formulas if sign in names(f.expression)]
+            # a sign is idle where one of its values meets every required configuration and the other one none
             met = {e: [self._printed.hit_together(group, x, {sign: e}) for x in self._places] for e in (1.0, -1.0)}
             needed = [place.required for place in self._places]
             useful = [e for e, hits in met.items() if all(h for h, n in zip(hits, needed, strict=True) if n)]
