@@ -21,7 +21,7 @@ from derive.checking.formulas.printed import (
     PrintedText,
 )
 from derive.checking.inverse.block import solution_findings
-from derive.checking.inverse.solutions import check_inverse
+from derive.checking.inverse.check import check_inverse
 from derive.checking.latex.check import check_latex
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula

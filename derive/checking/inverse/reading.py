@@ -49,6 +49,11 @@ class Side:
         """What the first alternative says."""
         return self.formulas[0].expression
 
+    def read(self, meanings: Mapping[str, Expression]) -> Side:
+        """With its formulas, in names whose meanings are known."""
+        formulas = (PrintedFormula(part.read(meanings), part.text, part.location) for part in self.parts)
+        return replace(self, formulas=tuple(formulas))
+
 
 @dataclass
 class Vocabulary:
@@ -128,7 +133,7 @@ def assembled(
     for sides in equations:
         before = len(lines)
         try:
-            found_here = tuple(_lines(vocabulary, [_read(side, vocabulary) for side in sides]))
+            found_here = tuple(_lines(vocabulary, [side.read(vocabulary.meanings) for side in sides]))
         except CheckError as error:
             if refused is None:
                 raise
@@ -158,11 +163,6 @@ def _refuse_unknown(printed: PrintedInverse, vocabulary: Vocabulary) -> None:
                     remedy = near_miss(name, printed.named) or f"write a line {name} = ..."
                     found, where = f"unknown name {quoted(name)}", formula.location
                     raise UnknownNameError(found, allowed=f"known: {known}", remedy=remedy, location=where)
-
-
-def _read(side: Side, vocabulary: Vocabulary) -> Side:
-    formulas = (PrintedFormula(part.read(vocabulary.meanings), part.text, part.location) for part in side.parts)
-    return replace(side, formulas=tuple(formulas))
 
 
 def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLine]:
