@@ -117,12 +117,9 @@ def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
 
 
 def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False) -> Plan | None:
-    """The terms as a product with at least two sums in it, such as (a2*c2 + a3*c23)**2.
+    """The terms as a product with at least two sums in it, (a2*c2 + a3*c23)**2; None where there are fewer.
 
     Sines and cosines are independent symbols here: only what is a product by its form is found.
-
-    Returns:
-        The product, or None where there are fewer sums (a square counts as two).
     """
     if not 2 <= len(terms) <= MAX_TRIED_AS_PRODUCT:
         return None

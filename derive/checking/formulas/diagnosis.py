@@ -96,11 +96,7 @@ def other_orders(model: DynamicModel, quantity: str) -> Mapping[str, Expression]
 
 
 def diagnose(question: Question) -> Repair | None:
-    """The smallest change that repairs a formula, and what else it is right for.
-
-    Returns:
-        The change, or None if no single change and no two of one kind repair it and it is right for nothing else.
-    """
+    """The least change that repairs a formula, one or two of one kind, or what else it is right for; None if none."""
     repair = _smallest_change(question)
     # beside any repair: the formula as it stands may be right for the same symbol with its indices in another order
     fitting = (

@@ -29,11 +29,7 @@ from derive.robot.options.inverse import Task
 
 
 class OurSolution:
-    """The derived solution for the task of a printed one.
-
-    Args:
-        task: The rows of its task; None where the names that it uses say it.
-    """
+    """The derived solution for the task of a printed one; task None where the names of the text say it."""
 
     def __init__(
         self, model: Model, printed: PrintedInverse, pose: PoseNames, task: Task | None, places: Sequence[Place]

@@ -109,7 +109,7 @@ class PoseNames:
 
 
 class _Arm:
-    """An arm of numbers at several configurations."""
+    """An arm of numbers at k configurations: its pose in three rows of four arrays (k,), its axes at each of them."""
 
     def __init__(self, robot: Robot, values: Mapping[str, float], q: list[npt.NDArray[np.float64]]) -> None:
         self._robot = plain = replace(robot, links=(), gravity=None)
@@ -123,7 +123,7 @@ class _Arm:
 
     @property
     def wrist(self) -> npt.NDArray[np.float64] | None:
-        """The centre of the wrist at each configuration; None where there is none.
+        """The centre of the wrist at each configuration, (k, 3) [m]; None where there is none.
 
         It is where the last three axes meet; of arms with three joints the last one if they are planar, else the end.
         """
@@ -161,7 +161,7 @@ def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = 
 
 
 def pose_of(robot: Robot, values: Mapping[str, float]) -> list[list[float]]:
-    """The pose of an arm, three rows of four entries."""
+    """The pose of an arm at one configuration, the first three rows of T (3, 4)."""
     q = [np.array([values[joint.variable]]) for joint in robot.joints]
     arm = _Arm(robot, {name: values[name] for name in geometry_symbols(robot)}, q)
     return [[float(x[0]) for x in row] for row in arm.pose]

@@ -122,11 +122,7 @@ class Vocabulary:
 def assembled(
     robot: Robot, equations: Sequence[Sequence[Side]], words: Sequence[str], refused: list[Skipped] | None = None
 ) -> tuple[PrintedInverse, Vocabulary]:
-    """The lines of a printed solution.
-
-    Args:
-        refused: Where equations go that are not understood; None to refuse the whole.
-    """
+    """The lines of a printed solution; equations that are not understood go to refused, None to refuse the whole."""
     defined = [side.word for sides in equations for side in sides if side.word]
     vocabulary = Vocabulary.of(robot, words, defined)
     lines: list[PrintedLine] = []

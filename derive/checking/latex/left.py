@@ -85,11 +85,7 @@ class Left:
 
 
 def taken_apart(text: str) -> Left | None:
-    """A left side as letter, scripts and dots.
-
-    Returns:
-        Its parts; None where it is no single symbol.
-    """
+    """A left side as letter, scripts and dots; None where it is no single symbol."""
     # from left to right: scripts before the letter, dots, the letter, scripts, arguments, a velocity behind it
     rest, determinant = _undressed(text)
     before, rest = _scripts(rest)
