@@ -168,11 +168,7 @@ def _rounded(value: Any) -> tuple[int, int, int, int]:
 
 
 def exact_number(expression: Expression, numbers: Mapping[str, Expression]) -> Constant | None:
-    """The number behind a cell of the robot file.
-
-    Returns:
-        The number, or None if a name in the cell has none.
-    """
+    """The number behind a cell of the robot file; None where a name in the cell has none."""
     if not all(name in numbers and not any(True for _ in names(numbers[name])) for name in names(expression)):
         return None
     return _evaluate(expression, numbers)

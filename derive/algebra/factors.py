@@ -49,8 +49,8 @@ class Factoring:
         self._domain = domain
         self._ring = domain.ring
         places = domain.places
+        # indices of the sine and cosine of every angle
         self._angles = [(i, places[Kind.COSINE, joint]) for (kind, joint), i in places.items() if kind is Kind.SINE]
-        """Indices of the sine and cosine of every angle."""
 
     def factors(self, p: Polynomial) -> tuple[Factor, ...]:
         """Factors whose product is exactly a polynomial: a constant, sines and cosines, then the others.

@@ -218,11 +218,7 @@ def bundled(exact: ExactAngle, joints: frozenset[str]) -> ExactAngle:
 
 
 def collect(values: Iterable[Expression], angles: Iterable[Expression], joints: frozenset[str] = frozenset()) -> Atoms:
-    """What some expressions need of a ring.
-
-    Args:
-        angles: Constant angles [rad] whose sines and cosines are needed.
-    """
+    """What some expressions need of a ring, and the sines and cosines of constant angles [rad]."""
     atoms = Atoms(joints)
     for e in angles:
         atoms.add_angle(e)
@@ -232,11 +228,7 @@ def collect(values: Iterable[Expression], angles: Iterable[Expression], joints: 
 
 
 def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
-    """Every expression of a robot that its ring must be able to hold.
-
-    Returns:
-        The cells that are values, and the constant angles of the table [rad].
-    """
+    """Every expression of a robot that its ring must hold: cells that are values, and angles of the table [rad]."""
     values = [cell for joint in robot.joints for cell in (joint.a, joint.d)]
     values += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
     values += robot.gravity or ()

@@ -87,11 +87,7 @@ class Residue:
 
 
 class ResidueDomain:
-    """A `derive.mechanics.chain.Domain` of residues: the image of a polynomial domain at random points.
-
-    Args:
-        samples: Number of configurations, the first axis of every array (samples, 1).
-    """
+    """A `derive.mechanics.chain.Domain` of residues: a polynomial domain at random configurations (samples, 1)."""
 
     def __init__(self, domain: PolynomialDomain, samples: int, seed: int = 0) -> None:
         self.domain = domain
@@ -108,14 +104,14 @@ class ResidueDomain:
         self._cache: dict[str, Residue] = {}
 
     def value(self, p: Polynomial) -> Residue:
-        """A polynomial at the points."""
+        """A polynomial at the points: (samples, 1), or (1, 1) where no joint variable is in it."""
         key = p.key()
         if key not in self._cache:
             self._cache[key] = Residue(self.prime, self._value(p, self._point))
         return self._cache[key]
 
     def draw(self) -> Residue:
-        """A random number per configuration, for a rate or an acceleration."""
+        """A random number per configuration, (samples, 1), for a rate or an acceleration."""
         return Residue(self.prime, self._numbers(self.samples))
 
     # -- scalars of the mechanics
@@ -195,10 +191,10 @@ def fraction_residue(value: Fraction, prime: int) -> int:
 
 
 def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
-    """The reduced row echelon form modulo a prime.
+    """The reduced row echelon form of a matrix (m, n) modulo a prime.
 
     Returns:
-        (k, j) is the coefficient of pivot column k in column j.
+        The pivot columns, and a matrix (rank, n) whose entry (k, j) is the coefficient of pivot column k in column j.
     """
     # Gauss and Jordan modulo the prime: products of two residues stay below 2^62
     work = np.array(matrix, dtype=np.int64) % prime

@@ -12,9 +12,9 @@ from derive.checking.comparison import check_expression
 from derive.checking.files import check_path
 from derive.checking.formulas.findings import FileReport, Finding, judge
 from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.check import check_inverse as compare_inverse
+from derive.checking.inverse.check import inverse_text, names_inverse
 from derive.checking.inverse.latex import gives_joints
-from derive.checking.inverse.solutions import check_inverse as compare_inverse
-from derive.checking.inverse.solutions import inverse_text, names_inverse
 from derive.checking.latex.check import check_latex as compare_latex
 from derive.checking.report import (
     Printout,

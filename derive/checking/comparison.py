@@ -10,7 +10,7 @@ from itertools import pairwise, product
 import sympy
 
 from derive.checking.formulas.diagnosis import Question, other_orders
-from derive.checking.formulas.findings import FileReport, Finding, Role, undecidable, verdict_at
+from derive.checking.formulas.findings import FileReport, Finding, Role, compared, undecidable
 from derive.checking.formulas.printed import (
     CorpusFile,
     Factorisation,
@@ -21,7 +21,7 @@ from derive.checking.formulas.printed import (
     PrintedText,
 )
 from derive.checking.inverse.block import solution_findings
-from derive.checking.inverse.solutions import check_inverse
+from derive.checking.inverse.check import check_inverse
 from derive.checking.latex.check import check_latex
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
@@ -50,8 +50,7 @@ def check_expression(model: Model, quantity: str, text: str) -> Finding:
     right = scalar_quantity(model, quantity)
     others = other_orders(model, quantity)
     question = Question(model.robot, formula, expression_from_sympy(right), others=others)
-    verdict = verdict_at(start, model.robot, question.right, formula)
-    return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, right, start, question=question)
+    return compared(question, quantity, (0, 0), Role.PRINTED, text, right, start)
 
 
 def derived_matrix(model: Model, item: PrintedQuantity) -> Matrix:
@@ -134,11 +133,8 @@ def _entry(
     derived = right[entry.row - 1, entry.column - 1]
     others = other_orders(model, item.quantity)
     question = Question(model.robot, entry.formula, expression_from_sympy(derived), others=others)
-    where = entry.location
-    verdict = verdict_at(where, model.robot, question.right, question.printed)
-    return Finding(
-        item.quantity, row, column, role, entry.text, verdict, derived, where, erratum, question, remark=item.remark
-    )
+    where, place = entry.location, (row, column)
+    return compared(question, item.quantity, place, role, entry.text, derived, where, erratum, item.remark)
 
 
 def _identity(model: Model, identity: Identity) -> Finding:
@@ -146,9 +142,8 @@ def _identity(model: Model, identity: Identity) -> Finding:
     erratum = identity.status == "erratum"
     if unknown := left.unknown or right.unknown:
         return undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum)
-    verdict = verdict_at(right.location, model.robot, left.formula, right.formula)
     question = Question(model.robot, right.formula, left.formula)
-    return Finding(left.text, 0, 0, Role.IDENTITY, right.text, verdict, left.text, right.location, erratum, question)
+    return compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, right.location, erratum)
 
 
 def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:

@@ -49,6 +49,7 @@ def rotation(axis: str, angle: Expr) -> Matrix:
     if axis not in _FIRST_ROW:
         raise ExpressionError(f"axis {axis!r}", allowed="x, y or z")
     turn = _scalar(angle)
+    # the turn takes axis i to axis j, cyclically: [c -s; s c] in rows and columns i, j
     i = _FIRST_ROW[axis]
     j = (i + 1) % 3
     matrix = sympy.eye(4)
@@ -84,6 +85,7 @@ def compose(*frames: Matrix) -> Matrix:
         raise ExpressionError(f"frames of shapes {shapes}", allowed="4x4 matrices, the last one 4x4 or a point 4x1")
     factors = [[[expression_from_sympy(entry) for entry in row] for row in frame.tolist()] for frame in frames]
     domain = PolynomialDomain(NO_ROBOT, [e for rows in factors for row in rows for e in row], rates=False)
+    # multiplied in the ring modulo s^2 + c^2 = 1, not by SymPy, which reduces nothing
     product = [[domain.constant(e) for e in row] for row in factors[0]]
     for factor in factors[1:]:
         columns = list(zip(*([domain.constant(e) for e in row] for row in factor), strict=True))

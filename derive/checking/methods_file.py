@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
@@ -46,12 +45,8 @@ _SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": 
 _TOLERANCE = 1e-10
 
 
-@dataclass(frozen=True, slots=True)
-class LinkCase:
-    """One link in motion."""
-
-    joint: str  # ``revolute`` or ``prismatic``
-    values: Mapping[str, Array]  # what each name stands for
+# One link in motion: its joint, revolute or prismatic, and what each name stands for, numbers, (3,) or (3, 3).
+LinkCase = tuple[str, Mapping[str, Array]]
 
 
 def check_methods(root: YamlMapping, source: str) -> FileReport:
@@ -76,7 +71,7 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
     joint = reading.word(item, "joint", ("any", "revolute", "prismatic"), "any")
     result = reading.word(item, "result", RESULTS, "")
     erratum, said = reading.status(item) == "erratum", reading.remark(item)
-    known = [case for case in cases(name) if joint in ("any", case.joint)]
+    known = [values for its_joint, values in cases(name) if joint in ("any", its_joint)]
     shown = f"{_SHOWN[name]}: {required_text(item, 'id').text} ({joint} joint)"
     correction = reading.child(item, "correct")
     for key, role in (("printed", Role.EQUATION), ("correct", Role.CORRECTION)):
@@ -85,16 +80,16 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
             continue
         printed = read_vector(text.text, text.inner)
         for named in names_in(printed):
-            if named not in known[0].values:
+            if named not in known[0]:
                 raise CheckError(
                     f"unknown name {quoted(named)}",
-                    allowed=f"allowed: {listed(known[0].values)}",
-                    remedy=near_miss(named, known[0].values),
+                    allowed=f"allowed: {listed(known[0])}",
+                    remedy=near_miss(named, known[0]),
                     location=text.location,
                 )
         holds = partial(_holds_for_all, cases=known, result=result)
         equal = holds(printed)
-        repair = None if equal else diagnose_vector(printed, [n for n in known[0].values if n != result], holds)
+        repair = None if equal else diagnose_vector(printed, [n for n in known[0] if n != result], holds)
         right = correction.text if isinstance(correction, YamlScalar) else text.text
         if right == text.text and repair is not None:
             right = str(repair.formula)
@@ -102,14 +97,14 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
         yield Finding(shown, 0, 0, role, text.text, verdict, right, where, wrong, repair=repair, remark=said)
 
 
-def _holds_for_all(e: Vector, cases: Sequence[LinkCase], result: str) -> bool:
+def _holds_for_all(e: Vector, cases: Sequence[Mapping[str, Array]], result: str) -> bool:
     """Whether an equation gives what the recursion computes, at every link."""
-    for case in cases:
+    for values in cases:
         try:
-            value = value_of(e, case.values)
+            value = value_of(e, values)
         except (ValueError, TypeError):
             return False
-        expected = case.values[result]
+        expected = values[result]
         if np.shape(value) != np.shape(expected) or not np.max(np.abs(value - expected)) < _TOLERANCE:
             return False
     return True
@@ -158,10 +153,11 @@ def _case(links: tuple[LinkStep[float], ...], i: int) -> LinkCase:
     arrays = {name: np.array(value) for name, value in values.items()}
     rotation, previous = np.array(data.rotation), np.array(data.before)
     following = np.array(links[i + 1].data.before).T if i + 1 < len(links) else np.eye(3)
+    # into the link's own frame: Rp from the link before, Rn from the next one, R0 from the base
     z0 = np.array([0.0, 0.0, 1.0])
     arrays |= {"Rp": previous, "Rn": following, "R0": rotation.T, "z0": z0}
     arrays |= {"z_prev": rotation @ previous @ z0, "p_in_next": following.T @ arrays["p"]}
-    return LinkCase("revolute" if data.revolute else "prismatic", arrays)
+    return "revolute" if data.revolute else "prismatic", arrays
 
 
 def _arm(types: str, seed: int) -> Robot:

@@ -213,8 +213,8 @@ class Printout:
 class Item:
     """Wrong entries of one printed item."""
 
-    findings: tuple[Finding, ...]  # the entries
-    printout: Printout  # the file
+    findings: tuple[Finding, ...]
+    printout: Printout
     document: Citation  # where they are printed
 
 

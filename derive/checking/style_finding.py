@@ -74,7 +74,7 @@ class Example:
 class ExampleFinding:
     """What the found style makes of an example."""
 
-    example: Example  # the example
+    example: Example
     outcome: Outcome  # same form, equal in another form, or wrong
     written: Expr  # the derived formula in the found style
     reason: str = ""  # why the form differs, in a few words; empty where it does not
@@ -84,7 +84,7 @@ class ExampleFinding:
 class StyleFinding:
     """The style that writes most examples as they are printed."""
 
-    style: Style  # the style
+    style: Style
     findings: tuple[ExampleFinding, ...]  # what it makes of each example, in their order
 
     @property
@@ -112,11 +112,7 @@ def printed_examples(findings: Iterable[Finding]) -> list[Example]:
 
 
 class StyleEvidence:
-    """Examples and what is known of them: in which options' values each part comes out as printed.
-
-    Attributes:
-        examples: The same.
-    """
+    """Examples and what is known of them: in which options' values each part comes out as printed."""
 
     def __init__(self, examples: Iterable[Example]) -> None:
         self.examples = tuple(examples)

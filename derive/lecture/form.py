@@ -96,10 +96,10 @@ class LectureForm:
         self._not_gravity: Level = frozenset(i for i, _ in factors) - self._gravity
         self._not_inertial: Level = frozenset(i for i, _ in factors) - self.inertial
         homes = [frozenset(group) for group in sorted(domain.groups)]
+        # sines and cosines group by group from the base outwards
         self._outwards: list[Level] = [
             frozenset(i for i in self._sines if self.table.factors[i].joints[0] in home) for home in homes
         ]
-        """Sines and cosines group by group from the base outwards."""
 
     def with_style(self, style: Style) -> LectureForm:
         """The form of another style over the same factors."""
@@ -144,7 +144,7 @@ class LectureForm:
                 return self._by_length(terms, Order.TOOL)
             case LengthOrder.LENGTH_EXPANDED:
                 return self._by_length(terms, Order.EXPANDED)
-            case order:
+            case order:  # the others are called like the orders of rotations, joint by joint
                 return self._by_joints(terms, Order(order.value))
 
     def _has_direction(self, terms: Terms) -> bool:
@@ -179,7 +179,7 @@ class LectureForm:
     def _by_joints(self, terms: Terms, order: Order) -> Plan:
         """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
         present = {f for m in terms for f, _ in m}
-        # one level per group of parallel axes, from the base outwards; lengths come after the first of them
+        # one level per group of parallel axes, from the base outwards
         outwards = [joint for joint in self._outwards if present & joint]
         match order:
             case Order.EXPANDED:

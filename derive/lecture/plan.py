@@ -117,12 +117,9 @@ def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
 
 
 def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False) -> Plan | None:
-    """The terms as a product with at least two sums in it, such as (a2*c2 + a3*c23)**2.
+    """The terms as a product with at least two sums in it, (a2*c2 + a3*c23)**2; None where there are fewer.
 
     Sines and cosines are independent symbols here: only what is a product by its form is found.
-
-    Returns:
-        The product, or None where there are fewer sums (a square counts as two).
     """
     if not 2 <= len(terms) <= MAX_TRIED_AS_PRODUCT:
         return None
@@ -177,7 +174,7 @@ def with_plain_numbers(plan: Plan) -> Plan:
             coefficient *= size**exponent
             inner, numbers = _scaled(inner, 1 / size), [number / size for number in numbers]
         sums.append((inner, exponent))
-    # a sum with a bare variable, 3*(q1 + 2), stays a product; any other one takes the number in front into its terms
+    # behind a monomial a sum with a bare term, 3*a1*(q1 + 2), stays; any other one takes the number into its terms
     bare = not plan.monomial or not any(abs(number) == 1 for number in numbers)
     if len(sums) == 1 and sums[0][1] == 1 and numbers and bare and coefficient.denominator != 1:
         whole = _scaled(sums[0][0], coefficient)

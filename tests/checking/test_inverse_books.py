@@ -14,7 +14,7 @@ import yaml
 from derive.api.robots import load
 from derive.checking.formulas.findings import Finding, Role, judge
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.solutions import check_inverse, inverse_text
+from derive.checking.inverse.check import check_inverse, inverse_text
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 

@@ -7,7 +7,7 @@ import pytest
 from derive.api.robots import load
 from derive.checking.formulas.findings import Role
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.solutions import check_inverse, inverse_text
+from derive.checking.inverse.check import check_inverse, inverse_text
 from derive.errors import Location
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation

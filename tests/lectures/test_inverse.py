@@ -12,7 +12,7 @@ import yaml
 from derive.api.robots import load
 from derive.checking.formulas.findings import Role, judge
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.solutions import check_inverse, inverse_text
+from derive.checking.inverse.check import check_inverse, inverse_text
 from derive.errors import Location
 from derive.inverse.words.solutions import InverseKinematics
 from derive.lecture.shorthand import read_formula

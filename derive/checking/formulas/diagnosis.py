@@ -96,11 +96,7 @@ def other_orders(model: DynamicModel, quantity: str) -> Mapping[str, Expression]
 
 
 def diagnose(question: Question) -> Repair | None:
-    """The smallest change that repairs a formula, and what else it is right for.
-
-    Returns:
-        The change, or None if no single change and no two of one kind repair it and it is right for nothing else.
-    """
+    """The least change that repairs a formula, one or two of one kind, or what else it is right for; None if none."""
     repair = _smallest_change(question)
     # beside any repair: the formula as it stands may be right for the same symbol with its indices in another order
     fitting = (
@@ -117,7 +113,7 @@ def diagnose(question: Question) -> Repair | None:
 def _smallest_change(question: Question) -> Repair | None:
     """The first change of those of `_Search` at a point where both formulas have a value."""
     known_names = _known_names(question)
-    # away from 0 and 1, where products vanish or do not change, and inside the range of square roots and arc functions
+    # numbers of either sign, all of the size of 1: no term vanishes beside another
     rng = random.Random(7)
     wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
     for _ in range(POINTS):

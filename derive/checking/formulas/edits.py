@@ -112,8 +112,7 @@ def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]
 def spots(root: Expression, values: Mapping[str, float] | None = None) -> Iterator[Spot]:
     """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token.
 
-    Args:
-        values: The point at which `Spot.value` gives values; None where only formulas are wanted.
+    Without a point, `Spot.value` has no meaning.
     """
     waiting = [Spot(root)]
     while waiting:
@@ -170,7 +169,7 @@ class Edit:
     """One change at one place."""
 
     kind: SlipKind  # what it undoes
-    place: Spot  # where
+    place: Spot
     node: Expression  # what stands there then
     old: Expression  # the part that is replaced
     new: Expression | None = None  # what replaces it; None where a part is only negated or left out

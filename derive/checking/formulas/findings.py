@@ -103,6 +103,22 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
     return Verdict(equal=True, exact=False)
 
 
+def compared(
+    question: Question,
+    quantity: str,
+    place: tuple[int, int],
+    role: Role,
+    text: str,
+    right: Expr,
+    where: Location,
+    erratum: bool = False,
+    remark: Remark = NO_REMARK,
+) -> Finding:
+    """The comparison that a question asks; right is what is shown for the right formula."""
+    verdict = verdict_at(where, question.robot, question.right, question.printed)
+    return Finding(quantity, *place, role, text, verdict, right, where, erratum, question, remark=remark)
+
+
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
 ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
 _SLACK = 1.05  # more than what the squares of rounding errors add
@@ -172,6 +188,15 @@ def undecidable(
     """A formula with an unknown name; it is placed at that name."""
     where = unknown.location or Location("")
     return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, erratum, remark=remark, unknown=unknown)
+
+
+@dataclass(frozen=True, slots=True)
+class Skipped:
+    """An equation that was not compared."""
+
+    location: Location  # where it stands
+    reason: str  # why not
+    text: str = ""  # its beginning
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,12 +318,14 @@ def form_of(e: Expression) -> tuple[Fraction, Shape]:
 def _product(e: Product | Power) -> tuple[Fraction, Shape]:
     factor = Fraction(1)
     factors: dict[Shape, int] = {}
+    # powers of the same base are joined, so that the order and the grouping of factors do not count
     for base, exponent in _flat_factors(e, 1):
         k, shape = form_of(base)
         factor *= k**exponent if k else Fraction(0)
         inner = shape[1:] if shape[0] == "*" else ((shape, 1),)
         for part, power in inner:
             factors[part] = factors.get(part, 0) + power * exponent
+    # by their text: shapes hold names, numbers and tuples, which have no order among each other
     kept = sorted(((s, p) for s, p in factors.items() if p), key=repr)
     if len(kept) == 1 and kept[0][1] == 1:
         return factor, kept[0][0]

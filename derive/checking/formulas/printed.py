@@ -15,7 +15,7 @@ class Citation:
     """Where something is printed."""
 
     title: str = ""  # the document
-    section: str = ""  # its section, page or equation
+    section: str = ""  # section, page or equation
 
 
 NO_CITATION = Citation()
@@ -130,9 +130,9 @@ class CorpusFile:
     """A robot and what is printed about it."""
 
     source: str  # name of the file as given
-    robot: Robot  # the robot
-    expected: tuple[PrintedQuantity, ...]  # printed quantities
-    identities: tuple[Identity, ...] = ()  # printed identities
+    robot: Robot
+    expected: tuple[PrintedQuantity, ...]
+    identities: tuple[Identity, ...] = ()
     factorisation: Factorisation | None = None  # a printed product, or None
     unread: tuple[str, ...] = ()  # blocks that hold printed results of other kinds
     solutions: tuple[Solution, ...] = ()  # printed inverse kinematics

@@ -109,11 +109,7 @@ class _VectorBuilder(Transformer_NonRecursive[Token, Vector]):
 
 
 def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
-    """The value of an equation.
-
-    Args:
-        values: What its names stand for: numbers, vectors (3,) and matrices (3, 3).
-    """
+    """The value of an equation whose names stand for numbers, vectors (3,) and matrices (3, 3)."""
     if e.operation == "name":
         return values[e.text]
     if e.operation == "number":
@@ -150,16 +146,13 @@ MAX_TRIES = 10_000  # changes of one kind that are tried, so that the search end
 
 
 def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vector], bool]) -> Repair | None:
-    """One change that makes an equation hold, or two names of the same letter.
-
-    Returns:
-        The change, or None if no such change does.
-    """
+    """One change that makes an equation hold, or two names of the same letter; None where no such change does."""
     relatives = partial(_changes, "relative", names)
     for what in ("sign", "relative", "operation", "other"):
         for kind, text, changed in islice(_everywhere(printed, partial(_changes, what, names)), MAX_TRIES):
             if holds(changed):
                 return Repair((kind,), text, Name(str(changed)))
+    # two names of the same letters: a link's index mistaken throughout one term
     pairs = (
         (kind, f"2 changes: {first}; {second}", twice)
         for kind, first, changed in _everywhere(printed, relatives)

@@ -1,7 +1,7 @@
 """The block ``inverse_kinematics:`` of corpus files: formulas for single unknowns, and whole solutions.
 
 A formula for one unknown stands in the entries of T and must give back the joint variables; it is compared here. Whole
-solutions, as lines or as LaTeX, are only read; `solutions` compares them.
+solutions, as lines or as LaTeX, are only read; `check` compares them.
 """
 
 from __future__ import annotations

@@ -19,19 +19,22 @@ import numpy as np
 
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, spots
-from derive.checking.formulas.findings import Finding, Role
-from derive.checking.formulas.printed import Asked
+from derive.checking.formulas.findings import Finding, Role, Skipped
+from derive.checking.formulas.printed import Asked, InverseText, PrintedText
+from derive.checking.inverse.latex import latex_equations
 from derive.checking.inverse.order import determined_joints
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import geometry_symbols, places, pose_of
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, count_calls, with_calls
-from derive.checking.inverse.reading import Vocabulary
+from derive.checking.inverse.reading import Side, Vocabulary, assembled
 from derive.checking.inverse.repair import InverseRepair, Repairer
-from derive.checking.latex.names import SIGN
-from derive.errors import listed
+from derive.checking.inverse.text import text_equations
+from derive.checking.latex.names import SIGN, PlusMinus
+from derive.errors import CheckError, QuantityError, listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
+from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Name, Number, Pi, add, names, negate, substitute
 
 # The changes that are tried where a line is never right.
@@ -43,12 +46,51 @@ WRONG = Verdict(equal=False, exact=False)
 TRIED_FOR_BRANCHES = 16  # poses at which it is counted how many of their solutions are given
 
 
-def inverse_findings(model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> Iterator[Finding]:
-    """The verdict on every line that gives a joint or something of it, and on all branches together."""
-    check = _InverseCheck(model, printed, vocabulary, asked)
-    yield from check.lines()
-    if not check.is_wrong:
-        yield check.branches()
+def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
+    """The verdicts on every line about a joint and on all branches together, and the equations that are not read."""
+    robot, signs = model.robot, PlusMinus()
+    equations: list[list[Side]] = []
+    words: list[str] = []
+    if not any(part.text.strip() for part in solution.parts):
+        where = solution.asked.location
+        raise CheckError("empty solution", remedy="write theta1 = ..., one quantity a line", location=where)
+    for part in solution.parts:
+        try:
+            if solution.latex:
+                found = latex_equations(part.text, robot, part.location, signs, document=solution.document)
+            else:
+                found = text_equations(part.text, robot, part.location, signs)
+        except CheckError as error:
+            raise error if part.verbatim else error.moved(part.location) from None
+        equations += found[0]
+        words += found[1]
+    refused: list[Skipped] | None = [] if solution.document else None
+    try:
+        printed, vocabulary = assembled(robot, equations, words, refused)
+        check = _InverseCheck(model, printed, vocabulary, solution.asked)
+        findings = [*check.lines()]
+        findings += [] if check.is_wrong else [check.branches()]
+    except CheckError as error:
+        first = solution.parts[0]
+        raise error if first.verbatim else error.moved(first.location) from None
+    erratum = solution.status == "erratum"
+    said = (replace(f, erratum=erratum and not f.verdict.equal, remark=solution.remark) for f in findings)
+    return tuple(said), tuple(refused or ())
+
+
+def inverse_text(text: str, asked: Asked, *, latex: bool = False, document: bool = False) -> InverseText:
+    """A printed solution that stands in no file of its own kind."""
+    return InverseText((PrintedText(text, asked.location),), asked, latex, document)
+
+
+def names_inverse(model: Model, quantity: str) -> bool:
+    """Whether a quantity that is asked about is the inverse kinematics."""
+    if not quantity:
+        return False
+    try:
+        return parse(model, quantity)[0].name == "inverse"
+    except QuantityError:
+        return False
 
 
 class _InverseCheck:
@@ -57,13 +99,12 @@ class _InverseCheck:
     def __init__(self, model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> None:
         self._model, self._vocabulary, self._asked = model, vocabulary, asked
         self.is_wrong = False
-        self._places = places(vocabulary.pose, vocabulary.sums)
+        self._places: Sequence[Place] = places(vocabulary.pose, vocabulary.sums)
         self._printed, self._note = self._in_order(printed)
-        if model.robot.parameters and not self._is_right(self._printed):
+        if model.robot.parameters and not self._is_right(self._places):
+            # wrong for arms with this table, but right perhaps for the one whose numbers the file gives
             numeric = places(vocabulary.pose, vocabulary.sums, numbers=True)
-            kept, self._places = self._places, numeric
-            if not self._is_right(self._printed):
-                self._places = kept
+            self._places = numeric if self._is_right(numeric) else self._places
         self._primed = tuple(self._second_solution()) if self._printed.primed else ()
         self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task, self._places)
 
@@ -71,8 +112,9 @@ class _InverseCheck:
     def _required(self) -> tuple[Place, ...]:
         return tuple(place for place in self._places if place.required)
 
-    def _is_right(self, printed: PrintedInverse) -> bool:
-        return all(printed.hits(line, place) for line in printed.given for place in self._required)
+    def _is_right(self, tried: Sequence[Place]) -> bool:
+        printed = self._printed
+        return all(printed.hits(line, place) for line in printed.given for place in tried if place.required)
 
     def _in_order(self, printed: PrintedInverse) -> tuple[PrintedInverse, str]:
         """The solution with atan2 for what may take the cosine first: whichever makes more lines right."""
@@ -240,6 +282,7 @@ class _InverseCheck:
         self, line: PrintedLine, failing: Sequence[PrintedLine], ordered: Sequence[Place], kinds: Sequence[SlipKind]
     ) -> tuple[InverseRepair | None, list[PrintedLine]]:
         """What repairs a line, and all lines that it repairs: a quantity that others need too, itself, another one."""
+        # one slip in a quantity that several failing lines need explains all of them
         needed = self._printed.named_before(line)
         for part in needed:
             users = [other for other in failing if part in self._printed.named_before(other)]
@@ -269,6 +312,7 @@ class _InverseCheck:
         parts = [part for line in group for part in (*self._printed.named_before(line), line)]
         for sign in {name: None for line in group for name in self._printed.choices(line) if len(name) > 1}:
             holders = [(part, f) for part in parts for f in part.formulas if sign in names(f.expression)]
+            # a sign is idle where one of its values meets every required configuration and the other one none
             met = {e: [self._printed.hit_together(group, x, {sign: e}) for x in self._places] for e in (1.0, -1.0)}
             needed = [place.required for place in self._places]
             useful = [e for e, hits in met.items() if all(h for h, n in zip(hits, needed, strict=True) if n)]

@@ -16,6 +16,7 @@ from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.errors import Location
 from derive.robot.expression import Expression
 from derive.robot.names import own_names
+from derive.robot.parser import place
 from derive.robot.robot import Robot
 
 _OR_MARK = "\ue0f0"  # stands for the word between alternatives
@@ -57,9 +58,8 @@ def _words(text: str) -> Iterator[str]:
         sub = re.sub(r"\\[a-z]+(?=\s*\{)|[^A-Za-z0-9]", "", match[2])
         yield FLAT.get(head, head) + sub
         yield FLAT.get(head, head)
-        for letter in ("c", "s"):  # c_\phi
-            if head == letter and sub:
-                yield letter + FLAT.get(sub, sub)
+        if head in ("c", "s") and sub:  # c_\phi
+            yield head + FLAT.get(sub, sub)
 
 
 def _side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: PlusMinus) -> Side:
@@ -72,8 +72,8 @@ def _side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: Pl
     parts = []
     for part in _alternatives(piece):
         shown = " ".join(text[part.start : part.end].split())
-        where = LatexReader(robot, text, start).location(part.start)
-        parts.append(Alternative(shown, where, partial(_formula, part, text, robot, start, signs)))
+        read = partial(_formula, part, text, robot, start, signs)
+        parts.append(Alternative(shown, place(text, part.start, start), read))
     return Side(tuple(parts), word, is_primed)
 
 

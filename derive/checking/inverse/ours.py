@@ -29,11 +29,7 @@ from derive.robot.options.inverse import Task
 
 
 class OurSolution:
-    """The derived solution for the task of a printed one.
-
-    Args:
-        task: The rows of its task; None where the names that it uses say it.
-    """
+    """The derived solution for the task of a printed one; task None where the names of the text say it."""
 
     def __init__(
         self, model: Model, printed: PrintedInverse, pose: PoseNames, task: Task | None, places: Sequence[Place]
@@ -48,6 +44,7 @@ class OurSolution:
             task = self._task
             rank = Freedom(robot, task).rank
             free = free_joints(self._printed)
+            # a task that leaves joints free needs those to be given which the printed solution takes as known
             given = [k for k, joint in enumerate(robot.joints) if joint.variable in free]
             if task == robot.inverse.task and (rank == robot.n or len(given) != robot.n - rank):
                 return model.inverse
@@ -106,6 +103,7 @@ class OurSolution:
                     for part in (*printed.named_before(line), line):
                         known[part.name] = substitute(part.formulas[0].expression, known)
         whole = substitute(formula.expression, known)
+        # every plus-minus counts as the same one: forms are compared up to the choice of signs
         signs = {name: Name(SIGN) for name in names(whole) if name[0] == SIGN}
         return form_of(substitute(substitute(whole, signs), self._twins)) in self._forms
 
@@ -119,6 +117,7 @@ class OurSolution:
             for i in range(3)
             for j in range(4)
         }
+        # entries that agree at all configurations that were tried are equal as functions of the joints
         first = ((a, next(b for b, other in columns.items() if np.allclose(x, other))) for a, x in columns.items())
         return {a: Name(b) for a, b in first if a != b}
 
@@ -163,6 +162,7 @@ class OurSolution:
             for j in range(4):
                 values[inverse.pose[i, j]] = np.array([place.pose[i][j] for place in places])
         for solution in inverse.solutions:
+            # the lines of a branch one after the other, as arrays (places,); NaN where the branch does not exist
             known = dict(values)
             with np.errstate(all="ignore"):
                 for line in solution.lines:

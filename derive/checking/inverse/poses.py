@@ -44,7 +44,7 @@ _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
 @dataclass(frozen=True)
 class PoseNames:
-    """The names of a printed solution that the pose gives."""
+    """The names of a printed solution that stand for entries of the pose, its wrist centre or its planar angle."""
 
     robot: Robot  # whose pose it is; its own names are none of the pose
     entries: Mapping[str, tuple[int, int]]  # row and column, from 1, of each name
@@ -74,6 +74,7 @@ class PoseNames:
                 entries[word] = "xyz".index(short) + 1, 4
             elif found := _WRIST.fullmatch(short):
                 wrist[word] = "xyz".index(found[1] or found[2])
+        # one configuration with stand-in numbers tells whether the arm is planar and has a wrist
         example = _Arm(
             robot,
             {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))},
@@ -86,8 +87,7 @@ class PoseNames:
                 if short in (f"{stem}phi", f"{stem}varphi"):
                     angle = Name("(phi)")
                     angles[word] = Call(function, (angle,)) if function else angle
-        if example.wrist is None:
-            wrist = {}
+        wrist = wrist if example.wrist is not None else {}
         relatives = {other: place for word in entries for other, place in _relatives(word, entries[word])}
         relatives = {name: at for name, at in relatives.items() if name not in own and name not in words}
         return cls(robot, entries, wrist, angles, relatives)
@@ -100,7 +100,7 @@ class PoseNames:
     @property
     def rows(self) -> tuple[str, ...]:
         """The rows of a task that says as much as these names do; none where they say less than a position."""
-        found = {f"{'xyz'[row - 1]}" for row, column in self.entries.values() if column == 4}
+        found = {"xyz"[row - 1] for row, column in self.entries.values() if column == 4}
         found |= {"xyz"[k] for k in self.wrist.values()}
         if any(column < 4 for _, column in self.entries.values()):
             return ()
@@ -109,7 +109,7 @@ class PoseNames:
 
 
 class _Arm:
-    """An arm of numbers at several configurations."""
+    """An arm of numbers at k configurations: its pose in three rows of four arrays (k,), its axes at each of them."""
 
     def __init__(self, robot: Robot, values: Mapping[str, float], q: list[npt.NDArray[np.float64]]) -> None:
         self._robot = plain = replace(robot, links=(), gravity=None)
@@ -123,7 +123,7 @@ class _Arm:
 
     @property
     def wrist(self) -> npt.NDArray[np.float64] | None:
-        """The centre of the wrist at each configuration; None where there is none.
+        """The centre of the wrist at each configuration, (k, 3) [m]; None where there is none.
 
         It is where the last three axes meet; of arms with three joints the last one if they are planar, else the end.
         """
@@ -137,6 +137,7 @@ class _Arm:
             return arm.points[2] if is_planar else arm.end
         if len(arm.axes) < 6 or not all(joint.is_revolute for joint in self._robot.joints[-3:]):
             return None
+        # the point nearest to the first two axes; the third one must pass through it, too (Pieper's condition)
         (a, b, c), (p, q, r) = arm.axes[-3:], arm.points[-3:]
         if parallel(a, b) or parallel(b, c):
             return None
@@ -160,7 +161,7 @@ def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = 
 
 
 def pose_of(robot: Robot, values: Mapping[str, float]) -> list[list[float]]:
-    """The pose of an arm, three rows of four entries."""
+    """The pose of an arm at one configuration, the first three rows of T (3, 4)."""
     q = [np.array([values[joint.variable]]) for joint in robot.joints]
     arm = _Arm(robot, {name: values[name] for name in geometry_symbols(robot)}, q)
     return [[float(x[0]) for x in row] for row in arm.pose]
@@ -168,6 +169,7 @@ def pose_of(robot: Robot, values: Mapping[str, float]) -> list[list[float]]:
 
 def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random, numbers: bool) -> Iterator[Place]:
     robot = names.robot
+    # lengths from 0.2 to 1.5: none vanishes beside another
     drawn = {name: rng.randint(20, 150) / 100 for name in geometry_symbols(robot)}
     values = {**drawn, **{n: float(x) for n, x in parameter_values(robot).items()}} if numbers else drawn
     q, required = [], np.ones(CONFIGURATIONS, dtype=bool)
@@ -177,6 +179,7 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
         elif (limits := _limits(joint.limits, values)) is not None:
             own = np.array([round(rng.uniform(*limits), 2) for _ in range(CONFIGURATIONS)])
         else:
+            # books take slides for positive: a third is negative, and need not be given
             own = np.array([rng.choice((1, 1, -1)) * rng.randint(20, 150) / 100 for _ in range(CONFIGURATIONS)])
             required &= own > 0
         q.append(own)

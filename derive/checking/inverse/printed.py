@@ -8,12 +8,13 @@ for every choice, and it is right if for every configuration some choice gives w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import product
 
-from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.checking.formulas.findings import ROUNDED, significant
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, Location, listed
@@ -26,7 +27,7 @@ Vector = tuple[Fraction, ...]  # a linear combination of the joint variables, co
 Choice = Mapping[str, float]  # a value of every plus-minus, and for lines with alternatives which one
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class PrintedFormula:
     """A printed right-hand side."""
 
@@ -34,6 +35,11 @@ class PrintedFormula:
     text: str  # as it is printed
     location: Location  # where it stands
     first: str = ""  # the name that means the first alternative in it, as in ``or q4 + pi``
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """The names in it, which the search for a repair asks for again and again."""
+        return frozenset(names(self.expression))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,21 +121,20 @@ class PrintedInverse:
         close: Difference below which values are the same; decimals of many digits count as rounded.
     """
 
-    def __init__(self, robot: Robot, lines: Sequence[PrintedLine], sums: Mapping[str, Expression]) -> None:
+    def __init__(
+        self, robot: Robot, lines: Sequence[PrintedLine], sums: Mapping[str, Expression], close: float = CLOSE
+    ) -> None:
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
         self.joints = JointCombinations(robot, sums)
         self.named = {line.name: line for line in self.lines if line.target is None}
         self.given = tuple(line for line in self.lines if line.target is not None and not line.primed)
         self.primed = tuple(line for line in self.lines if line.primed)
-        self.close = CLOSE
-        self._names: dict[PrintedFormula, frozenset[str]] = {}
+        self.close = close
         self._before: dict[PrintedLine, tuple[PrintedLine, ...]] = {}
         self._choices: dict[PrintedLine, dict[str, tuple[float, ...]]] = {}
 
     def check_size(self) -> None:
-        """Refuse what cannot be tried, and look for decimals of many digits."""
-        decimals = [d for line in self.lines for f in line.formulas for d in _digits(f.expression)]
-        self.close = max(CLOSE, 10.0 ** (3 - max(decimals))) if decimals else CLOSE
+        """Refuse a line with more choices than can be tried."""
         for line in self.lines:
             if len(self._signs(line)) > MAX_SIGNS:
                 found = f"{line.quantity} depends on {len(self._signs(line))} plus-minus signs"
@@ -138,23 +143,14 @@ class PrintedInverse:
     def changed(self, line: PrintedLine, formula: PrintedFormula, expression: Expression) -> PrintedInverse:
         """The solution with another expression in the place of one."""
         formulas = tuple(replace(f, expression=expression) if f is formula else f for f in line.formulas)
-        return self._with([replace(line, formulas=formulas) if x is line else x for x in self.lines])
-
-    def _with(self, lines: Sequence[PrintedLine]) -> PrintedInverse:
-        """A solution with other lines, which knows the names in formulas that both have."""
-        found = PrintedInverse(self.robot, lines, self.sums)
-        found.close, found._names = self.close, self._names
-        return found
-
-    def _names_in(self, formula: PrintedFormula) -> frozenset[str]:
-        if formula not in self._names:
-            self._names[formula] = frozenset(names(formula.expression))
-        return self._names[formula]
+        lines = [replace(line, formulas=formulas) if x is line else x for x in self.lines]
+        return PrintedInverse(self.robot, lines, self.sums, self.close)
 
     def mapped(self, change: Callable[[Expression], Expression]) -> PrintedInverse:
         """The solution with every expression changed."""
         changed = [[replace(f, expression=change(f.expression)) for f in line.formulas] for line in self.lines]
-        return self._with([replace(x, formulas=tuple(f)) for x, f in zip(self.lines, changed, strict=True)])
+        lines = [replace(x, formulas=tuple(f)) for x, f in zip(self.lines, changed, strict=True)]
+        return PrintedInverse(self.robot, lines, self.sums, self.close)
 
     # -- values
 
@@ -168,7 +164,7 @@ class PrintedInverse:
 
     def _collect(self, line: PrintedLine, found: dict[str, PrintedLine], above: tuple[str, ...]) -> None:
         for formula in line.formulas:
-            for name in sorted(self._names_in(formula) & {*self.named, *above}):
+            for name in sorted(formula.names & {*self.named, *above}):
                 if name in above:
                     what = f"{listed(dict.fromkeys((*above, name)))} are given by each other"
                     raise CheckError(what, remedy="give one of them by what is known", location=formula.location)
@@ -189,11 +185,11 @@ class PrintedInverse:
 
     def _signs(self, line: PrintedLine) -> tuple[str, ...]:
         formulas = [f for part in (*self.named_before(line), line) for f in part.formulas]
-        found = dict.fromkeys(name for f in formulas for name in self._names_in(f) if name[0] == SIGN)
-        return tuple(sorted(found))
+        return tuple(sorted({name for f in formulas for name in f.names if name[0] == SIGN}))
 
     def value(self, line: PrintedLine, place: Place, choice: Choice) -> float:
         """What a line gives at a configuration."""
+        # named quantities have their printed values, so that a slip in one shows in all lines that need it
         known = {**place.values, **choice}
         for part in (*self.named_before(line), line):
             formula = part.formulas[int(choice.get(part.switch, 0))]
@@ -223,7 +219,7 @@ class PrintedInverse:
         if place.twin is not None and self.hits(line, place.twin, fixed):
             return True
         wanted, is_angle = self.wanted(line, place), self.is_angle(line)
-        if math.isnan(wanted):
+        if math.isnan(wanted):  # a left side without a value says nothing here
             return True
         return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
 
@@ -246,6 +242,7 @@ class PrintedInverse:
         waiting = list(self.given)
         while waiting:
             group = [waiting.pop(0)]
+            # a line joins when it shares a sign or an alternative with one that is in the group already
             keys = set(self.choices(group[0]))
             while more := [line for line in waiting if keys.intersection(self.choices(line))]:
                 group += more
@@ -286,12 +283,11 @@ class PrintedInverse:
         return vector is not None and any(c and r for c, r in zip(vector, revolute, strict=True))
 
 
-def _digits(e: Expression) -> Iterator[int]:
-    """Significant digits of the decimals in an expression that count as rounded."""
-    if isinstance(e, Number) and (digits := significant(e.value)) in ROUNDED:
-        yield digits
-    for part in children(e):
-        yield from _digits(part)
+def closeness(lines: Iterable[PrintedLine]) -> float:
+    """Difference below which values are the same: `CLOSE`, or more where decimals of many digits count as rounded."""
+    numbers = (e for line in lines for f in line.formulas for e in nodes(f.expression) if isinstance(e, Number))
+    decimals = [digits for e in numbers if (digits := significant(e.value)) in ROUNDED]
+    return max(CLOSE, 10.0 ** (3 - max(decimals))) if decimals else CLOSE
 
 
 def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -> bool:
@@ -311,5 +307,4 @@ def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
 
 def count_calls(e: Expression, function: str) -> int:
     """How often a function is called."""
-    own = isinstance(e, Call) and e.function == function
-    return own + sum(count_calls(part, function) for part in children(e))
+    return sum(isinstance(node, Call) and node.function == function for node in nodes(e))

@@ -10,8 +10,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from derive.checking.formulas.findings import Skipped
 from derive.checking.inverse.poses import PoseNames
-from derive.checking.inverse.printed import PrintedFormula, PrintedInverse, PrintedLine
+from derive.checking.inverse.printed import PrintedFormula, PrintedInverse, PrintedLine, closeness
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import notation_text, resolve_tokens
@@ -47,6 +48,11 @@ class Side:
     def expression(self) -> Expression:
         """What the first alternative says."""
         return self.formulas[0].expression
+
+    def read(self, meanings: Mapping[str, Expression]) -> Side:
+        """With its formulas, in names whose meanings are known."""
+        formulas = (PrintedFormula(part.read(meanings), part.text, part.location) for part in self.parts)
+        return replace(self, formulas=tuple(formulas))
 
 
 @dataclass
@@ -113,37 +119,26 @@ class Vocabulary:
         return not {*self.sums, *(joint.variable for joint in self.robot.joints)}.isdisjoint(names(e))
 
 
-@dataclass(frozen=True)
-class Refused:
-    """An equation that is not understood."""
-
-    location: Location  # where it stands
-    reason: str  # why not
-
-
 def assembled(
-    robot: Robot, equations: Sequence[Sequence[Side]], words: Sequence[str], refused: list[Refused] | None = None
+    robot: Robot, equations: Sequence[Sequence[Side]], words: Sequence[str], refused: list[Skipped] | None = None
 ) -> tuple[PrintedInverse, Vocabulary]:
-    """The lines of a printed solution.
-
-    Args:
-        refused: Where equations go that are not understood; None to refuse the whole.
-    """
+    """The lines of a printed solution; equations that are not understood go to refused, None to refuse the whole."""
     defined = [side.word for sides in equations for side in sides if side.word]
     vocabulary = Vocabulary.of(robot, words, defined)
     lines: list[PrintedLine] = []
     for sides in equations:
         before = len(lines)
         try:
-            found_here = tuple(_lines(vocabulary, [_read(side, vocabulary) for side in sides]))
+            found_here = tuple(_lines(vocabulary, [side.read(vocabulary.meanings) for side in sides]))
         except CheckError as error:
             if refused is None:
                 raise
-            refused.append(Refused(error.location or sides[0].parts[0].location, error.found))
+            refused.append(Skipped(error.location or sides[0].parts[0].location, error.found))
             continue
         for line in found_here:
             _merge(lines, line, before)
-    found = PrintedInverse(robot, [_without_itself(line) for line in lines], vocabulary.sums)
+    lines = [_without_itself(line) for line in lines]
+    found = PrintedInverse(robot, lines, vocabulary.sums, closeness(lines))
     found.check_size()
     _refuse_unknown(found, vocabulary)
     if not found.given:
@@ -166,11 +161,6 @@ def _refuse_unknown(printed: PrintedInverse, vocabulary: Vocabulary) -> None:
                     raise UnknownNameError(found, allowed=f"known: {known}", remedy=remedy, location=where)
 
 
-def _read(side: Side, vocabulary: Vocabulary) -> Side:
-    formulas = (PrintedFormula(part.read(vocabulary.meanings), part.text, part.location) for part in side.parts)
-    return replace(side, formulas=tuple(formulas))
-
-
 def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLine]:
     """The lines that one equation makes."""
     first, *others = sides
@@ -186,6 +176,7 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLin
             "formula without a left side", remedy="write theta1 = ...", location=first.formulas[0].location
         )
     if first.word in vocabulary.new and not vocabulary.is_forward(first.word, others[0].expression):
+        # D = ... defines a name; a further side with joint variables, D = ... = cos(theta2), is a line about them
         value = next((side for side in others if not joints(side.expression)), others[0])
         yield PrintedLine(first.word, value.formulas, name=first.word)
         for side in others:
@@ -193,6 +184,7 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLin
                 about = PrintedFormula(first.expression, first.formulas[0].text, value.formulas[0].location)
                 yield _about(vocabulary, side, (about,))
         return
+    # otherwise the side with joint variables is what the others give; the first one is taken where several have some
     target = first if joints(first.expression) else next((side for side in others if joints(side.expression)), None)
     if target is None:  # a condition of the pose
         return
@@ -209,6 +201,7 @@ def _about(vocabulary: Vocabulary, target: Side, formulas: tuple[PrintedFormula,
     e = target.expression
     what = notation_text(e, vocabulary.robot)
     if any(name in vocabulary.new or name[0] == SIGN for name in names(e)):
+        # r*cos(theta1) = x with a printed r: the difference of both sides must be zero
         whole = tuple(replace(f, expression=add(e, negate(f.expression))) for f in formulas)
         return PrintedLine(what, whole, ZERO)
     return PrintedLine(what, formulas, e)

@@ -28,6 +28,7 @@ from derive.robot.expression import (
     add,
     children,
     multiply,
+    negate,
     number,
     power,
 )
@@ -62,6 +63,7 @@ class Repairer:
     ) -> None:
         self._printed, self._lines, self._places = printed, lines, places
         self._tried = 0
+        # what may lack: sine or cosine of one joint, a length as factor or divisor; a length, its square or an angle
         angles = tuple(joint.variable for joint in printed.robot.joints if joint.is_revolute)
         tokens = [Call(f, (Name(angle),)) for angle in angles for f in ("cos", "sin")]
         lengths = [Name(name) for name in known if name not in angles]
@@ -70,9 +72,7 @@ class Repairer:
             names=tuple(known),
             angles=angles,
             factors=(*tokens, *lengths, *(power(length, -1) for length in lengths)),
-            terms=tuple(
-                term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, multiply(number(-1), x))
-            ),
+            terms=tuple(term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, negate(x))),
         )
 
     def first(
@@ -102,6 +102,7 @@ class Repairer:
             if kind is SlipKind.ATAN2:
                 yield from _atan2(spot)
             if kind is SlipKind.SYMBOL and isinstance(spot.node, Number):
+                # a name read as a digit, 1 for l; the sign before it stays
                 sign = number(-1 if spot.node.value < 0 else 1)
                 meant = (multiply(sign, Name(name)) for name in self._may.names if name not in self._may.angles)
                 yield from (Edit(kind, spot, name, spot.node, name) for name in meant)
@@ -115,7 +116,7 @@ class Repairer:
         found: list[tuple[int, int, int, InverseRepair]] = []
         for made in candidates:
             self._tried += 1
-            if self._tried > MAX_TRIED:
+            if self._tried > MAX_TRIED:  # of all kinds together
                 break
             changed = self._printed.changed(line, formula, made[-1].formula)
             lines = [changed.lines[self._printed.lines.index(x)] for x in self._lines]
@@ -153,13 +154,13 @@ def _atan2(spot: Spot) -> Iterator[Edit]:
     if not isinstance(spot.node, Call) or spot.node.function not in ("acos", "asin", "atan"):
         return
     (u,) = spot.node.arguments
-    other = Call("sqrt", (add(number(1), multiply(number(-1), power(u, 2))),))
+    # sin^2 + cos^2 = 1: the other argument is +-sqrt(1 - u^2); of a tangent only the quotient is known
+    other = Call("sqrt", (add(number(1), negate(power(u, 2))),))
     ways: list[tuple[Expression, Expression]] = []
     match spot.node.function:
         case "atan":
             above, below = _quotient(u)
-            minus = number(-1)
-            ways = [(above, below), (multiply(minus, above), multiply(minus, below))]
+            ways = [(above, below), (negate(above), negate(below))]
             ways += [(multiply(MISSING, above), below), (above, multiply(MISSING, below))]
         case "acos":
             ways = [(multiply(MISSING, other), u), (other, u)]

@@ -7,7 +7,7 @@ typed: a plus-minus is a factor, ``arctan2`` and ``Atan2`` are atan2, ``acos`` a
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from derive.checking.inverse.reading import Alternative, Side
@@ -41,7 +41,9 @@ def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -
     """The equations of a text, one on a line or between semicolons."""
     found: list[list[Side]] = []
     text = _COMMENT.sub(lambda match: " " * len(match[0]), text)
-    for begin, end in _spans(text):
+    lines = _cut(text, 0, len(text), re.compile(r"[\n;]"), everywhere=True)
+    spans = [span for line in lines for span in _cut(text, *line, _NEXT) if text[slice(*span)].strip()]
+    for begin, end in spans:
         lead = _LEAD.match(text, begin, end)
         sides = _cut(text, lead.end() if lead else begin, end, re.compile("="))
         if len(sides) < 2 or any(not text[a:b].strip() for a, b in sides):
@@ -53,14 +55,6 @@ def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -
         if len(found) > MAX_LINES:
             raise CheckError("too many lines", allowed=f"at most {MAX_LINES}", location=start)
     return found, WORD.findall(text)
-
-
-def _spans(text: str) -> Iterator[tuple[int, int]]:
-    """Where equations stand."""
-    for begin, end in _cut(text, 0, len(text), re.compile(r"[\n;]"), everywhere=True):
-        for span in _cut(text, begin, end, _NEXT):
-            if text[slice(*span)].strip():
-                yield span
 
 
 def _cut(text: str, begin: int, end: int, at: re.Pattern[str], everywhere: bool = False) -> list[tuple[int, int]]:

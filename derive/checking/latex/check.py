@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 from derive.checking.formulas.diagnosis import Question, other_orders
-from derive.checking.formulas.findings import FileReport, Finding, Role, undecidable, verdict_at
+from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import Left, Target, is_scalar, taken_apart
@@ -50,15 +50,6 @@ _SUBTRACTED = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Skipped:
-    """An equation that was not compared."""
-
-    location: Location  # where it stands
-    text: str  # its beginning
-    reason: str  # why not
-
-
-@dataclass(frozen=True, slots=True)
 class LatexReport:
     """What was compared in a text and what was not."""
 
@@ -81,7 +72,7 @@ def check_latex(
     check = _Check(model, text, quantity, where, document)
     findings = tuple(check.findings())
     if not findings:
-        skipped = check.skipped[0] if check.skipped else Skipped(where, "", "no formula, or only names are defined")
+        skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"nothing that can be compared: {skipped.reason}", remedy=remedy, location=skipped.location)
     return LatexReport(findings, tuple(check.skipped))
@@ -112,6 +103,7 @@ class _Check:
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
         if not self.equations:
             raise CheckError("empty formula", remedy="write a formula or an equation", location=start)
+        # what the text defines is read first: the order of Christoffel indices, then abbreviations
         self.orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
         self.meanings = Meanings(model, next(iter(self.orders.values()), 0))
         self.plain = LatexReader(self.robot, text, start)
@@ -146,7 +138,7 @@ class _Check:
 
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
         where = error.location or self.plain.location(side.start)
-        self.skipped.append(Skipped(where, self._typed(side), error.found))
+        self.skipped.append(Skipped(where, error.found, self._typed(side)))
 
     def _typed(self, side: LatexPiece) -> str:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
@@ -164,7 +156,7 @@ class _Check:
         if symbol is None or minus is None:
             return None
         letters = symbol[1].replace(",", "")
-        return letters.find(minus[1]) if minus[1] in letters else None
+        return letters.index(minus[1]) if minus[1] in letters else None
 
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
@@ -194,6 +186,7 @@ class _Check:
         """Reads an equation with the names that are defined at it or before it, else behind it."""
         meanings = {}
         for name, defined in self.definitions.items():
+            # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
         return LatexReader(self.robot, self.text, self.start, meanings, EntryNames(self.meanings))
@@ -227,6 +220,7 @@ class _Check:
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
+        # sides that name quantities, and what the others say about them
         named = [side for side in sides if side.targets and (side.value is None or (side is first and others))]
         named = [side for side in named if side.left is not None and side.left.head not in _ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
@@ -324,15 +318,15 @@ class _Check:
             if isinstance(first.value, Table) or isinstance(side.value, Table) or not first.value or not side.value:
                 raise CheckError("matrices on both sides", location=self.plain.location(side.piece.start))
             where = self.plain.location(side.piece.start)
-            verdict = verdict_at(where, self.robot, first.value, side.value)
             question = Question(self.robot, side.value, first.value)
             left, right = self._typed(first.piece), self._typed(side.piece)
-            yield Finding(left, 0, 0, Role.IDENTITY, right, verdict, left, where, question=question)
+            yield compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
 
     # -- comparisons
 
     def _compared(self, name: _Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings for the first quantity that is meant of which everything is right; else for the first one."""
+        # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
         chosen: tuple[Finding, ...] = ()
         rights = tuple(self._meant(name))
         for right in rights:
@@ -396,5 +390,4 @@ class _Check:
                 derived = right.value[i, j]
                 others = other_orders(self.model, right.quantity)
                 question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
-                verdict = verdict_at(where, self.robot, question.right, question.printed)
-                yield Finding(right.quantity, *place, Role.PRINTED, text, verdict, derived, where, question=question)
+                yield compared(question, right.quantity, place, Role.PRINTED, text, derived, where)

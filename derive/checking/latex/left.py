@@ -85,11 +85,8 @@ class Left:
 
 
 def taken_apart(text: str) -> Left | None:
-    """A left side as letter, scripts and dots.
-
-    Returns:
-        Its parts; None where it is no single symbol.
-    """
+    """A left side as letter, scripts and dots; None where it is no single symbol."""
+    # from left to right: scripts before the letter, dots, the letter, scripts, arguments, a velocity behind it
     rest, determinant = _undressed(text)
     before, rest = _scripts(rest)
     dots = 0
@@ -117,6 +114,7 @@ def taken_apart(text: str) -> Left | None:
         factor, rest = match[1] + "d", ""
     if rest:
         return None
+    # of what is raised the end may be a transpose or an inverse, and the beginning the frame: R^{0T}
     raised, turned = after.get("^", ""), Turned.NOT
     if match := _TURNED.fullmatch(raised):
         turned = Turned.INVERTED if match["inverse"] else Turned.BOTH if match["both"] else Turned.TRANSPOSED
@@ -226,6 +224,7 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
     if left.head in ("c", "C", "Gamma") and len(indices) == 3:
         yield Target("christoffel[" + ",".join(map(str, indices)) + "]")
     quantities = _DYNAMIC.get(left.head, ())
+    # only the rate of the inertia matrix has a dot; C q' and B q'' are the torques of velocities and accelerations
     if left.dots or left.factor:
         is_rate = left.dots == 1 and left.head in "BMDHbmdh" and not left.factor
         product = "Cqd" if left.head in "CS" and left.factor == "d" else ""
@@ -250,6 +249,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
             yield Target("J_dot")
         return
     sub, sup = left.sub, left.sup or left.before
+    # Jacobians of a body, J_P^{(l_2)} of a link and J_P^{(m_2)} of a motor, or with one subscript, J_{vc2}
     body = re.fullmatch(r"([lmc]|C|G)?([0-9]+)", sup.strip("*"))
     own = re.fullmatch(r"(v|omega|w|P|O)(l|m|c|C|G)([0-9]+)", sub)
     kind, index = (sub, body) if body and sub in (*_LINEAR, *_ANGULAR) else (own[1], own) if own else ("", None)
@@ -263,6 +263,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         if sub == "11":
             yield Target("J_11_reduced")
         return
+    # the end effector's, seen from the base or from the end effector itself; whole, or the rows of its task
     frames = [sub] if sub in _END or sub in _BASE or sub == str(n) else []
     in_end = sup in _END or sup == str(n) or bool(frames and (sub in _END or sub == str(n)))
     if sup and not in_end and sup not in _BASE:
@@ -306,6 +307,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
             yield from (Target(name, (1, 2, 3), (1, 2, 3)), Target(name, (1, 2), (1, 2)))
     if head in ("R", "r", "T", "t", "a", "A", "H") and plain and len(pair) == 2:
         yield Target("T", pair[:1], pair[1:])
+    # entries of a vector, p_x or n_y, and coordinates by their own letters, x_E
     of_vector = left.sub[:1] in _AXES and left.sub[1:] in ("", *_END)
     if of_vector or (head.lower() in _AXES and left.sub in ("", "P", "p", *_END)):
         row = (_AXES[left.sub[0] if of_vector else head.lower()],)
@@ -331,6 +333,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
 
 def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     """Names of the transforms that the indices of a left side may mean."""
+    # T_6^0 and {}^0T_6 are frame 6 in frame 0; two indices below, T_{06}, are reference and frame
     lower, upper = left.sub or left.before_sub, left.before or left.sup
     pair = re.fullmatch(r"([0-9A-Za-z]),?([0-9A-Za-z])", lower)
     if pair and not upper and lower not in _END and lower not in _BASE and not (lower.isdigit() and int(lower) <= n):
@@ -355,7 +358,7 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
             yield f"T[{reference},{frame}]"
             if reference == 0:
                 yield f"T[{frame}]"
-            if frame < reference and not left.before:
+            if frame < reference and not left.before:  # some books write the reference below
                 yield f"T[{frame},{reference}]"
                 yield from ("T",) if (frame, reference) == (0, n) else ()
 

@@ -84,6 +84,7 @@ def _inner(row: tuple[Entry, ...], column: tuple[Entry, ...]) -> Entry:
 def _expanded(rows: tuple[tuple[Expression, ...], ...]) -> Expression:
     if len(rows) == 1:
         return rows[0][0]
+    # Laplace along the first row: at most 4 rows, so that nothing is computed twice often
     minors = (_expanded(tuple((*row[:j], *row[j + 1 :]) for row in rows[1:])) for j in range(len(rows)))
     products = (multiply(entry, minor) for entry, minor in zip(rows[0], minors, strict=True))
     return add(*(negate(term) if j % 2 else term for j, term in enumerate(products)))

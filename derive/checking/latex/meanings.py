@@ -91,6 +91,7 @@ class Meanings:
         columns = target.columns or tuple(range(1, value.shape[1] + 1))
         part = value.extract([i - 1 for i in rows], [j - 1 for j in columns])
         if target.is_determinant:
+            # rows of zeros go, those that a planar arm has in its 6 x n Jacobian; the rest must be square
             part = part.extract([i for i in range(part.rows) if any(part.row(i))], list(range(part.cols)))
             if part.shape[0] != part.shape[1] or not 0 < part.shape[0] <= LARGEST_DETERMINANT:
                 raise QuantityError(f"determinant of {target.quantity}")
@@ -108,12 +109,14 @@ class Meanings:
         if target.turned not in (Turned.INVERTED, Turned.BOTH):
             return part
         if parse(self._model, target.quantity)[0].name in ("T", "A") and part.rows == part.cols:
+            # [R p; 0 1]^-1 = [R^T -R^T p; 0 1], for planar transforms with a rotation of two rows
             size = sum(row < 4 for row in target.rows) or 3
             turn, place = part[:size, :size].T, part[:size, size:]
             moved = (-turn * place).applyfunc(self._written)
             return sympy.ImmutableMatrix(turn.row_join(moved).col_join(part[size:, :]))
         if part.rows != part.cols or part.rows > LARGEST_INVERSE:
             raise QuantityError(f"inverse of {target.quantity}", allowed=f"up to {LARGEST_INVERSE} rows")
+        # the inverse as adjugate over determinant, both reduced
         determinant = self._written(part.det(method="berkowitz"))
         if determinant == 0:
             raise QuantityError(f"inverse of {target.quantity}, which is singular everywhere")

@@ -100,6 +100,7 @@ class LatexNames:
         if _CHRISTOFFEL.fullmatch(text) and text in self.entries:  # c_{1,23}; without the comma it is a cosine
             return self.entries[text]
         text = text.replace(",", "")
+        # c_{2-3}, the cosine of a difference of joint angles
         opposed = _OPPOSED.fullmatch(text)
         text = text if opposed else text.replace("+", "")
         if text == "pi":

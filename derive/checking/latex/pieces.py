@@ -128,6 +128,7 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
     waiting = [(environment, False)]
     while waiting:
         node, is_inner = waiting.pop()
+        # marks of environments inside a matrix mean nothing for the display; its own part rows and cells
         signs = [(mark[:2], " " if is_inner else _SIGNS[mark[2]]) for mark in node.marks]
         for child in node.children:
             if child.name in _GRIDS and not _holds_equations(plain, child):

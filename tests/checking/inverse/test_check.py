@@ -9,8 +9,7 @@ import pytest
 from derive.api.robots import load
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.check import KINDS, shown
-from derive.checking.inverse.solutions import check_inverse, inverse_text
+from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 

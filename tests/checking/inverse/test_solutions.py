@@ -8,7 +8,7 @@ from derive.api.robots import load
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Finding, Outcome, judge
-from derive.checking.inverse.solutions import names_inverse
+from derive.checking.inverse.check import names_inverse
 from derive.errors import CheckError
 from derive.model.model import Model
 
