@@ -73,7 +73,13 @@ class LectureForm:
         is_of_short_arm: Whether no entry of the arm's T has more than `MOST_SHORT_TERMS`.
     """
 
-    def __init__(self, domain: PolynomialDomain, roles: SymbolRoles | None = None, style: Style | None = None) -> None:
+    def __init__(
+        self,
+        domain: PolynomialDomain,
+        roles: SymbolRoles | None = None,
+        style: Style | None = None,
+        is_of_short_arm: Callable[[], bool] = lambda: False,
+    ) -> None:
         self.domain = domain
         self.table = FactorTable(domain)
         self.style = style or Style()
@@ -81,7 +87,7 @@ class LectureForm:
         self._in_decimals = is_given_in_decimals(domain.robot)
         self._terms: dict[str, Terms] = {}
         self._dynamic_cache: dict[tuple[str, Grouping | None], Expr] = {}
-        self.is_of_short_arm: Callable[[], bool] = lambda: False
+        self.is_of_short_arm = is_of_short_arm
         roles, factors = roles or SymbolRoles(), list(enumerate(self.table.factors))
         symbols = {i: getattr(f.argument, "name", "") for i, f in factors if f.kind is Kind.PARAMETER}
         self.inertial: Level = frozenset(i for i, name in symbols.items() if name in roles.inertial)

@@ -64,9 +64,8 @@ class Assumptions:
             else:
                 arguments = [self._expression(argument) for argument in e.args]
                 made = e.func(*arguments) if arguments else e
-                if (e.is_Add or e.is_Mul) and set(made.args) != set(
-                    arguments
-                ):  # brackets stay where a number is outside
+                # brackets stay where a number is outside
+                if (e.is_Add or e.is_Mul) and set(made.args) != set(arguments):
                     made = e.func(*arguments, evaluate=False)
             self._written[e] = made
         return self._written[e]

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from functools import cache, cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import sympy
 
 from derive.algebra.ring import TooManyTerms
-from derive.lecture.matrices import only_body
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
-from derive.mechanics.exact_dynamics import Dynamics
-from derive.model.dynamic_form import DynamicForm
-from derive.model.dynamic_model import MAX_DYNAMIC_TERMS
+from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm
 from derive.model.entries import Entries, KinematicEntries, of_polynomials
 from derive.robot.expression import ZERO
 
@@ -36,20 +33,18 @@ class ModelEntries(KinematicEntries):
     @cached_property
     def B(self) -> Entries:
         """Inertia matrix, nxn."""
-        return self._inertia(self.model.dynamics, self.model.dynamic_form)
+        return self._inertia(self.model.dynamic_form)
 
     def inertia_part(self, i: int, of_rotor: bool) -> Entries:
         """The part of B, nxn, of link i without any rotor, or of the rotor of joint i without its armature."""
-        dynamics = Dynamics(only_body(self.robot, i, of_rotor), self.model.domain, MAX_DYNAMIC_TERMS)
-        return self._inertia(dynamics, DynamicForm(dynamics, self.model.form))
+        return self._inertia(self.model.dynamic_form.of_part(i, of_rotor))
 
-    def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Entries:
-        n = range(self.robot.n)
-        limit = cache(lambda: form.limit(dynamics.inertia_matrix[i][j] for i in n for j in range(i + 1)))
+    def _inertia(self, form: DynamicForm) -> Entries:
+        dynamics = form.dynamics
         return self._by_inertia(
             self.robot.n,
             lambda i, j: dynamics.expanded_size(dynamics.inertia_matrix[i - 1][j - 1]),
-            lambda i, j: form.entry(dynamics.inertia_matrix[i - 1][j - 1], limit()),
+            lambda i, j: form.inertia(i - 1, j - 1),
         )
 
     @cached_property
@@ -73,23 +68,23 @@ class ModelEntries(KinematicEntries):
     @cached_property
     def C(self) -> Entries:
         """Coriolis matrix, nxn, by Christoffel symbols."""
-        return self._by_inertia(
-            self.robot.n,
-            lambda i, j: sum(self.christoffel(i, j, k).terms(1, 1) for k in self._joints),
-            lambda i, j: self.model.C[i - 1, j - 1],
-        )
+        return self._rate_matrix("C")
 
     @cached_property
     def N(self) -> Entries:
         """N = dB/dt - 2C, nxn."""
-        model, n = self.model, self.robot.n
-        return self._by_inertia(n, lambda i, j: model.terms("N", i, j), lambda i, j: model.N[i - 1, j - 1])
+        return self._rate_matrix("N")
 
     @cached_property
     def Bdot(self) -> Entries:
         """dB/dt, nxn."""
-        model, n = self.model, self.robot.n
-        return self._by_inertia(n, lambda i, j: model.terms("Bdot", i, j), lambda i, j: model.Bdot[i - 1, j - 1])
+        return self._rate_matrix("Bdot")
+
+    def _rate_matrix(self, name: str) -> Entries:
+        model = self.model
+        return self._by_inertia(
+            self.robot.n, partial(model.terms, name), lambda i, j: getattr(model, name)[i - 1, j - 1]
+        )
 
     @cached_property
     def g(self) -> Entries:
@@ -122,13 +117,14 @@ class ModelEntries(KinematicEntries):
 
     def christoffel(self, i: int, j: int, k: int) -> Entries:
         """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), 1x1."""
-        model, key = self.model, ("christoffel", *_triple(i, j, k))
-        if key not in self._kept and not self._inertia_is_affordable:
-            self._kept[key] = _too_long((1, 1))
-        elif key not in self._kept:
-            size = model.dynamics.expanded_size(model.dynamics.christoffel(i - 1, j - 1, k - 1))
-            self._kept[key] = Entries((1, 1), lambda _, __: size, lambda _, __: model.christoffel(i, j, k))
-        return self._kept[key]
+        return self._keep(("christoffel", *_triple(i, j, k)), lambda: self._christoffel(i, j, k))
+
+    def _christoffel(self, i: int, j: int, k: int) -> Entries:
+        model = self.model
+        if not self._inertia_is_affordable:
+            return _too_long((1, 1))
+        size = model.dynamics.expanded_size(model.dynamics.christoffel(i - 1, j - 1, k - 1))
+        return Entries((1, 1), lambda _, __: size, lambda _, __: model.christoffel(i, j, k))
 
     def inertia_derivative(self, i: int, j: int, k: int) -> Entries:
         """dB_ij/dq_k, 1x1."""
@@ -171,11 +167,7 @@ class ModelEntries(KinematicEntries):
         return sympy.Add(*(sign * self.christoffel(*triple).entry(1, 1) * qd[k - 1] for sign, triple, k in terms))
 
     def torque_value(self, i: int) -> Expr:
-        """The equation of motion of joint i, not collected: B qdd + c qd qd + g + friction.
-
-        Returns:
-            The SymPy expression [N m or N].
-        """
+        """The equation of motion of joint i [N m or N], not collected: B qdd + c qd qd + g + friction."""
         qd, qdd = self.model.qd, self.model.qdd
         inertia = (self.B.entry(i, j) * qdd[j - 1] for j in self._joints)
         velocity = (
@@ -186,11 +178,7 @@ class ModelEntries(KinematicEntries):
         return sympy.Add(*inertia, *velocity, self.g.entry(i, 1), self.friction(i))
 
     def friction(self, i: int) -> Expr:
-        """Friction of joint i, as the file gives it: b qd + f sign(qd).
-
-        Returns:
-            The SymPy expression [N m or N].
-        """
+        """Friction of joint i [N m or N], as the file gives it: b qd + f sign(qd)."""
         link, rate = self.robot.links[i - 1], self.model.qd[i - 1]
         return expression_to_sympy(link.viscous) * rate + expression_to_sympy(link.coulomb) * sympy.sign(rate)
 
@@ -199,8 +187,7 @@ class ModelEntries(KinematicEntries):
         if not (self.Bdot.is_short(limit) and self.C.is_short(limit)):
             return False
         rate, c = self.Bdot.entry, self.C.entry
-        above = [(i, j) for i, j in self.C.places if i <= j]
-        sums = (rate(i, j) + rate(j, i) - 2 * (c(i, j) + c(j, i)) for i, j in above)
+        sums = (rate(i, j) + rate(j, i) - 2 * (c(i, j) + c(j, i)) for i, j in self.C.places if i <= j)
         return all(sympy.expand(value) == 0 for value in sums)
 
     @cached_property
@@ -216,11 +203,11 @@ class ModelEntries(KinematicEntries):
 
 def _too_long(shape: tuple[int, int]) -> Entries:
     """A matrix that is not even derived, for it exceeds the budget of the model."""
+
+    def _refuse(_: int, __: int) -> Expr:
+        raise TooManyTerms(MAX_DYNAMIC_TERMS)
+
     return Entries(shape, lambda _, __: MAX_DYNAMIC_TERMS, _refuse)
-
-
-def _refuse(_: int, __: int) -> Expr:
-    raise TooManyTerms(MAX_DYNAMIC_TERMS)
 
 
 def _triple(i: int, j: int, k: int) -> Triple:

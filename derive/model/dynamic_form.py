@@ -18,11 +18,14 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
+from derive.lecture.matrices import only_body
 from derive.lecture.plan import Plan, Term, flat, joined
 from derive.lecture.sympy_conversion import Expr
 from derive.lecture.terms import Monomial, divide, project
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.robot.options.style import Grouping, Rates
+
+MAX_DYNAMIC_TERMS = 400_000  # budget of one entry of B; beyond it only the generated functions remain
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +65,21 @@ class DynamicForm:
         return LectureForm(self.dynamics.lumped, style=self.form.style)
 
     # -- entries
+
+    @cached_property
+    def inertia_limit(self) -> int:
+        """Longest entry of B that is written in the user's symbols."""
+        b = self.dynamics.inertia_matrix
+        return self.limit(b[i][j] for i in range(len(b)) for j in range(i, len(b)))
+
+    def inertia(self, i: int, j: int) -> Expr:
+        """B_ij, from 0."""
+        return self.entry(self.dynamics.inertia_matrix[i][j], self.inertia_limit)
+
+    def of_part(self, i: int, of_rotor: bool) -> DynamicForm:
+        """The same for the part of B of link i without any rotor, or of the rotor of joint i without its armature."""
+        domain = self.form.domain
+        return DynamicForm(Dynamics(only_body(domain.robot, i, of_rotor), domain, MAX_DYNAMIC_TERMS), self.form)
 
     def limit(self, entries: Iterable[Polynomial]) -> int:
         """The longest entry that is expanded when a whole quantity is to be written."""

@@ -11,14 +11,12 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
-from derive.lecture.matrices import aligned_latex, columns_matrix, only_body, symmetric_matrix
+from derive.lecture.matrices import aligned_latex, columns_matrix, symmetric_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.exact_dynamics import Dynamics
-from derive.model.dynamic_form import DynamicForm, RateWriting
+from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting
 from derive.model.regressor_forms import IdentifiedModel
 from derive.robot.options.style import Grouping, Kinetic
-
-MAX_DYNAMIC_TERMS = 400_000  # budget of one entry of B; beyond it only the generated functions remain
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class Energy:
 
 
 class DynamicModel(IdentifiedModel):
-    """Closed forms of the dynamics of one robot; arguments and attributes as in `KinematicModel`."""
+    """Closed forms of the dynamics of one robot; arguments and attributes as in `derive.model.model.Model`."""
 
     # -- exact layer
 
@@ -46,6 +44,8 @@ class DynamicModel(IdentifiedModel):
             QuantityError: The robot file gives no links.
         """
         self._require_links("dynamics")
+        if isinstance(self._alike, DynamicModel):
+            return self._alike.dynamics
         return Dynamics(self.robot, self.domain, MAX_DYNAMIC_TERMS)
 
     @cached_property
@@ -54,14 +54,10 @@ class DynamicModel(IdentifiedModel):
         return DynamicForm(self.dynamics, self.form)
 
     @cached_property
-    def inertia_limit(self) -> int:
-        """Longest entry of B that is written in the user's symbols, see `DynamicForm`."""
-        n, b = range(self.n), self.dynamics.inertia_matrix
-        return self.dynamic_form.limit(b[i][j] for i in n for j in range(i, self.n))
-
-    @cached_property
     def christoffel_limit(self) -> int:
         """Longest Christoffel symbol that is written in the user's symbols, see `DynamicForm`."""
+        if isinstance(self._alike, DynamicModel):
+            return self._alike.christoffel_limit
         n = range(self.n)
         return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
 
@@ -177,7 +173,7 @@ class DynamicModel(IdentifiedModel):
         rates = {(i, j): qd[i] ** 2 / 2 if i == j else qd[i] * qd[j] for i in n for j in n if i <= j}
         if self.style.kinetic is Kinetic.BODY:
             pairs = [(self.dynamics.inertia_matrix[i][j], rate) for (i, j), rate in rates.items()]
-            if all(self.dynamics.expanded_size(p) <= self.inertia_limit for p, _ in pairs):
+            if all(self.dynamics.expanded_size(p) <= self.dynamic_form.inertia_limit for p, _ in pairs):
                 return self.dynamic_form.energy([(p, rate) for p, rate in pairs if p])
         return sympy.Add(*(self.B[place] * rate for place, rate in rates.items()))
 
@@ -187,7 +183,7 @@ class DynamicModel(IdentifiedModel):
 
         B = sum m J_v^T J_v + J_w^T R I R^T J_w over links and rotors (Siciliano et al., Robotics, section 7.1.1).
         """
-        return self._inertia(self.dynamics, self.dynamic_form)
+        return self._inertia(self.dynamic_form)
 
     def B_link(self, i: int) -> Matrix:
         """The part of B that one link contributes, without any rotor.
@@ -202,14 +198,10 @@ class DynamicModel(IdentifiedModel):
             QuantityError: No such link, or the file gives none.
         """
         self._require_body(i)
-        alone = Dynamics(only_body(self.robot, i, of_rotor=False), self.domain, MAX_DYNAMIC_TERMS)
-        return self._inertia(alone, DynamicForm(alone, self.form))
+        return self._inertia(self.dynamic_form.of_part(i, of_rotor=False))
 
-    def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Matrix:
-        b, n = dynamics.inertia_matrix, self.n
-        upper = [b[i][j] for i in range(n) for j in range(i, n)]
-        limit = form.limit(upper)
-        return symmetric_matrix(n, [form.entry(p, limit) for p in upper])
+    def _inertia(self, form: DynamicForm) -> Matrix:
+        return symmetric_matrix(self.n, [form.inertia(i, j) for i in range(self.n) for j in range(i, self.n)])
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
         """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
@@ -249,7 +241,9 @@ class DynamicModel(IdentifiedModel):
     def B_qdd(self) -> Matrix:
         """B qdd, nx1: the part of the torques that accelerations ask for [N m or N]."""
         b, n = self.dynamics.inertia_matrix, range(self.n)
-        writing = RateWriting(self.style.accelerations, self._in_torques(self.style.inertia), self.inertia_limit)
+        writing = RateWriting(
+            self.style.accelerations, self._in_torques(self.style.inertia), self.dynamic_form.inertia_limit
+        )
         return sympy.ImmutableMatrix(
             [self.dynamic_form.rate_sum([(b[i][j], self.qdd[j]) for j in n], writing) for i in n]
         )
@@ -257,11 +251,9 @@ class DynamicModel(IdentifiedModel):
     @cached_property
     def coriolis_vector(self) -> Matrix:
         """C qd, nx1: Coriolis and centrifugal torques [N m or N]."""
-        grouping = self._in_torques(self.style.christoffel)
+        grouping, form = self._in_torques(self.style.christoffel), self.dynamic_form
         writing = RateWriting(self.style.velocities, grouping, self.christoffel_limit)
-        return sympy.ImmutableMatrix(
-            [self.dynamic_form.rate_sum(self.velocity_pairs(i), writing) for i in range(self.n)]
-        )
+        return sympy.ImmutableMatrix([form.rate_sum(self.velocity_pairs(i), writing) for i in range(self.n)])
 
     @cached_property
     def N(self) -> Matrix:
@@ -292,14 +284,12 @@ class DynamicModel(IdentifiedModel):
     def friction(self) -> Matrix:
         """Joint friction, nx1 [N m or N]: b*qd + f*sign(qd)."""
         self._require_links("friction")
-        constant = self.domain.constant
-        return sympy.ImmutableMatrix(
-            [
-                self.form.dynamic(constant(link.viscous)) * rate
-                + self.form.dynamic(constant(link.coulomb)) * sympy.sign(rate)
-                for link, rate in zip(self.robot.links, self.qd, strict=True)
-            ]
+        viscous, coulomb = (
+            [self.form.dynamic(self.domain.constant(getattr(link, kind))) for link in self.robot.links]
+            for kind in ("viscous", "coulomb")
         )
+        rows = zip(viscous, coulomb, self.qd, strict=True)
+        return sympy.ImmutableMatrix([b * rate + f * sympy.sign(rate) for b, f, rate in rows])
 
     @cached_property
     def tau(self) -> Matrix:
@@ -319,7 +309,5 @@ class DynamicModel(IdentifiedModel):
         Returns:
             Exact Christoffel symbols and the products of velocities, with the factor 2, that they are multiplied by.
         """
-        n, qd = range(self.n), self.qd
-        return [
-            (self.dynamics.christoffel(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k
-        ]
+        n, qd, c = range(self.n), self.qd, self.dynamics.christoffel
+        return [(c(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k]

@@ -17,7 +17,7 @@ import sympy
 from derive.algebra.ring import Polynomial
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Frame, Vector
-from derive.model.long_chain import LongChain, NestedKinematics, TermCount, nested_term_counts
+from derive.model.long_chain import NestedKinematics, TermCount, nested_term_counts
 from derive.model.model import Model
 
 
@@ -26,8 +26,7 @@ class Entries:
     """A matrix whose entries are counted first and written one by one; vectors are columns, scalars 1x1."""
 
     shape: tuple[int, int]  # rows and columns
-    # (row, column), from 1 -> number of terms of the entry when multiplied out; 0 if it is zero.
-    terms: Callable[[int, int], int]
+    terms: Callable[[int, int], int]  # (row, column), from 1 -> number of terms multiplied out; 0 if it is zero
     entry: Callable[[int, int], Expr]  # (row, column), from 1 -> the entry as a SymPy expression
 
     @property
@@ -59,7 +58,7 @@ class KinematicEntries:
     def __init__(self, model: Model) -> None:
         self.model = model
         self.robot = model.robot
-        self._long = LongChain(model.robot)
+        self._long = model.long_chain
         self._kept: dict[tuple[object, ...], Entries] = {}
 
     # -- kinematics

@@ -84,11 +84,7 @@ def _compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> tu
 
 
 def evaluate(expression: Expression, values: Values) -> Real | None:
-    """The value of a formula with the working precision of mpmath.
-
-    Returns:
-        The value; None where it is no real number or does not fit into a float.
-    """
+    """The value of a formula with the working precision of mpmath; None where it is not real or too large."""
     try:
         value = _value(expression, values)
     except (ArithmeticError, ValueError):
@@ -132,9 +128,7 @@ class Verdict:
     """The outcome of a comparison."""
 
     equal: bool  # whether the formulas are equal wherever both are defined
-    # Whether that was decided identically, by algebra; otherwise it was by their values with fifty digits at random
-    # points.
-    exact: bool
+    exact: bool  # whether algebra decided that identically, and not values with fifty digits at random points
     counter_example: CounterExample | None = None  # a point where they differ; None where they are equal
 
 
@@ -154,10 +148,8 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
         return Verdict(True, True)
     points, counter_example = _compare_at_points(robot, ours, theirs)
     if not proves and not points:
-        raise CheckError(
-            "formula without a real value at any of many random points",
-            remedy="check its roots and denominators",
-        )
+        found = "formula without a real value at any of many random points"
+        raise CheckError(found, remedy="check its roots and denominators")
     return Verdict(not proves and counter_example is None, proves, counter_example)
 
 

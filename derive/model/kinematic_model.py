@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import sympy
@@ -29,11 +29,9 @@ if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of t
     from derive.model.singularities.aspects import Aspects
     from derive.model.singularities.singularities import Singularities
 
-# Attributes of a model that are the same in every style.
-STYLELESS = ("domain", "kinematics", "dynamics", "inertia_limit", "christoffel_limit")
 # Attributes of a model that hold FLINT's polynomials or functions, and are not pickled.
 MADE_AGAIN = (
-    *("domain", "kinematics", "form", "_long", "jacobian_columns", "_write"),
+    *("domain", "kinematics", "form", "long_chain", "jacobian_columns", "_write", "_alike", "_is_of_short_arm"),
     *("dynamics", "dynamic_form", "standard_set", "base_set", "inverse", "workspace", "aspects"),
 )
 ITSELF = ("robot", "style", "q", "qd", "qdd", "_view")  # attributes of every model
@@ -41,24 +39,9 @@ SHORT_ROOT = 4  # most terms under the roots of the orientation angles that are 
 
 
 class KinematicModel:
-    """Closed-form kinematics of one robot.
+    """Closed-form kinematics of one robot; arguments and attributes as in `derive.model.model.Model`."""
 
-    Every quantity is an immutable SymPy matrix or an expression in the robot's own symbols, which are plain
-    ``sympy.Symbol``s; ``qd1`` and ``qdd1`` are velocity and acceleration of ``q1``.
-
-    Args:
-        robot: The robot.
-        style: How expressions are grouped: a `Style`, the name of a set of options (``compact``, ``by-geometry``,
-            ``expanded``) or options by name, see `Style.of`; default as the file says.
-        contraction: Which sums of angles are contracted: ``aligned`` or ``opposed``; default as the file says.
-
-    Attributes:
-        robot: The robot.
-        style: How expressions are grouped.
-        q: Joint variables [rad or m].
-        qd: Their velocities.
-        qdd: Their accelerations.
-    """
+    _alike: Self | None = None  # a model of the same robot in another style, whose exact layer this one has, too
 
     def __init__(
         self, robot: Robot, style: Style | str | Mapping[str, str] | None = None, contraction: str | None = None
@@ -75,7 +58,7 @@ class KinematicModel:
 
     def __getstate__(self) -> dict[str, Any]:
         """The robot and the closed forms that were derived; SymPy compares nested ones of long arms for hours."""
-        is_long = "_long" in vars(self) and self._is_long
+        is_long = "long_chain" in vars(self) and self._is_long
         named = vars(self).items()
         return {name: value for name, value in named if name in ITSELF or not (is_long or name in MADE_AGAIN)}
 
@@ -87,8 +70,7 @@ class KinematicModel:
         """
         other = type(self)(self.robot, style)
         if style.contraction is self.style.contraction:
-            shared = {name: self.__dict__[name] for name in STYLELESS if name in self.__dict__}
-            vars(other).update(shared, form=self.form.with_style(style))
+            other._alike = self
         return other
 
     def __repr__(self) -> str:
@@ -104,35 +86,38 @@ class KinematicModel:
     @cached_property
     def domain(self) -> PolynomialDomain:
         """The polynomial ring of kinematics, with the user's symbols."""
+        if self._alike:
+            return self._alike.domain
         return PolynomialDomain(self.robot, contraction=self.style.contraction, rates=False, offsets=True)
 
     @cached_property
     def kinematics(self) -> Kinematics:
         """Exact frames and Jacobians."""
-        return Kinematics(self.robot, self.domain)
+        return self._alike.kinematics if self._alike else Kinematics(self.robot, self.domain)
 
     @cached_property
     def form(self) -> LectureForm:
         """How expressions are written."""
-        form = LectureForm(self.domain, symbol_roles(self.robot), self.style)
-
-        @cache
-        def _is_short() -> bool:
-            end = self.kinematics.end
-            entries = [*(entry for row in end.rotation for entry in row), *end.position]
-            return not self._is_long and all(len(form.terms(entry)) <= MOST_SHORT_TERMS for entry in entries)
-
-        form.is_of_short_arm = _is_short
-        return form
+        if self._alike:
+            return self._alike.form.with_style(self.style)
+        return LectureForm(self.domain, symbol_roles(self.robot), self.style, lambda: self._is_of_short_arm)
 
     @cached_property
-    def _long(self) -> LongChain:
+    def _is_of_short_arm(self) -> bool:
+        """Whether no entry of T has more than `MOST_SHORT_TERMS`."""
+        end = self.kinematics.end
+        entries = [*(entry for row in end.rotation for entry in row), *end.position]
+        return not self._is_long and all(len(self.form.terms(entry)) <= MOST_SHORT_TERMS for entry in entries)
+
+    @cached_property
+    def long_chain(self) -> LongChain:
+        """Which transforms are too long to expand, and how these are written."""
         return LongChain(self.robot)
 
     @property
     def _is_long(self) -> bool:
         """Whether T is too long to expand."""
-        return self._long.is_long(0, self.n)
+        return self.long_chain.is_long(0, self.n)
 
     def _require_index(self, i: int, first: int) -> None:
         if not first <= i <= self.n:
@@ -174,8 +159,8 @@ class KinematicModel:
         """
         self._require_index(i, 0)
         self._require_index(j, 0)
-        if self._long.is_long(i, j):
-            return self._long.transform(i, j)
+        if self.long_chain.is_long(i, j):
+            return self.long_chain.transform(i, j)
         return frame_matrix(self.kinematics.transform(i, j), self.form.kinematic)
 
     def frame(self, i: int) -> Matrix:
@@ -191,15 +176,15 @@ class KinematicModel:
             QuantityError: No such frame.
         """
         self._require_index(i, 0)
-        if self._long.is_long(0, i):
-            return self._long.frame(i)
+        if self.long_chain.is_long(0, i):
+            return self.long_chain.frame(i)
         return frame_matrix(self.kinematics.frame(i), self.form.kinematic)
 
     @cached_property
     def T(self) -> Matrix:
         """T = base A_1 ... A_n tool, 4x4: the end effector in the world."""
         if self._is_long:
-            return frame_matrix(self._long.kinematics.end)
+            return frame_matrix(self.long_chain.kinematics.end)
         return frame_matrix(self.kinematics.end, self.form.kinematic)
 
     @property
@@ -266,7 +251,7 @@ class KinematicModel:
         section 3.1.3).
         """
         if self._is_long:
-            return columns_matrix(self._long.kinematics.linear, self._long.kinematics.angular)
+            return columns_matrix(self.long_chain.kinematics.linear, self.long_chain.kinematics.angular)
         return columns_matrix(*self.jacobian_columns, write=self.form.kinematic)
 
     @cached_property
@@ -376,11 +361,9 @@ class KinematicModel:
                 )
         inside = all(1 <= r <= 6 for r in rows) and all(1 <= c <= self.n for c in columns)
         if len(rows) != len(columns) or not inside:
-            raise QuantityError(
-                f"rows {list(rows)} and columns {list(columns)} of J",
-                allowed=f"as many rows (1 to 6) as columns (1 to {self.n})",
-                remedy="name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3",
-            )
+            found = f"rows {list(rows)} and columns {list(columns)} of J"
+            remedy = "name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3"
+            raise QuantityError(found, allowed=f"as many rows (1 to 6) as columns (1 to {self.n})", remedy=remedy)
         block = [[entries[c - 1][r - 1] for c in columns] for r in rows]
         return self.form.determinant(determinant(block))
 
@@ -415,7 +398,5 @@ class KinematicModel:
         from derive.inverse.numeric.in_numbers import parameter_numbers
         from derive.model.singularities.aspects import find_aspects
 
-        numbers = parameter_numbers(self.robot, random.Random(12))
-        return find_aspects(
-            self.workspace.inverse, self.singularities, {str(symbol): float(x) for symbol, x in numbers.items()}
-        )
+        numbers = {str(symbol): float(x) for symbol, x in parameter_numbers(self.robot, random.Random(12)).items()}
+        return find_aspects(self.workspace.inverse, self.singularities, numbers)

@@ -22,19 +22,14 @@ class Quantity:
 
     name: str  # as the user writes it
     symbol: str  # as notes write it, in LaTeX; i, j, k stand for its indices
-    # Rows and columns, ``6xn``: n joints, m = n - 3, k indices, p standard and b base parameters, s solutions; empty
-    # for a scalar.
-    shape: str
+    shape: str  # ``6xn``: n joints, m = n - 3, k indices, p standard, b base parameters, s solutions; empty: scalar
     unit: str  # SI unit of its entries; empty where these differ or have none
     summary: str  # what it is, for lists
     indices: tuple[int, ...] = (0,)  # how many indices it takes (alternatives allowed); further ones pick an entry
-    # The function of the model and the indices; by default the model's attribute or method of that name.
-    formula: Callable[..., Expr] | None = None
-    # What books and people call it besides; case counts where it is one letter, spaces and signs never do.
-    words: tuple[str, ...] = ()
+    formula: Callable[..., Expr] | None = None  # of the model and the indices; by default its attribute or method
+    words: tuple[str, ...] = ()  # what books call it besides; case counts in one letter, spaces and signs never
     joints: range = ANY  # for how many joints it is defined
-    # The generated function that computes it or from whose result it follows at once; empty if none does.
-    function: str = ""
+    function: str = ""  # the generated function from whose result it follows at once; empty if none does
 
     @property
     def dynamic(self) -> bool:
@@ -69,17 +64,10 @@ class Quantity:
 
 
 def _frame(model: DynamicModel, *indices: int) -> Matrix:
-    match len(indices):
-        case 0:
-            return model.T
-        case 1:
-            return model.frame(*indices)
-        case _:
-            return model.transform(*indices)
+    return model.transform(*indices) if len(indices) == 2 else model.frame(*indices) if indices else model.T
 
 
 def _rows(model: DynamicModel, *rows: int) -> Matrix:
-    """Some rows of J, in the given order."""
     if len(set(rows)) < len(rows) or not all(1 <= row <= 6 for row in rows):
         raise QuantityError(f"rows {listed(map(str, rows))} of J", allowed="different rows, from 1 to 6")
     return model.J.extract([row - 1 for row in rows], list(range(model.n)))

@@ -27,10 +27,7 @@ from derive.robot.robot import Robot
 
 REPRODUCED = 1e-10  # largest error of the pose of a solution, lengths relative to the reach
 RESCUED = 60  # most steps of damped Newton from the leaves of a pose at which none is a solution
-STARTS = 24
-"""Configurations from which solutions are looked for, too, where an arm has fewer joints than its task has dimensions:
-poses beside are out of its reach."""
-
+STARTS = 24  # configurations from which solutions of arms with few joints, and no poses beside, are looked for
 NEIGHBOURS = 40  # most steps of damped Newton from a solution of a pose beside, or from such a configuration
 ALONE = 1e-5  # smallest singular value of the derivatives at a solution that is none of a continuum
 
@@ -54,13 +51,7 @@ class InverseSolver:
 
     @classmethod
     def of(cls, robot: Robot, graph: SolutionGraph, parameters: Mapping[str, float] | None = None) -> InverseSolver:
-        """The solver of an arm.
-
-        Args:
-            robot: The arm as it was read.
-            graph: Its graph.
-            parameters: A number for every symbol that has none in the file; it may override those of the file.
-        """
+        """The solver of an arm; parameters without a number in the file need one, others may have another."""
         entries = tuple(sorted(graph.places))
         numbers = parameter_values(robot, parameters)
         return cls(graph, NumericChain.of(robot, parameters), FloatField(numbers), entries)
@@ -104,7 +95,6 @@ class InverseSolver:
         return Branches(found.q.reshape(*shape, self.chain.n), found.status.reshape(shape))
 
     def _poses(self, poses: npt.ArrayLike, tolerance: float) -> Array:
-        """The goals, if that is what they are."""
         goal = _real_numbers("a pose", poses)
         if goal.shape[-2:] != (4, 4):
             raise ValueError(f"a pose has shape (4, 4), or (..., 4, 4), not {goal.shape}")
@@ -129,10 +119,6 @@ class InverseSolver:
         return goal
 
     @property
-    def _given(self) -> int:
-        return len(self.graph.given)
-
-    @property
     def _free(self) -> Array:
         return np.array([i not in self.graph.given for i in range(self.chain.n)])
 
@@ -153,10 +139,20 @@ class InverseSolver:
             free[stuck] = still
         unsure = np.flatnonzero((suspect & ((status == Status.NONE) | (status == Status.SINGULAR))).any(axis=1))
         if unsure.size:
-            self._add_from(poses, q, status, unsure, self._beside(poses[unsure], given[unsure]))
+            # The leaves of poses a little beside, at which nothing is special.
+            unit = Problem(self.chain, poses[unsure]).unit
+            near_by = (beside(poses[unsure], k, unit) for k in range(len(BESIDE)))
+            leaves = [self._leaves(there, given[unsure], None)[0] for there in near_by]
+            self._add_from(poses, q, status, unsure, np.concatenate(leaves, axis=1))
+            # Configurations that fill the joint space evenly, joints that are given where they are.
             unsure = unsure[self.graph.is_short | (status[unsure] == Status.NONE).all(axis=1)]
-            self._add_from(poses, q, status, unsure, self._spread(poses[unsure], given[unsure]))
-        return Branches(np.where((status == Status.NONE)[..., None], np.nan, self._folded(q)), status)
+            spread = starts(self.chain.n) * Problem(self.chain, poses[unsure]).scale[:, None]
+            spread[..., self.chain.revolute] *= math.pi
+            spread[..., ~self._free] = given[unsure, None]
+            self._add_from(poses, q, status, unsure, spread)
+        turns = 2 * math.pi * np.ceil((q - math.pi) / (2 * math.pi))
+        folded = q - np.where(self.chain.revolute & self._free, turns, 0.0)  # into (-pi, pi]
+        return Branches(np.where((status == Status.NONE)[..., None], np.nan, folded), status)
 
     def _leaves(
         self, poses: Array, given: Array, near: Sequence[float] | Array | None
@@ -165,7 +161,7 @@ class InverseSolver:
         rows = [[poses[:, i, j] for j in range(4)] for i in range(3)]
         zero = np.zeros(len(poses))
         nearby = None if near is None else [zero + value for value in near]
-        run = GraphWalk(self.graph, self.field, rows, [given[:, k] for k in range(self._given)], nearby)
+        run = GraphWalk(self.graph, self.field, rows, list(given.T), nearby)
         no = zero.astype(bool)
         candidates, statuses, doubts, frees = [], [], [], []
         for leaf in run.leaves():
@@ -179,8 +175,7 @@ class InverseSolver:
             candidates.append(np.where(np.isfinite(q), q, 0.0))
         for table, empty in ((candidates, np.zeros_like(candidates[0])), (statuses, zero), (doubts, no), (frees, no)):
             table += [empty] * self.graph.spare
-        found = (np.stack(each, axis=1) for each in (candidates, statuses, doubts, frees))
-        q, status, doubt, freedom = found
+        q, status, doubt, freedom = (np.stack(each, axis=1) for each in (candidates, statuses, doubts, frees))
         return q, status.astype(np.int8), doubt, freedom
 
     def _checked(
@@ -193,10 +188,8 @@ class InverseSolver:
         get settled; another posture with these elsewhere is not listed.
         """
         pose, row = np.nonzero(status != Status.NONE)
-        refined, residual = (
-            q[pose, row],
-            Problem(self.chain, poses[pose], self.entries, self._free).residual(q[pose, row]),
-        )
+        refined = q[pose, row]
+        residual = Problem(self.chain, poses[pose], self.entries, self._free).residual(refined)
         # 1. Leaves that exist and do not close: Newton's method.
         rough = np.flatnonzero((residual > POLICY.rounding) & (status[pose, row] > 0))
         part = Problem(self.chain, poses[pose[rough]], self.entries, self._free)
@@ -215,19 +208,6 @@ class InverseSolver:
         q[pose, row] = refined
         status[pose, row] = np.where(residual <= REPRODUCED, np.abs(status[pose, row]), Status.NONE)
         return q, self._once(poses, q, status, rescued, free, settled)
-
-    def _beside(self, poses: Array, given: Array) -> Array:
-        """(poses, k, n) the leaves of poses a little beside, at which nothing is special."""
-        unit = Problem(self.chain, poses).unit
-        found = [self._leaves(beside(poses, k, unit), given, None)[0] for k in range(len(BESIDE))]
-        return np.concatenate(found, axis=1)
-
-    def _spread(self, poses: Array, given: Array) -> Array:
-        """(poses, k, n) configurations that fill the joint space evenly, joints that are given where they are."""
-        spread = starts(self.chain.n) * Problem(self.chain, poses).scale[:, None]
-        spread[..., self.chain.revolute] *= math.pi
-        spread[..., ~self._free] = given[:, None]
-        return spread
 
     def _add_from(self, poses: Array, q: Array, status: Array, rows: Array, starts: Array) -> None:
         """Add solutions to which damped steps from (rows, k, n) configurations lead."""
@@ -276,22 +256,15 @@ class InverseSolver:
 
     def _numeric(self, poses: Array, given: Array, near: Array | None) -> Branches:
         start = None if near is None else near.tolist()
-        found = [
-            solve(
-                self.chain, pose, entries=self.entries, given=dict(zip(self.graph.given, row, strict=True)), near=start
-            )
-            for pose, row in zip(poses, given, strict=True)
-        ]
+        values = (dict(zip(self.graph.given, row, strict=True)) for row in given)
+        pairs = zip(poses, values, strict=True)
+        found = [solve(self.chain, pose, entries=self.entries, given=own, near=start) for pose, own in pairs]
         width = max((len(one.q) for one in found), default=0)
         q = np.full((len(poses), width, self.chain.n), np.nan)
         status = np.zeros((len(poses), width), dtype=np.int8)
         for k, one in enumerate(found):
             q[k, : len(one.q)], status[k, : len(one.q)] = one.q, one.status
         return Branches(q, status)
-
-    def _folded(self, q: Array) -> Array:
-        turns = 2 * math.pi * np.ceil((q - math.pi) / (2 * math.pi))
-        return q - np.where(self.chain.revolute & self._free, turns, 0.0)
 
 
 def starts(joints: int) -> Array:
@@ -305,7 +278,6 @@ def starts(joints: int) -> Array:
 
 
 def _real_numbers(name: str, value: npt.ArrayLike) -> Array:
-    """What a caller gave, as floats."""
     try:
         found = np.asarray(value)
     except ValueError:

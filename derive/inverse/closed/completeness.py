@@ -15,7 +15,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.algebra.residues import Residue, ResidueDomain
 from derive.inverse.closed.fields import ComplexField, PrimeField
@@ -92,7 +91,7 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     frame = pose_of(start, joints)
     pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
     run: GraphWalk[Any, Any] = GraphWalk(graph, field, pose, [angles[k] for k in graph.given])
-    solutions: list[list[npt.NDArray[np.complex128]]] = [[] for _ in range(_COMPLEX)]
+    solutions: list[list[Any]] = [[] for _ in range(_COMPLEX)]
     size = max(float(np.max(np.abs(x))) for row in pose for x in row)
     for leaf in run.leaves():
         again = pose_of(run, leaf.joints)
@@ -126,7 +125,6 @@ def _distinct(leaves: Sequence[Leaf[Residue, Any]], closing: Sequence[Any], samp
 
 
 def _half_angle(sampled: InverseDomain, residues: ResidueDomain, joint: int, field: PrimeField) -> Residue:
-    """The number that stands for the variable of a joint."""
     row = sampled.robot.joints[joint]
     if not row.is_revolute:
         return residues.value(sampled.ring.generator(row.variable))

@@ -9,7 +9,7 @@ six directions in which it can be left; where an equation needs joints, these fo
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from itertools import combinations
 from typing import Any
@@ -53,10 +53,8 @@ def entry_conditions(
         # Constant or equal at all sampled poses of the arm, modulo the prime: identically so.
         number = next((k for k in (0, 1, -1) if np.all(residues == k % prime)), None)
         equal = [(p, sign) for key, p in known for sign in (1, -1) if np.all(residues == sign * np.array(key) % prime)]
-        if number is not None:
-            found.append(NodeEquation({(): entry - number}, 0 if j < 4 else 1, whole))
-        elif equal:
-            found.append(NodeEquation({(): entry - equal[0][1] * equal[0][0]}, 0 if j < 4 else 1, whole))
+        same = [ring.number(number)] if number is not None else [sign * p for p, sign in equal]
+        found += [NodeEquation({(): entry - p}, 0 if j < 4 else 1, whole) for p in same[:1]]
         known.append((tuple(map(int, residues)), entry))
     return sorted(found, key=lambda equation: _number_of(equation) is None)
 
@@ -94,21 +92,16 @@ def _number_of(equation: NodeEquation) -> tuple[tuple[int, int], int] | None:
     return ((int(places[0][0]), int(places[0][1])), sum(numbers)) if len(places) == 1 else None
 
 
-def _tells_sign(said: tuple[tuple[int, int], int] | None, zeros: Container[tuple[int, int]]) -> bool:
+def _tells_sign(said: tuple[tuple[int, int], int] | None, zeros: set[tuple[int, int]]) -> bool:
     """Whether an entry of R is 1 or -1 and the others of its row or column are among the zeros."""
     if said is None or said[1] == 0 or said[0][1] == 4:
         return False
     i, j = said[0]
-    row, column = ([(i, k) for k in (1, 2, 3) if k != j], [(k, j) for k in (1, 2, 3) if k != i])
-    return all(place in zeros for place in row) or all(place in zeros for place in column)
+    return {(i, k) for k in (1, 2, 3) if k != j} <= zeros or {(k, j) for k in (1, 2, 3) if k != i} <= zeros
 
 
 class _Leaving:
-    """Derivatives of equations where the reachable poses are left.
-
-    Attributes:
-        rank: How many independent derivatives there are so far.
-    """
+    """Derivatives of equations where the reachable poses are left; `rank` of them are independent so far."""
 
     def __init__(self, graph: SolutionGraph, numbers: Mapping[str, Expression]) -> None:
         rng = np.random.default_rng(6)
@@ -158,7 +151,6 @@ class _Leaving:
 
     @staticmethod
     def _sums(graph: SolutionGraph, joints: Any) -> dict[str, Any]:
-        """Cosines and sines of all angles and sums of angles, and the slides."""
         found: dict[str, Any] = {}
         domain = graph.domain
         for group in domain.groups:

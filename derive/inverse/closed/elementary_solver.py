@@ -79,7 +79,7 @@ class Field(Protocol[N, M]):
         """A mask that holds everywhere or nowhere."""
 
     def cosine_sine(self, angle: N) -> tuple[N, N]:
-        """Of a joint that is given."""
+        """Cosine and sine of a given joint angle."""
 
     def angle(self, cosine: N, sine: N) -> N:
         """The angle of a cosine and a sine, in (-pi, pi]."""
@@ -135,7 +135,9 @@ class Solver(Generic[N, M]):
         """The values of the unknown, where the formula is not degenerate; any numbers elsewhere."""
         match formula.kind:
             case NodeKind.TYPE_1:
-                return self._length(formula.equations[0])
+                a, b = (self.evaluate(formula.equations[0].coefficient(k)) for k in (1, 0))
+                no = self.field.truth(False)
+                return [Branch((self.field.divide(-b, a),), self.field.truth(True), no, no)]
             case NodeKind.QUADRATIC:
                 return self._two_lengths(formula.equations[0])
             case NodeKind.TYPE_2:
@@ -143,9 +145,8 @@ class Solver(Generic[N, M]):
             case NodeKind.TYPE_3:
                 return self._one_angle(*formula.equations)
             case NodeKind.CONIC:
-                equation = formula.equations[0]
-                coefficients = [self.evaluate(equation.coefficient(*exponents)) for exponents in CONIC_TERMS]
-                found = self.field.conic(coefficients)
+                coefficients = [formula.equations[0].coefficient(*exponents) for exponents in CONIC_TERMS]
+                found = self.field.conic([self.evaluate(p) for p in coefficients])
                 return [Branch((c, s), exists, double, doubt) for c, s, exists, double, doubt in found]
         raise ValueError(f"no elementary type: {formula.kind}")
 
@@ -163,11 +164,6 @@ class Solver(Generic[N, M]):
         for _ in range(sum(equation.dimension for equation in equations)):
             scale = scale * self.reach
         return scale
-
-    def _length(self, equation: NodeEquation) -> list[Branch[N, M]]:
-        a, b = (self.evaluate(equation.coefficient(k)) for k in (1, 0))
-        no = self.field.truth(False)
-        return [Branch((self.field.divide(-b, a),), self.field.truth(True), no, no)]
 
     def _two_lengths(self, equation: NodeEquation) -> list[Branch[N, M]]:
         """r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none."""

@@ -21,7 +21,7 @@ import numpy as np
 from derive.algebra.residues import Array, Residue, ResidueDomain, echelon, fraction_residue
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, identity_atoms
-from derive.inverse.closed.unknowns import InverseDomain
+from derive.inverse.closed.unknowns import InverseDomain, turned
 from derive.mechanics.vectors import Frame
 from derive.robot.expression import Expression
 
@@ -50,14 +50,9 @@ class Effect:
 
 
 class Evidence:
-    """The equations of an arm in numbers.
+    """The equations of an arm in numbers: cut and entry of each, the effect of each change on them.
 
-    Attributes:
-        equations: Cut and entry of every equation.
-        effects: Change -> its effect.
-        other: W at the same poses but for other numbers in place of the entries of T that are not told.
-        allowed: For each equation whether it needs nothing of the pose but what is given.
-        values: Numbers of the parameters and of constants.
+    `other` is W with other numbers for entries of T that are not told; `allowed` are equations that do not need these.
     """
 
     def __init__(
@@ -89,7 +84,10 @@ class Evidence:
         anywhere = reached if special else self._table(links, cuts, self._elsewhere())
         self.effects = {change: self._effect(reached, anywhere, k) for k, change in enumerate(self.changes)}
         self.other = self._changed(links, allowed) if self.untold(allowed) else self.pose
-        self.allowed = self._allowed(links, cuts)
+        self.allowed = np.ones(len(self.equations), dtype=bool)
+        if self.other is not self.pose:
+            same = self._table(links, cuts, self.pose) == self._table(links, cuts, self.other)
+            self.allowed = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
         self._numbers: dict[str, Array] = {}
 
     # -- the samples
@@ -109,20 +107,21 @@ class Evidence:
             links = [self._turned(g, 0, base)]
             for k in range(1, len(group) + 1):
                 # phi_k of link k is the sum of the joint angles before it, by the addition theorems.
-                base = [self._added(pair, self._angle()) for pair in base]
+                added = (turned(pair, self._angle()) for pair in base)
+                base = [(c % self.prime, s % self.prime) for c, s in added]
                 links.append(self._turned(g, k, base))
             self.turns.append(links)
         self.slides: dict[int, Array] = {}
         for i, joint in enumerate(robot.joints):
             if not joint.is_revolute:
-                drawn = [[self._length()] for _ in range(self.poses)]
+                zeros = (self._special and self._random.random() < 0.4 for _ in range(self.poses))
+                drawn = [[0 if is_zero else self._random.randrange(self.prime)] for is_zero in zeros]
                 values = np.repeat(np.array(drawn, dtype=np.int64), self._width, axis=1)
                 place = self.changes.index(Change(-1, i))
                 values[:, self._starts[place] : self._starts[place + 1]] += np.array(self._steps)
                 self.slides[i] = values.reshape(-1) % self.prime
 
     def _turned(self, group: int, link: int, base: Sequence[tuple[int, int]]) -> tuple[Array, Array]:
-        """Cosine and sine of a link's angle in every sample."""
         p = self.prime
         c = np.repeat([[pair[0]] for pair in base], self._width, axis=1).astype(np.int64)
         s = np.repeat([[pair[1]] for pair in base], self._width, axis=1).astype(np.int64)
@@ -148,13 +147,6 @@ class Evidence:
             return self._random.choice([(1, 0), (0, 1), (-1, 0), (0, -1)])
         return self._circle_point()
 
-    def _length(self) -> int:
-        """The variable of a slide."""
-        return 0 if self._special and self._random.random() < 0.4 else self._random.randrange(self.prime)
-
-    def _added(self, a: tuple[int, int], b: tuple[int, int]) -> tuple[int, int]:
-        return (a[0] * b[0] - a[1] * b[1]) % self.prime, (a[1] * b[0] + a[0] * b[1]) % self.prime
-
     def _motion(self, joint: int, start: int) -> tuple[Residue, ...]:
         """The motion of a joint in every sample."""
         row, sign = self.robot.joints[joint], self.robot.joints[joint].sign
@@ -167,18 +159,18 @@ class Evidence:
         """Cosine and sine of a joint's variable in every sample."""
         g = next(k for k, group in enumerate(self.domain.groups) if joint in group)
         place = self.domain.groups[g].index(joint)
-        # A joint's angle is phi_{k+1} - phi_k; an opposed axis counts it the other way.
-        (c, s), (d, e) = self.turns[g][place], self.turns[g][place + 1]
-        p = self.prime
-        return (c * d % p + s * e % p) % p, self.domain.directions[joint] * ((c * e % p - s * d % p) % p)
+        return self._difference(g, place, place + 1)
+
+    def _difference(self, g: int, u: int, v: int) -> tuple[Array, Array]:
+        """Cosine and sine of phi_v - phi_u of a group, counted as the joint behind link u is."""
+        (c, s), (d, e) = self.turns[g][u], self.turns[g][v]
+        p, direction = self.prime, self.domain.directions[self.domain.groups[g][u]]
+        return (c * d % p + s * e % p) % p, direction * ((c * e % p - s * d % p) % p)
 
     def _at_poses(self, value: Residue) -> Residue:
         """The value at the poses themselves, nothing changed."""
         full = np.broadcast_to(value.values, (1, self._samples)).reshape(self.poses, self._width)
         return Residue(self.prime, full[None, :, 0])
-
-    def _spread(self, value: Residue) -> Residue:
-        return Residue(self.prime, np.repeat(value.values, self._width, axis=1))
 
     # -- what the samples say
 
@@ -189,7 +181,7 @@ class Evidence:
 
     def _table(self, links: Links[Residue], cuts: Sequence[Cut], pose: Atoms[Residue]) -> Array:
         """The difference of both sides of every equation in every sample, with W as given at each of the poses."""
-        pool = Pool(links, pose.mapped(self._spread))
+        pool = Pool(links, pose.mapped(lambda value: Residue(self.prime, np.repeat(value.values, self._width, axis=1))))
         sides = {cut: pool.sides(cut) for cut in cuts}
         differences = [sides[cut][0].entry(entry) - sides[cut][1].entry(entry) for cut, entry in self.equations]
         return np.stack([np.broadcast_to(d.values, (1, self._samples))[0] for d in differences])
@@ -213,7 +205,6 @@ class Evidence:
         return Atoms(ratios.rotation, lengths.position, lengths.back, areas.square, lengths.moment, areas.reflection)
 
     def _effect(self, reached: Array, anywhere: Array, place: int) -> Effect:
-        """Coefficients of the equations in one change."""
         change, p = self.changes[place], self.prime
         rows, others = (table.reshape(len(table), self.poses, self._width) for table in (reached, anywhere))
         span = slice(self._starts[place], self._starts[place + 1])
@@ -227,7 +218,10 @@ class Evidence:
             basis = [[1, r, r * r % p] for r in (0, *self._steps)]
             degree_of = np.array([0, 1, 2])
         size = len(degree_of)
-        inverse = _inverse([row[:size] for row in basis[:size]], p)
+        joined = np.hstack(
+            [np.array([row[:size] for row in basis[:size]], dtype=np.int64), np.eye(size, dtype=np.int64)]
+        )
+        inverse = echelon(joined, p)[1][:, size:].T  # of the values at the nodes, by Gauss and Jordan modulo the prime
         fitted = _product(values[:, :, :size], inverse, p)
         # What the last node contradicts is of a higher degree, and no elementary equation.
         check = _product(fitted, np.array(basis[size], dtype=np.int64)[:, None], p)[:, :, 0]
@@ -237,7 +231,7 @@ class Evidence:
         return Effect(depends, np.where(np.all(check == values[:, :, size], axis=1), degrees, 3), fitted)
 
     def _changed(self, links: Links[Residue], given: frozenset[tuple[int, int]]) -> Atoms[Residue]:
-        """W with other numbers in place of the entries of T that are not told."""
+        """W with other numbers in place of the entries of T that the task leaves open."""
         entries = self._entries()
         for place in self.untold(given):
             entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
@@ -245,14 +239,6 @@ class Evidence:
         end = Frame((rotation[0], rotation[1], rotation[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
         inner = links.base.inverse @ end @ links.tool.inverse
         return frame_atoms(inner, links.zero, deep=self.pose.moment is not None)
-
-    def _allowed(self, links: Links[Residue], cuts: Sequence[Cut]) -> Array:
-        """Which equations do not change with the entries of T that are not told."""
-        if self.other is self.pose:
-            return np.ones(len(self.equations), dtype=bool)
-        same = self._table(links, cuts, self.pose) == self._table(links, cuts, self.other)
-        unchanged: Array = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
-        return unchanged
 
     def is_told(self, name: str) -> bool:
         """Whether an entry of W or an invariant needs nothing of the pose but what is given."""
@@ -293,13 +279,11 @@ class Evidence:
         return self._numbers[name]
 
     def _number(self, name: str, constants: Mapping[str, Expression]) -> Array:
-        rows, columns = range(3), range(4)
         if name == "p.p" or name[:2] in ("u[", "m[", "k["):
             return self._plain(self.pose.entry(name))
         if name[:2] in ("T[", "W["):
             frame = self.end if name[0] == "T" else Frame(self.pose.rotation, self.pose.position)
-            table = {f"[{i + 1},{j + 1}]": (i, j) for i in rows for j in columns}
-            i, j = table[name[1:]]
+            i, j = int(name[2]) - 1, int(name[4]) - 1
             return self._plain(frame.position[i] if j == 3 else frame.rotation[i][j])
         if name in constants:
             value = self.residues.constant(constants[name]).values
@@ -310,32 +294,16 @@ class Evidence:
         return self._turn_number(name)
 
     def _turn_number(self, name: str) -> Array:
-        """The cosine or sine of a sum of angles."""
-        p = self.prime
         for g, group in enumerate(self.domain.groups):
             for u, v in combinations(range(len(group) + 1), 2):
-                unknown = self.domain.unknown(*group[u:v])
-                if name in unknown.generators:
-                    first, second = self.turns[g][u], self.turns[g][v]
-                    (c, s), (d, e) = (
-                        [x.reshape(self.poses, self._width)[:, 0] for x in pair] for pair in (first, second)
-                    )
-                    if name == unknown.generators[0]:
-                        return (c * d % p + s * e % p) % p
-                    sine: Array = self.domain.directions[group[u]] * ((c * e % p - s * d % p) % p)
-                    return sine
+                names = self.domain.unknown(*group[u:v]).generators
+                if name in names:
+                    return self._difference(g, u, v)[names.index(name)].reshape(self.poses, self._width)[:, 0]
         raise KeyError(name)
 
     def _plain(self, value: Residue) -> Array:
         plain: Array = np.broadcast_to(value.values, (1, self.poses))[0]
         return plain
-
-
-def _inverse(rows: list[list[int]], p: int) -> Array:
-    """The transposed inverse of a small matrix modulo a prime: values times it are coefficients."""
-    size = len(rows)
-    joined = np.array([[*row, *(int(i == k) for k in range(size))] for i, row in enumerate(rows)], dtype=np.int64)
-    return echelon(joined, p)[1][:, size:].T
 
 
 def _product(a: Array, b: Array, p: int) -> Array:

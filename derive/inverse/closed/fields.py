@@ -7,7 +7,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.algebra.residues import Residue, ResidueDomain
 from derive.inverse.closed.conic import line_points
@@ -69,7 +68,7 @@ class FloatField:
         return np.bool_(value)
 
     def cosine_sine(self, angle: Floats) -> tuple[Floats, Floats]:
-        """Of a joint that is given."""
+        """Cosine and sine of a given joint angle."""
         return np.cos(angle), np.sin(angle)
 
     def angle(self, cosine: Floats, sine: Floats) -> Floats:
@@ -208,22 +207,19 @@ class PrimeField:
         return Residue(self.prime, result)
 
 
-def quartic_roots(ascending: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
+def quartic_roots(ascending: Floats) -> list[tuple[Floats, Floats]]:
     """The roots of quartics as quotients t/w, found as eigenvalues of companion matrices and polished by Newton.
 
     Before, t is replaced by (t + k)/(1 - k t): the angle is counted from another zero, at which no root is near
     infinity.
     """
+
     # Of three zeros of the angle the one at which the leading coefficient is largest at the worst pose.
-    best = None
-    for k in (0.0, 0.577, -1.33):
-        moved = _turned_quartic(ascending, k)
+    def _leading(moved: Floats) -> float:
         lead = np.abs(moved[..., 4]) / np.maximum(np.abs(moved).max(axis=-1), 1e-300)
-        worst = float(np.min(lead)) if lead.size else 1.0
-        if best is None or worst > best[0]:
-            best = (worst, k, moved)
-    assert best is not None
-    _, k, moved = best
+        return float(lead.min(initial=1.0))
+
+    k, moved = max(((k, _turned_quartic(ascending, k)) for k in (0.0, 0.577, -1.33)), key=lambda way: _leading(way[1]))
     lead = np.where(moved[..., 4:] == 0, 1e-300, moved[..., 4:])
     # The companion matrix of the monic quartic: its eigenvalues are the roots.
     companion = np.zeros((*moved.shape[:-1], 4, 4), dtype=moved.dtype)
@@ -241,7 +237,7 @@ def quartic_roots(ascending: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
     return [(roots[..., i] + k, 1 - k * roots[..., i]) for i in range(4)]
 
 
-def _turned_quartic(ascending: npt.NDArray[Any], k: float) -> npt.NDArray[Any]:
+def _turned_quartic(ascending: Floats, k: float) -> Floats:
     """The quartic in t where the old unknown is (t + k)/(1 - k t)."""
     total = np.zeros_like(ascending)
     for j in range(5):

@@ -130,7 +130,7 @@ class GraphDerivation:
         steps, state = self.search.advance()
         found: list[tuple[tuple[int, int], int, Unknown, NodeFormula, State]] = []
         for (group, parts), numbers in self.search.pairs(state):
-            after = state.joined(group, *parts) if group >= 0 else State(state.groups, state.slides | {parts[0]})
+            after = state.joined(group, *parts)
             for unknown in self.domain.between(group, parts)[:1]:
                 for formula in self._eliminations(unknown, numbers, state):
                     # Fewest branches first, then fewest terms; the rest of the joints must follow one by one.
@@ -160,42 +160,28 @@ class GraphDerivation:
             if key in seen:
                 continue
             seen.add(key)
-            second = {
-                self.domain.owner(name)
-                for name in _names(p) - set(unknown.generators)
-                if not self.domain.is_known(name, state)
-            }
+            unfound = [name for name in _names(p) - set(unknown.generators) if not self.domain.is_known(name, state)]
+            second = set(map(self.domain.owner, unfound))
             if len(second) == 1 and None not in second:
                 alike.setdefault(next(iter(second)).generators, []).append((number, p))  # type: ignore[union-attr]
         places = [ring.index[name] for name in unknown.generators]
         for generators, rows in alike.items():
             for (i, p), (j, q) in combinations(rows[:_PAIRED], 2):
-                if len(generators) == 1:
-                    found = without_length(ring, generators[0], p, q)
-                else:
-                    found = without_angle(ring, generators, p, q)
+                is_slide = len(generators) == 1
+                found = without_length(ring, generators[0], p, q) if is_slide else without_angle(ring, generators, p, q)
                 if not found or len(found) > _LONGEST:
                     continue
                 terms = self._terms(found, places)
                 degree = max((sum(exponents) for exponents in terms), default=0)
-                if 1 <= degree <= 2 and all(
-                    self.domain.is_known(name, state) for p in terms.values() for name in _names(p)
-                ):
+                used = {name for p in terms.values() for name in _names(p)}
+                if 1 <= degree <= 2 and all(self.domain.is_known(name, state) for name in used):
                     kinds = (
                         (NodeKind.TYPE_2, NodeKind.CONIC) if unknown.is_angle else (NodeKind.TYPE_1, NodeKind.QUADRATIC)
                     )
-                    yield NodeFormula(kinds[degree - 1], (self._paired(terms, i, j),))
-
-    def _paired(self, terms: Mapping[Exponents, Polynomial], i: int, j: int) -> NodeEquation:
-        """An equation from two."""
-        sources = [
-            Provenance(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
-            for cut, entry in (self.evidence.equations[k] for k in (i, j))
-        ]
-        dimensions = [dimension(self.evidence.equations[k][1]) for k in (i, j)]
-        factor = _tidy_factor(terms)
-        tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
-        return NodeEquation(tidy, 2 * sum(dimensions), replace(sources[0], also=sources[1]), abs(factor))
+                    one, other = map(self._source, (i, j))
+                    power = 2 * (dimension(one.entry) + dimension(other.entry))
+                    equation = _tidied(terms, power, replace(one, also=other))
+                    yield NodeFormula(kinds[degree - 1], (equation,))
 
     def _terms(self, p: Polynomial, places: Sequence[int]) -> dict[Exponents, Polynomial]:
         """An equation by powers of its unknown, without what vanishes wherever the arm reaches."""
@@ -210,16 +196,13 @@ class GraphDerivation:
             self._append((self.domain.unknown(joint),), (NodeFormula(NodeKind.GIVEN),))
 
     def _follow(self, way: Sequence[SearchStep], state: State) -> State:
-        """Nodes for the steps of a way."""
         for step in way:
             formulas, unknown = self._formulas(step, state)
             self._append((unknown,), formulas)
-            joined = state.joined(step.group, *step.parts) if step.group >= 0 else None
-            state = joined or State(state.groups, state.slides | {step.parts[0]})
+            state = state.joined(step.group, *step.parts)
         return state
 
     def _ended(self, way: Sequence[SearchStep], state: State) -> SolutionGraph:
-        """The graph after its last steps."""
         self._follow(way, state)
         for joint in range(self.robot.n):
             self._ensure(self.domain.unknown(joint))
@@ -231,17 +214,14 @@ class GraphDerivation:
         if entries not in (POSE, POSITION):
             return None
         specimen = with_numbers(self.robot, self.numbers)
-        given = [self.domain.unknown(joint) for joint in self.given]
-        generators = [unknown.generators for unknown in given]
+        generators = [self.domain.unknown(joint).generators for joint in self.given]
         formula = general_formula(self.robot, specimen, self.given, generators, entries)
         if formula is None:
             return None
-        self.nodes.clear()
-        self.homes.clear()
-        for unknown in given:
-            self._append((unknown,), (NodeFormula(NodeKind.GIVEN),))
+        self._begin()
         free = tuple(map(self.domain.unknown, formula.order))
-        node = Node(len(given), free, (NodeFormula(NodeKind.GENERAL, payload=formula),), tuple(range(len(given))))
+        given = len(self.given)
+        node = Node(given, free, (NodeFormula(NodeKind.GENERAL, payload=formula),), tuple(range(given)))
         self.nodes.append(replace(node, branches=formula.branches))
         count = formula.solution.count
         return replace(self._finished(), count=count, complete=count > 0)
@@ -257,7 +237,7 @@ class GraphDerivation:
         homes = {name: (own.is_angle, index) for own, index in self.homes.items() for name in own.generators}
 
         def _length(row: tuple[Polynomial, Provenance]) -> tuple[int, int]:
-            """Terms and slides; and how late in the graph its joints are found."""
+            # Terms and slides; and how late in the graph its joints are found.
             found = [homes[name] for name in _names(row[0]) if name in homes]
             return len(row[0].raw) + sum(not turns for turns, _ in found), max((k for _, k in found), default=-1)
 
@@ -342,20 +322,13 @@ class GraphDerivation:
         # Of equally good choices the one that is shortest in exact polynomials, not only modulo a prime.
         alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
         written = [
-            (
-                self._cost(formula) + _LONG_SUM * len(unknown.joints),
-                _rank(formula, unknown),
-                k,
-                formula,
-                unknown,
-                choice,
-            )
-            for k, (choice, unknown) in enumerate(product(alike, self.domain.between(step.group, step.parts)))
+            (formula, unknown, choice)
+            for choice, unknown in product(alike, self.domain.between(step.group, step.parts))
             if (formula := self._formula(choice, state, unknown)) is not None
         ]
         if not written:
             raise CoincidenceError
-        *_, first, unknown, choice = min(written, key=lambda row: row[:3])
+        first, unknown, choice = min(written, key=lambda row: self._cost(*row[:2]))
         found = [first]
         if first.degenerate:
             for other in islice(self.search.others(step, choice, self.special), _ALTERNATIVES):
@@ -367,40 +340,36 @@ class GraphDerivation:
     def _formula(self, choice: Choice, state: State, unknown: Unknown) -> NodeFormula | None:
         """A choice in exact polynomials; None where it needs what is not known after all."""
         equations = [self.equation(k, state, unknown) for k in choice.equations]
-        if any(equation is None for equation in equations):
-            return None
-        return NodeFormula(choice.kind, tuple(equation for equation in equations if equation is not None))
+        known = tuple(equation for equation in equations if equation is not None)
+        return NodeFormula(choice.kind, known) if len(known) == len(equations) else None
 
     def _equation(self, number: int, state: State, unknown: Unknown) -> NodeEquation | None:
-        cut, entry = self.evidence.equations[number]
         p = self.domain.rewritten(self.polynomial(number), state, unknown)
         terms = self._terms(p, [self.domain.ring.index[name] for name in unknown.generators])
         used = {name for coefficient in terms.values() for name in _names(coefficient)}
         known = all(self.domain.is_known(name, state) for name in used)
         if not known or not any(any(exponents) for exponents in terms):
             return None
-        source = Provenance(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
-        factor = _tidy_factor(terms)
-        tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
-        return NodeEquation(tidy, dimension(entry), source, abs(factor))
+        source = self._source(number)
+        return _tidied(terms, dimension(source.entry), source)
+
+    def _source(self, number: int) -> Provenance:
+        cut, entry = self.evidence.equations[number]
+        return Provenance(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
 
     def _polynomial(self, number: int) -> Polynomial:
         cut, entry = self.evidence.equations[number]
         inside, around = self.pool.sides(cut)
         return inside.entry(entry) - around.entry(entry)
 
-    def _cost(self, formula: NodeFormula) -> int:
-        """Operations of the coefficients, and of sums of angles that have no node yet."""
+    def _cost(self, formula: NodeFormula, unknown: Unknown) -> tuple[int, int, int]:
+        """Operations, also of sums of angles without a node; then few joints; then positions, which seldom fail."""
         operations = sum(_operations(horner(p)) for e in formula.equations for p in e.terms.values())
         used = _names_of_formula(formula)
         missing = {u for u in self.domain.unknowns() if u not in self.homes and used & set(u.generators)}
         mixed = len({(e.source.first, e.source.last, e.source.entry[0], e.dimension) for e in formula.equations}) - 1
-        return operations + 6 * len(missing) + 6 * mixed
-
-
-def _rank(formula: NodeFormula, unknown: Unknown) -> tuple[int, int]:
-    """Which of equally long formulas is the better one: of few joints; of the position, which seldom fails."""
-    return len(unknown.joints), sum(equation.dimension == 0 for equation in formula.equations)
+        length = operations + 6 * len(missing) + 6 * mixed + _LONG_SUM * len(unknown.joints)
+        return length, len(unknown.joints), sum(equation.dimension == 0 for equation in formula.equations)
 
 
 def _operations(plan: Plan) -> int:
@@ -410,12 +379,14 @@ def _operations(plan: Plan) -> int:
     return (quotient not in (1, -1)) + _operations(quotient) + (rest != 0) + _operations(rest)
 
 
-def _tidy_factor(terms: Mapping[Exponents, Polynomial]) -> Fraction:
-    """What makes the numbers of an equation whole and most coefficients of its unknown positive."""
+def _tidied(terms: Mapping[Exponents, Polynomial], power: int, source: Provenance) -> NodeEquation:
+    """An equation of a power of length, its numbers whole and most coefficients of its unknown positive."""
     numbers = [coefficient for p in terms.values() for _, coefficient in p.terms()]
     common = Fraction(gcd(*(x.numerator for x in numbers)), lcm(*(x.denominator for x in numbers)))
     signs = [1 if coefficient > 0 else -1 for e, p in terms.items() if any(e) for _, coefficient in p.terms()]
-    return 1 / common if sum(signs) >= 0 else -1 / common
+    factor = 1 / common if sum(signs) >= 0 else -1 / common
+    tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
+    return NodeEquation(tidy, power, source, abs(factor))
 
 
 def _names(p: Polynomial) -> set[str]:

@@ -17,7 +17,7 @@ from derive.robot.expression import Expression
 from derive.robot.options.inverse import FREEDOMS, ROWS, Task
 from derive.robot.robot import Robot
 
-SPECIAL = 4  # solutions that stand alone at special poses of arms with few joints, where a generic pose has one or two
+SPECIAL = 4  # isolated solutions at special poses of arms with few joints, where a generic pose has one or two
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,7 @@ class Node:
 
     index: int  # its place in the graph
     unknowns: tuple[Unknown, ...]  # what it solves for; more than one for general nodes alone
-    # The chosen one first, then others of equal meaning for poses where its leading coefficients vanish.
-    formulas: tuple[NodeFormula, ...]
+    formulas: tuple[NodeFormula, ...]  # the chosen one, then others for poses where its leading coefficients vanish
     needs: tuple[int, ...] = ()  # indices of the nodes whose unknowns occur in its formulas
     branches: int = 1  # how many values it has at most for one combination of values of what it needs
 
@@ -47,8 +46,7 @@ class SolutionGraph:
     """How the joints of one arm follow from the pose."""
 
     robot: Robot  # the arm
-    # The ring of all polynomials: pose, parameters, and cosines, sines and lengths of the unknowns.
-    domain: InverseDomain
+    domain: InverseDomain  # the ring of all polynomials: pose, parameters, cosines, sines and lengths of unknowns
     task: Task  # which numbers of the pose are wanted, rows of `ROWS`
     given: tuple[int, ...]  # indices of the joints that are arguments
     # Generators of the pose that are computed before any node, in order: name -> polynomial of the entries of T and
@@ -56,19 +54,14 @@ class SolutionGraph:
     definitions: tuple[tuple[str, Polynomial], ...]
     square_reach: Polynomial  # the sum of the squares of all lengths of table and pose: the scale of what is zero
     nodes: tuple[Node, ...]  # in an order in which each needs only nodes before it
-    # What is subtracted from the unknown of a joint to have its variable: a constant angle or length.
-    shifts: tuple[Expression, ...]
-    # Polynomials of pose (and of nodes) that vanish at every reachable pose, for fewer than six joints.
-    conditions: tuple[NodeEquation, ...] = ()
+    shifts: tuple[Expression, ...]  # the constant angle or length by which each joint's unknown exceeds its variable
+    conditions: tuple[NodeEquation, ...] = ()  # what holds at every reachable pose of fewer than six joints
     count: int = 0  # number of complex solutions of a generic reachable pose; 0 where it is not known
     complete: bool = False  # whether that number is certain
-    # Whether it is certain, too, that no pose has more of them that stand alone (`solve.Freedom.fills`).
-    everywhere: bool = False
+    everywhere: bool = False  # whether no pose has more isolated ones, for certain (`solve.Freedom.fills`)
     why_not: str = ""  # why there is no closed form; empty where there is one
-    # Whether the last matrix of the equations ends at the end effector, whose orientation is not told.
-    to_end: bool = False
-    # Whether the first one begins in the world, for a task that tells some rows of a turned base.
-    from_base: bool = False
+    to_end: bool = False  # whether the last matrix ends at the end effector, whose orientation is not told
+    from_base: bool = False  # whether the first one begins in the world, for some rows of a turned base
 
     @property
     def is_closed(self) -> bool:

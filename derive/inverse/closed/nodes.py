@@ -69,8 +69,7 @@ class Provenance:
     entry: str  # which entry or invariant of both sides
     outer_left: bool = False  # whether M begins behind the offset of its first joint
     outer_right: bool = False  # whether M ends before the offset of its last joint
-    # Another equation, with which an unknown was eliminated from this one (`derive.inverse.closed.pairs`).
-    also: Provenance | None = None
+    also: Provenance | None = None  # another equation, with which an unknown was eliminated (`pairs`)
 
 
 @dataclass(frozen=True)
@@ -80,9 +79,7 @@ class NodeEquation:
     terms: Mapping[Exponents, Polynomial]  # exponents of the unknown -> coefficient, none of them the zero polynomial
     dimension: int  # the power of length that it has: 0 for entries of rotations, 1 for positions, 2 for squares
     source: Provenance  # where it comes from
-    # What it is multiplied by, against the entries that it comes from: the size of its coefficients, with lengths
-    # counted by the reach of the arm.
-    size: Fraction = Fraction(1)
+    size: Fraction = Fraction(1)  # of its coefficients against those it comes from, lengths in parts of the reach
 
     def coefficient(self, *exponents: int) -> Polynomial:
         """The coefficient of a power of the unknown, zero where it does not occur."""

@@ -20,11 +20,7 @@ from derive.algebra.ring import Polynomial, Ring
 
 
 def without_angle(ring: Ring, generators: tuple[str, ...], p: Polynomial, q: Polynomial) -> Polynomial | None:
-    """What follows from two equations when an angle is eliminated.
-
-    Returns:
-        A polynomial without the angle that is zero; None where one of them is not of the first degree in it.
-    """
+    """What follows from two equations when an angle is eliminated; None where one is not of the first degree in it."""
     places = [ring.index[name] for name in generators]
     first, second = (ring.coefficients(each, places) for each in (p, q))
     if not {*first, *second} <= {(1, 0), (0, 1), (0, 0)}:
@@ -40,11 +36,7 @@ def without_angle(ring: Ring, generators: tuple[str, ...], p: Polynomial, q: Pol
 
 
 def without_length(ring: Ring, generator: str, p: Polynomial, q: Polynomial) -> Polynomial | None:
-    """What follows from two equations when a slide is eliminated.
-
-    Returns:
-        A polynomial without the slide that is zero; None where one of them is not of the first degree in it.
-    """
+    """What follows from two equations when a slide is eliminated; None where one is not of the first degree in it."""
     place = [ring.index[generator]]
     first, second = (ring.coefficients(each, place) for each in (p, q))
     if not {*first, *second} <= {(1,), (0,)}:

@@ -56,7 +56,7 @@ class Atoms(Generic[S]):
     reflection: Matrix[S] | None = None  # k, likewise
 
     def moved_after(self, a: Vector[S]) -> Atoms[S]:
-        """Of W Trans(a)."""
+        """The atoms of W Trans(a)."""
         r, p, u, m, k = self.rotation, self.position, self.back, self.moment, self.reflection
         length = dot(a, a)
         square = self.square + 2 * dot(u, a) + length
@@ -68,45 +68,40 @@ class Atoms(Generic[S]):
         k = add_matrices(add_matrices(k, _scaled(-2, sums)), _scaled(length, r))
         return Atoms(r, add(p, ra), add(u, a), square, add_matrices(m, matmul(r, cross)), k)
 
+    @property
+    def inverse(self) -> Atoms[S]:
+        """The atoms of W^-1: R^T, -u, -p, p.p, m^T and k^T."""
+        m, k = (None if x is None else transpose(x) for x in (self.moment, self.reflection))
+        return Atoms(transpose(self.rotation), scale(-1, self.back), scale(-1, self.position), self.square, m, k)
+
     def moved_before(self, a: Vector[S]) -> Atoms[S]:
-        """Of Trans(a) W."""
-        r, p, u, m, k = self.rotation, self.position, self.back, self.moment, self.reflection
-        length = dot(a, a)
-        square = self.square + 2 * dot(p, a) + length
-        ra = multiply(transpose(r), a)
-        if m is None or k is None:
-            return Atoms(r, add(p, a), add(u, ra), square)
-        cross = hat(a, length - length)
-        sums = add_matrices(matmul(cross, m), outer(a, add(u, ra)))
-        k = add_matrices(add_matrices(k, _scaled(-2, sums)), _scaled(length, r))
-        return Atoms(r, add(p, a), add(u, ra), square, add_matrices(m, matmul(cross, r)), k)
+        """The atoms of Trans(a) W = (W^-1 Trans(-a))^-1."""
+        return self.inverse.moved_after(scale(-1, a)).inverse
 
     def turned_after(self, q: Matrix[S]) -> Atoms[S]:
-        """Of W Q."""
+        """The atoms of W Q, with Q a rotation."""
         moment, reflection = (None if m is None else matmul(m, q) for m in (self.moment, self.reflection))
         back = multiply(transpose(q), self.back)
         return Atoms(matmul(self.rotation, q), self.position, back, self.square, moment, reflection)
 
     def turned_before(self, q: Matrix[S]) -> Atoms[S]:
-        """Of Q W."""
-        moment, reflection = (None if m is None else matmul(q, m) for m in (self.moment, self.reflection))
-        position = multiply(q, self.position)
-        return Atoms(matmul(q, self.rotation), position, self.back, self.square, moment, reflection)
+        """The atoms of Q W = (W^-1 Q^T)^-1, with Q a rotation."""
+        return self.inverse.turned_after(transpose(q)).inverse
 
     def after(self, frame: Frame[S]) -> Atoms[S]:
-        """Of W times a frame."""
+        """The atoms of W F, with F a frame."""
         return self.moved_after(frame.position).turned_after(frame.rotation)
 
     def without_before(self, frame: Frame[S]) -> Atoms[S]:
-        """Of the inverse of a frame times W."""
+        """The atoms of F^-1 W, with F a frame."""
         return self.moved_before(scale(-1, frame.position)).turned_before(transpose(frame.rotation))
 
     def without_after(self, frame: Frame[S]) -> Atoms[S]:
-        """Of W times the inverse of a frame."""
+        """The atoms of W F^-1, with F a frame."""
         return self.turned_after(transpose(frame.rotation)).moved_after(scale(-1, frame.position))
 
     def mapped(self, change: Callable[[S], S]) -> Atoms[S]:
-        """With every number changed."""
+        """The atoms with a function applied to every number."""
 
         def _vector(v: Vector[S]) -> Vector[S]:
             return (change(v[0]), change(v[1]), change(v[2]))
@@ -158,20 +153,15 @@ class Cut:
 
     first: int  # the first joint of M, from 0
     last: int  # its last joint
-    # Whether M begins after the offset of its first joint, which then belongs to what is around it.
-    outer_left: bool = False
+    outer_left: bool = False  # whether M begins after the offset of its first joint, which then lies around it
     outer_right: bool = False  # whether M ends before the offset of its last joint
 
 
 class Links(Generic[S]):
     """The constant frames between the joint motions, and the motions.
 
-    Attributes:
-        base: What lies before the first joint motion, where M does not begin with it.
-        start: The same where it does, else None.
-        tool: What lies after the last one.
-        twists: What lies before each joint's own motion, after the offset of the joint before it.
-        offsets: What lies along (about) the axis of each joint.
+    `base` lies before the first motion, `start` is the same where M begins with it, `tool` lies after the last one;
+    `twists` lie before each joint's motion, after the offset of the joint before; `offsets` along or about its axis.
     """
 
     def __init__(
@@ -209,33 +199,23 @@ class Links(Generic[S]):
                 right = [False, True] if size and along[last] and last < self.n - 1 else [False]
                 yield from (Cut(first, last, a, b) for a in left for b in right)
 
-    def moved(self, atoms: Atoms[S], joint: int, start: int) -> Atoms[S]:
-        """W times the motion of a joint."""
+    def moved(self, atoms: Atoms[S], joint: int, start: int, sign: int = 1) -> Atoms[S]:
+        """W times the motion of a joint, or its inverse."""
         numbers = self.motion(joint, start)
         if len(numbers) == 1:
-            return atoms.moved_after((self.zero, self.zero, numbers[0]))
-        return atoms.turned_after(_about_z(numbers[0], numbers[1], self.zero, self.one))
+            return atoms.moved_after((self.zero, self.zero, sign * numbers[0]))
+        return atoms.turned_after(_about_z(numbers[0], sign * numbers[1], self.zero, self.one))
 
     def before(self, atoms: Atoms[S], joint: int) -> Atoms[S]:
         """What is right of a joint and of its offset, (.. Z_joint D_joint K)^-1 W."""
         if joint == 0 and self.start is not None:
             atoms = atoms.without_before(self.start)
-        numbers = self.motion(joint, 0)
-        if len(numbers) == 1:
-            atoms = atoms.moved_before((self.zero, self.zero, -numbers[0]))
-        else:
-            atoms = atoms.turned_before(_about_z(numbers[0], -numbers[1], self.zero, self.one))
+        atoms = self.moved(atoms.inverse, joint, 0).inverse
         return atoms.without_before(self.offsets[joint]).without_before(self.twists[joint + 1])
 
     def after(self, atoms: Atoms[S], joint: int) -> Atoms[S]:
         """What is left of a joint, W (K Z_joint D_joint ..)^-1."""
-        numbers = self.motion(joint, -1)
-        atoms = atoms.without_after(self.offsets[joint])
-        if len(numbers) == 1:
-            atoms = atoms.moved_after((self.zero, self.zero, -numbers[0]))
-        else:
-            atoms = atoms.turned_after(_about_z(numbers[0], -numbers[1], self.zero, self.one))
-        return atoms.without_after(self.twists[joint])
+        return self.moved(atoms.without_after(self.offsets[joint]), joint, -1, -1).without_after(self.twists[joint])
 
 
 class Pool(Generic[S]):

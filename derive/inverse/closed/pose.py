@@ -17,10 +17,8 @@ from derive.robot.expression import Expression
 class Pose:
     """The pose in exact polynomials: entries that are always zero, one or equal are not told apart.
 
-    Attributes:
-        atoms: W and its invariants.
-        definitions: Generator -> polynomial of the entries of T and of those defined before.
-        constant: By entries of the position within the arm, what vanishes since they are a number or another entry.
+    `atoms` are W and its invariants; `definitions` by generator polynomials of T and of those defined before;
+    `constant` what vanishes, by entries of the position within the arm that are a number or another entry.
     """
 
     def __init__(
@@ -77,14 +75,15 @@ class Pose:
         for number in (0, 1, -1):
             if np.all(residues == number % p):
                 return ring.number(number)
-        power, told = _power(name), name[0] == "T" or self._evidence.is_told(name)
+        power = int(name.endswith(",4]")) if name[0] in "TW" else dimension(name)  # of length
+        told = name[0] == "T" or self._evidence.is_told(name)
         for own_power, own_told, known, polynomial in self._known:
             if own_power == power and (own_told or not told):
                 if np.all(residues == known):
                     return polynomial
                 if np.all(residues == (p - np.array(known)) % p):
                     return -polynomial
-        if value is None or not _is_short(value):
+        if value is None or not is_plain(value):
             if value is not None:
                 self.definitions[name] = value
             value = ring.generator(name)
@@ -92,17 +91,9 @@ class Pose:
         return value
 
 
-def _power(name: str) -> int:
-    """The power of length that an entry of T or W or an invariant has."""
-    return int(name.endswith(",4]")) if name[0] in "TW" else dimension(name)
-
-
-def _is_short(p: Polynomial) -> bool:
+def is_plain(p: Polynomial) -> bool:
     """Whether a polynomial is a number, or plus or minus one generator."""
-    if p.is_constant:
-        return True
-    (exponents, coefficient), *others = p.terms()
-    return not others and sum(exponents) == 1 and abs(coefficient) == 1
+    return p.is_constant or (len(p) == 1 and sum(p.degrees()) == 1 and abs(next(iter(p.terms()))[1]) == 1)
 
 
 def _as_matrix(rows: Sequence[Sequence[Polynomial]]) -> Matrix[Polynomial]:

@@ -72,11 +72,7 @@ class Search:
         self._depends = {change: effect.depends for change, effect in evidence.effects.items()}
 
     def way(self, start: State | None = None) -> list[SearchStep] | None:
-        """The steps of the best way; None where one-joint steps do not lead to the end.
-
-        Args:
-            start: What is known already; None for the joints that are given.
-        """
+        """The steps of the best way from what is known (by default the given joints); None where there is none."""
         # Dijkstra's shortest path over states: costs are (quartics, logarithm of branches, kinds), then base to tip.
         heap: list[tuple[tuple[int, ...], tuple[tuple[int, ...], ...], int, int, State, list[SearchStep]]] = []
         serial = 0
@@ -101,45 +97,46 @@ class Search:
 
     def advance(self) -> tuple[list[SearchStep], State]:
         """Steps as far as one-joint steps lead, and what is known then."""
-        state, steps, moved = self.start, list[SearchStep](), True
-        while moved:
-            moved = False
-            for step, after in sorted(self.steps(state), key=lambda pair: (pair[0].best.cost, self._place(pair[0])))[
-                :1
-            ]:
-                state, moved = after, True
-                steps.append(step)
+        state, steps = self.start, list[SearchStep]()
+        while found := min(self.steps(state), key=lambda pair: (pair[0].best.cost, self._place(pair[0])), default=None):
+            steps.append(found[0])
+            state = found[1]
         return steps, state
 
     def pairs(self, state: State) -> Iterator[tuple[tuple[int, tuple[int, int]], list[int]]]:
         """Each unknown with the equations in which it and one other unknown occur, short ones first."""
-        moved, unknown = self._unknowns(state)
-        usable = (unknown == 2) & self.evidence.allowed
-        for (g, a, one), (h, b, other) in combinations(moved, 2):
-            if g == h >= 0:
-                found = np.flatnonzero(usable & one & other)
-                yield (g, (a, b)), [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
-        for g, joint, vector in moved:
-            if g < 0:
-                found = np.flatnonzero(usable & vector)
-                yield (g, (joint, joint)), [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
+        for group, parts, found in self._targets(state, 2):
+            yield (group, parts), self._shortest_first(found)
 
-    def _unknowns(self, state: State) -> tuple[list[tuple[int, int, Array]], Array]:
-        """Parts of groups and slides with the equations that change with them, and how much each leaves unknown."""
+    def steps(self, state: State) -> Iterator[tuple[SearchStep, State]]:
+        """What can be found next."""
+        for group, parts, found in self._targets(state, 1):
+            step = self._step(group, parts, found) if found.size else None
+            if step:
+                yield step, state.joined(group, *parts)
+
+    def _targets(self, state: State, unknowns: int) -> Iterator[tuple[int, tuple[int, int], Array]]:
+        """Angles between parts of groups, then slides, with the equations that leave just so many unknowns."""
         unknown = np.zeros(len(self.evidence.equations), dtype=np.int64)
-        moved: list[tuple[int, int, Array]] = []
+        turning: list[tuple[int, int, Array]] = []
         for g, parts in enumerate(state.groups):
             if len(parts) > 1:
                 own = [self.depends(g, part) for part in parts]
-                # Angles between parts count: an equation that changes with k parts of a group has k - 1 of them.
-                count = sum(vector.astype(np.int64) for vector in own)
-                unknown += np.maximum(count - 1, 0)
-                moved += [(g, part, vector) for part, vector in zip(parts, own, strict=True)]
-        for joint in sorted(self._slides - state.slides):
-            vector = self._depends[Change(-1, joint)]
+                # An equation that changes with k parts of a group holds k - 1 angles between them.
+                unknown += np.maximum(sum(vector.astype(np.int64) for vector in own) - 1, 0)
+                turning += [(g, part, vector) for part, vector in zip(parts, own, strict=True)]
+        slides = [(joint, self._depends[Change(-1, joint)]) for joint in sorted(self._slides - state.slides)]
+        for _, vector in slides:
             unknown += vector
-            moved.append((-1, joint, vector))
-        return moved, unknown
+        usable = (unknown == unknowns) & self.evidence.allowed
+        for (g, a, one), (h, b, other) in combinations(turning, 2):
+            if g == h:
+                yield g, (a, b), np.flatnonzero(usable & one & other)
+        for joint, vector in slides:
+            yield -1, (joint, joint), np.flatnonzero(usable & vector)
+
+    def _shortest_first(self, equations: Array) -> list[int]:
+        return [int(k) for k in equations[np.argsort(self.lengths[equations], kind="stable")]]
 
     def _place(self, step: SearchStep) -> tuple[int, ...]:
         """Where a step stands from base to tip: its first joint, then how many it spans."""
@@ -148,24 +145,6 @@ class Search:
         group = self.evidence.domain.groups[step.group]
         a, b = ((part & -part).bit_length() - 1 for part in step.parts)
         return (group[min(a, b)], max(a, b) - min(a, b))
-
-    def steps(self, state: State) -> Iterator[tuple[SearchStep, State]]:
-        """What can be found next."""
-        moved, unknown = self._unknowns(state)
-        # An equation between two parts and with nothing else unknown determines the angle between them.
-        usable = (unknown == 1) & self.evidence.allowed
-        for (g, a, one), (h, b, other) in combinations(moved, 2):
-            if g == h >= 0:
-                found = np.flatnonzero(usable & one & other)
-                step = self._step(g, (a, b), found) if found.size else None
-                if step:
-                    yield step, state.joined(g, a, b)
-        for g, joint, vector in moved:
-            if g < 0:
-                found = np.flatnonzero(usable & vector)
-                step = self._step(-1, (joint, joint), found) if found.size else None
-                if step:
-                    yield step, State(state.groups, state.slides | {joint})
 
     def depends(self, group: int, part: int) -> Array:
         """Which equations change when some links of a group turn."""
@@ -249,7 +228,7 @@ class Search:
     def _step(self, group: int, parts: tuple[int, int], found: Array) -> SearchStep | None:
         """The ways to find one unknown from some equations, None where there are none."""
         effect = self.evidence.effects[self.change(group, parts[1])]
-        order = [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
+        order = self._shortest_first(found)
         degrees = effect.degrees
         linear = [k for k in order if degrees[k] == 1]
         choices = self._lengths(effect.coefficients, order, degrees) if group < 0 else []
@@ -266,7 +245,6 @@ class Search:
         return SearchStep(group, parts, tuple(choices), tuple(order))
 
     def _lengths(self, coefficients: Array, order: Sequence[int], degrees: Array) -> list[Choice]:
-        """Ways to find a slide: without a division where there is one."""
         constant = [k for k in order if degrees[k] == 1 and self._constant(coefficients[k, :, 1])][:CONSIDERED]
         choices = [Choice(NodeKind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
         for k in order[:CONSIDERED]:
@@ -299,7 +277,9 @@ class Search:
         products = cosines[:, None] * sines[None] % p
         # A E - B D of every pair, for each pose.
         determinants = (products - products.transpose(1, 0, 2)) % p
-        cuts = np.array([self._cuts[k] for k in linear])
+        known: dict[object, int] = {}  # numbers of the cuts and kinds of entry
+        own = (self.evidence.equations[k] for k in linear)
+        cuts = np.array([known.setdefault((cut, entry[0], "." in entry), len(known)) for cut, entry in own])
         length = self.lengths[numbers][:, None] + self.lengths[numbers][None] + UNLIKE * (cuts[:, None] != cuts[None])
         # A D + B E = 0 with A^2 + B^2 = D^2 + E^2: the second is the first turned by a right angle.
         inner = (cosines[:, None] * cosines[None] % p + sines[:, None] * sines[None] % p) % p
@@ -314,12 +294,6 @@ class Search:
                 i, j = rows[k], columns[k]
                 choices.append(Choice(NodeKind.TYPE_3, (linear[i], linear[j]), (rank, int(length[i, j]))))
         return choices
-
-    @cached_property
-    def _cuts(self) -> list[int]:
-        """For each equation a number of its cut and its kind of entry."""
-        known: dict[object, int] = {}
-        return [known.setdefault((cut, entry[0], "." in entry), len(known)) for cut, entry in self.evidence.equations]
 
     @staticmethod
     def _constant(values: Array) -> bool:

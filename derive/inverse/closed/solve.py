@@ -10,14 +10,14 @@ from itertools import combinations
 
 import numpy as np
 
-from derive.algebra.residues import Residue, ResidueDomain, echelon
+from derive.algebra.residues import ResidueDomain, echelon
 from derive.errors import QuantityError, listed
 from derive.inverse.closed.completeness import counted
 from derive.inverse.closed.formulas import CoincidenceError, GraphDerivation
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.pool import Links, Pool, identity_atoms
 from derive.inverse.closed.unknowns import InverseDomain, baked, shifted, with_numbers
-from derive.mechanics.chain import ChainJoint, build_chain
+from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.vectors import column, cross
 from derive.robot.options.inverse import FREEDOMS, ROWS, TASKS, InverseOptions, Task
@@ -49,7 +49,6 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
 
 @lru_cache(_KEPT)
 def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> SolutionGraph:
-    """The graph of an arm by formulas, if it has one."""
     freedom = Freedom(robot, task)
     if not freedom.rank:
         rows = [row for row in ROWS if row not in task and Freedom(robot, (row,)).rank]
@@ -125,11 +124,9 @@ class Freedom:
         self._wanted = sum(FREEDOMS.get(row, 1) for row in task)
         self._twists = [[int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in v] for v in columns]
         self.rank = self._rank(range(robot.n))
-        links = Links(self.robot, residues, lambda k, _: self._motion(chain.joints[k]))
+        motions = [(joint.cosine, joint.sine) if joint.revolute else (joint.offset,) for joint in chain.joints]
+        links = Links(self.robot, residues, lambda k, _: motions[k])
         self._pool = Pool(links, identity_atoms(links, deep=False))
-
-    def _motion(self, joint: ChainJoint[Residue]) -> tuple[Residue, ...]:
-        return (joint.cosine, joint.sine) if joint.revolute else (joint.offset,)
 
     def _rank(self, joints: Iterable[int]) -> int:
         return len(echelon(self._table[:, list(joints)], self._prime)[0])
@@ -148,12 +145,12 @@ class Freedom:
         )
 
     def fills(self, given: Sequence[int]) -> bool:
-        """Whether no pose has more solutions that stand alone than a generic one, as far as that is proven."""
+        """Whether no pose has more isolated solutions than a generic one, as far as that is proven."""
         twists = [own for k, own in enumerate(self._twists) if k not in given]
         return len(twists) == self._wanted or (self._wanted == 6 and self._stand_alone(twists))
 
     def _stand_alone(self, twists: Sequence[Sequence[int]]) -> bool:
-        """Whether poses of joints with these twists have nowhere more solutions that stand alone."""
+        """Whether no pose of joints with these twists has more isolated solutions than a generic one."""
         # So it is where the joints map onto a smooth variety of their own dimension, by Zariski's main theorem
         # (Hartshorne, Algebraic Geometry, III.11.4): onto a group of motions, whose Lie algebra the twists generate; of
         # two joints, whose motions are equal at rest alone; and where the first or last joint has one value at each
@@ -180,7 +177,7 @@ class Freedom:
         return list(echelon(np.array(twists, dtype=np.int64), self._prime)[1].tolist())
 
     def _bracket(self, a: Sequence[int], b: Sequence[int]) -> list[int]:
-        """Of two twists: velocities of a point, then angular velocities."""
+        """The Lie bracket of two twists, velocities of a point before angular velocities."""
         (va, wa), (vb, wb) = (((x[0], x[1], x[2]), (x[3], x[4], x[5])) for x in (a, b))
         moved = (x - y for x, y in zip(cross(wa, vb), cross(wb, va), strict=True))
         return [x % self._prime for x in (*moved, *cross(wa, wb))]

@@ -54,7 +54,9 @@ class State:
         return all(len(parts) == 1 for parts in self.groups)
 
     def joined(self, group: int, a: int, b: int) -> State:
-        """With the angle between two parts of a group."""
+        """With the angle between two parts of a group; with slide a where there is no group."""
+        if group < 0:
+            return State(self.groups, self.slides | {a})
         rest = [part for part in self.groups[group] if part not in (a, b)]
         parts = tuple(sorted([*rest, a | b], key=lambda part: part & -part))
         return State((*self.groups[:group], parts, *self.groups[group + 1 :]), self.slides)
@@ -76,10 +78,9 @@ class InverseDomain(PolynomialDomain):
                 if v - u > 1:
                     members = group[u:v]
                     key = "+".join(self.robot.joints[m].variable for m in members)
-                    sine, cosine = f"sin {key}", f"cos {key}"
                     argument = self.angle_sum(members)
-                    yield Generator(Kind.SINE, sine, argument, -1, cosine)
-                    yield Generator(Kind.COSINE, cosine, argument, -1, sine)
+                    yield Generator(Kind.SINE, f"sin {key}", argument, -1, f"cos {key}")
+                    yield Generator(Kind.COSINE, f"cos {key}", argument, -1, f"sin {key}")
         yield from super()._needed_generators(rates)
         names = [f"{pose}{entry}" for pose in "WT" for entry in ENTRIES]
         yield from (Generator(Kind.PARAMETER, name, Name(name)) for name in [*INVARIANTS, *names])
@@ -150,12 +151,10 @@ class InverseDomain(PolynomialDomain):
 
     def sense(self, unknown: Unknown, forwards: bool) -> int:
         """Whether phi_v - phi_u is the angle or its negative."""
-        direction = self.directions[unknown.joints[0]]
-        return direction if forwards else -direction
+        return self.directions[unknown.joints[0]] * (1 if forwards else -1)
 
     @cached_property
     def _angle_places(self) -> Mapping[str, tuple[int, int, int]]:
-        """The group and the links of each cosine and sine."""
         angles = [unknown for unknown in self.unknowns() if unknown.is_angle]
         return {name: self.ends(unknown) for unknown in angles for name in unknown.generators}
 
@@ -195,7 +194,6 @@ class InverseDomain(PolynomialDomain):
 
 
 def _lowest(part: int) -> int:
-    """The first link of a set."""
     return (part & -part).bit_length() - 1
 
 
@@ -232,11 +230,10 @@ def with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     def _cell(e: Expression) -> Expression:
         return substitute(e, numbers)
 
-    def _joint(joint: Joint) -> Joint:
-        return replace(joint, theta=_cell(joint.theta), d=_cell(joint.d), a=_cell(joint.a), alpha=_cell(joint.alpha))
-
     base, tool = (tuple(tuple(map(_cell, row)) for row in matrix) for matrix in (robot.base, robot.tool))
-    joints = tuple(map(_joint, robot.joints))
+    joints = tuple(
+        replace(j, theta=_cell(j.theta), d=_cell(j.d), a=_cell(j.a), alpha=_cell(j.alpha)) for j in robot.joints
+    )
     return replace(robot, joints=joints, base=base, tool=tool, links=(), gravity=None)
 
 

@@ -36,7 +36,7 @@ class Value(Generic[N, M]):
     exists: M  # whether the branch exists
     free: M  # whether no equation determines the unknown at this pose
     boundary: M  # whether two branches coincide
-    ill: M  # whether many of its digits are rounding
+    ill: M  # whether it is ill-conditioned
     doubt: M  # whether rounding decides if it exists, or the nodes after it
 
 
@@ -45,8 +45,7 @@ class Leaf(Generic[N, M]):
     """One solution."""
 
     branches: tuple[int, ...]  # the branch taken at each of the graph's `choices`
-    # For each joint cosine and sine, or the length, of its unknown: of its variable plus its shift.
-    joints: tuple[tuple[N, ...], ...]
+    joints: tuple[tuple[N, ...], ...]  # of each joint's variable plus its shift: cosine and sine, or length
     exists: M  # whether all its nodes exist
     free: tuple[M, ...]  # for each joint whether its node was not determined
     boundary: M  # whether some branches coincide
@@ -55,11 +54,7 @@ class Leaf(Generic[N, M]):
 
 
 class GraphWalk(Generic[N, M]):
-    """One walk over a graph.
-
-    Args:
-        near: Values of the joint variables for joints that no equation determines; None for zero.
-    """
+    """One walk over a graph; joints that no equation determines have values ``near``, zero where there are none."""
 
     def __init__(
         self,
@@ -77,11 +72,16 @@ class GraphWalk(Generic[N, M]):
 
     def leaves(self) -> Iterator[Leaf[N, M]]:
         """Every combination of branches, in order; last those that only formulas for special poses have."""
-        self._start()
+        for i, row in enumerate(self.pose[:3], start=1):
+            self.known.update({f"T[{i},{j}]": value for j, value in enumerate(row, start=1)})
+        for name, polynomial in self.graph.definitions:
+            self.known[name] = self.evaluate(polynomial, self.known)
+        self.reach = self.field.sqrt(self.evaluate(self.graph.square_reach, self.known))
         for node in self.graph.nodes:
             self._visit(node)
         graph, homes = self.graph, [self.graph.joint_node(i) for i in range(self.graph.robot.n)]
         # Branches that only formulas for special poses have come last.
+        places = [[u.joints for u in home.unknowns].index((i,)) for i, home in enumerate(homes)]
         usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
         every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
         for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):
@@ -93,7 +93,7 @@ class GraphWalk(Generic[N, M]):
             for value in values:
                 exists, boundary = exists & value.exists, boundary | value.boundary
                 ill, doubt = ill | value.ill, doubt | value.doubt
-            joints = tuple(self._numbers(home, (i,), chosen) for i, home in enumerate(homes))
+            joints = tuple(values[home.index].numbers[k] for home, k in zip(homes, places, strict=True))
             free = tuple(values[home.index].free for home in homes)
             yield Leaf(branches, joints, exists, free, boundary, ill, doubt)
 
@@ -115,14 +115,6 @@ class GraphWalk(Generic[N, M]):
 
     # -- the walk
 
-    def _start(self) -> None:
-        """Numbers of the pose, and the arm's reach."""
-        for i, row in enumerate(self.pose[:3], start=1):
-            self.known.update({f"T[{i},{j}]": value for j, value in enumerate(row, start=1)})
-        for name, polynomial in self.graph.definitions:
-            self.known[name] = self.evaluate(polynomial, self.known)
-        self.reach = self.field.sqrt(self.evaluate(self.graph.square_reach, self.known))
-
     def _visit(self, node: Node) -> None:
         axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
         table: dict[tuple[int, ...], list[Value[N, M]]] = {}
@@ -130,7 +122,11 @@ class GraphWalk(Generic[N, M]):
         self.results.append(table)
         for branches in product(*(range(self.graph.nodes[axis].branches) for axis in axes)):
             chosen = dict(zip(axes, branches, strict=True))
-            values = self._solve(node, self._scope(node, chosen))
+            scope = dict(self.known)
+            for known in map(self.graph.nodes.__getitem__, node.needs):
+                for unknown, numbers in zip(known.unknowns, self._value(known, chosen).numbers, strict=True):
+                    scope.update(zip(unknown.generators, numbers, strict=True))
+            values = self._solve(node, scope)
             if node.kind is NodeKind.SUM:
                 # A sum of angles is free where one of them is.
                 free = no
@@ -139,25 +135,11 @@ class GraphWalk(Generic[N, M]):
                 values = [replace(values[0], free=free)]
             table[branches] = values
 
-    def _scope(self, node: Node, chosen: Mapping[int, int]) -> dict[str, N]:
-        """Numbers of the pose and of the nodes that a node needs."""
-        scope = dict(self.known)
-        for need in node.needs:
-            value = self._value(self.graph.nodes[need], chosen)
-            for unknown, numbers in zip(self.graph.nodes[need].unknowns, value.numbers, strict=True):
-                scope.update(zip(unknown.generators, numbers, strict=True))
-        return scope
-
     def _value(self, node: Node, chosen: Mapping[int, int]) -> Value[N, M]:
         axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
         return self.results[node.index][tuple(chosen[axis] for axis in axes)][chosen.get(node.index, 0)]
 
-    def _numbers(self, node: Node, joints: tuple[int, ...], chosen: Mapping[int, int]) -> tuple[N, ...]:
-        place = next(k for k, unknown in enumerate(node.unknowns) if unknown.joints == joints)
-        return self._value(node, chosen).numbers[place]
-
     def _solve(self, node: Node, scope: Mapping[str, N]) -> list[Value[N, M]]:
-        """The values of a node for one combination of branches."""
         f, yes, no = self.field, self.field.truth(True), self.field.truth(False)
         unknown, first = node.unknown, node.formulas[0]
         if node.kind is NodeKind.GENERAL:
@@ -239,7 +221,6 @@ class GraphWalk(Generic[N, M]):
         return self.constants[name]
 
     def _horner(self, plan: Plan, values: Mapping[str, N]) -> N:
-        """The number of a plan of `horner`."""
         if isinstance(plan, Fraction):
             return self.field.number(plan)
         index, quotient, rest = plan

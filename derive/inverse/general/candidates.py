@@ -9,16 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.inverse.general.closure import Closure, Loop, middle_part
 from derive.inverse.general.elimination import POLICY, EigenProblem
-from derive.inverse.general.rigid_motion import motion_by, pose_features, rigid_inverse
-
-Array = npt.NDArray[Any]
+from derive.inverse.general.rigid_motion import Array, motion_by, pose_features, rigid_inverse
 
 
 @dataclass(frozen=True, eq=False)

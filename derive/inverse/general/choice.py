@@ -11,21 +11,17 @@ import math
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.inverse.general.closure import Closure, Loop, closures, middle_part
 from derive.inverse.general.count import count_solutions
 from derive.inverse.general.elimination import POLICY, EigenProblem, Elimination, Reduction, left_null
-from derive.inverse.general.rigid_motion import pose_features
+from derive.inverse.general.rigid_motion import Array, pose_features
 from derive.inverse.general.search import FULL, GeneralFormula, GeneralSolution, free_loop, scaled
 from derive.inverse.numeric.chain import POSE, Entries, NumericChain
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-
-Array = npt.NDArray[Any]
 
 # How many solutions an elimination found at the trials, and how it compares with others that found as many.
 Result = tuple[int, tuple[bool, int, int, int], Elimination]
@@ -36,11 +32,7 @@ _FOUND = 1e-3  # without units: so near is a configuration that was found, howev
 
 
 def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
-    """Every way to make a regular eigenvalue problem of a loop.
-
-    Args:
-        pose: (1, 4, 4) a generic pose.
-    """
+    """Every way to make a regular eigenvalue problem of a loop, at a generic pose, (1, 4, 4)."""
     ways = closures(loop)
     groups: dict[tuple[int, ...], list[Closure]] = {}
     for way in ways:
@@ -174,11 +166,7 @@ def _ranked(results: Sequence[Result]) -> list[Result]:
 def general_formula(
     robot: Robot, specimen: Robot, given: Sequence[int], generators: Sequence[tuple[str, ...]], entries: Entries = POSE
 ) -> GeneralFormula | None:
-    """The general node of an arm.
-
-    Returns:
-        The node; None where there is no elimination.
-    """
+    """The general node of an arm; None where there is no elimination."""
     missing = sorted(set(free_symbols(specimen)))
     draw = random.Random(5)
     chain = NumericChain.of(robot, {name: draw.uniform(0.3, 1.1) for name in missing})

@@ -21,19 +21,17 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.inverse.general.rigid_motion import (
     AXIS,
     FRAME,
     POINT,
+    Array,
     Carried,
     inverse_features,
     joint_motion,
     rigid_inverse,
 )
-
-Array = npt.NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,20 +17,17 @@ from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from flint import nmod_mat, nmod_poly
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.residues import ResidueDomain
 from derive.inverse.general.closure import Closure, Loop, closures, middle_part
-from derive.inverse.general.elimination import HALF, POWERS, Elimination
-from derive.inverse.general.rigid_motion import joint_motion, pose_features
+from derive.inverse.general.elimination import HALF, POWERS, EigenProblem, Elimination
+from derive.inverse.general.rigid_motion import Array, joint_motion, pose_features
 from derive.mechanics.chain import build_chain
 from derive.mechanics.vectors import Frame
 from derive.robot.description import Joint
 from derive.robot.robot import Robot
-
-Array = npt.NDArray[Any]
 
 
 class _AtRest(ResidueDomain):
@@ -57,13 +54,8 @@ def residue_loop(robot: Robot, seed: int = 0) -> Loop:
 
 
 def _integers(frame: Frame[Any]) -> Array:
-    rows = [[int(entry.values.item()) for entry in row] for row in frame.rows(*_unit(frame))]
-    return np.array(rows, dtype=object)
-
-
-def _unit(frame: Frame[Any]) -> tuple[Any, Any]:
     zero = frame.rotation[0][0] * 0
-    return zero, zero + 1
+    return np.array([[int(entry.values.item()) for entry in row] for row in frame.rows(zero, zero + 1)], dtype=object)
 
 
 def count_solutions(
@@ -74,14 +66,12 @@ def count_solutions(
     loop = loop.with_tip if tip else loop
     if elimination.start:
         loop, pose = loop.rotated(elimination.start, pose)
-    if _rank(_finish_forms(loop, elimination.finish), loop.prime) < 2:
+    if _flint(_finish_forms(loop, elimination.finish), loop.prime).rank() < 2:
         return 0
-    system = _System(loop, pose, elimination, random.Random(seed))
-    return system.count()
+    return _System(loop, pose, elimination, random.Random(seed)).count()
 
 
 def _random_pose(loop: Loop, given: Sequence[int], seed: int) -> tuple[Loop, Array]:
-    """The loop of the free joints, and its pose at a random configuration."""
     draw, prime = random.Random(seed + 1), loop.prime
     motions = []
     for turns in loop.revolute:
@@ -106,10 +96,6 @@ def _finish_forms(loop: Loop, way: Closure) -> Array:
     return parts.reshape(3, 15)[1:, kept]
 
 
-def _rank(matrix: Array, prime: int) -> int:
-    return int(_flint(matrix, prime).rank())
-
-
 def _flint(matrix: Array, prime: int) -> Any:
     return nmod_mat(*matrix.shape, [int(x) for x in matrix.ravel()], prime)
 
@@ -120,42 +106,34 @@ class _System:
     def __init__(self, loop: Loop, pose: Array, elimination: Elimination, draw: random.Random) -> None:
         self.loop, self.prime, self.draw = loop, loop.prime, draw
         self.hidden, self.multiplied = elimination.hidden, elimination.multiplied
-        self.others = [joint for joint in elimination.unknowns if joint != self.hidden]
-        self.straight = elimination.straight
-        self.shape = [self._powers(joint) + (joint == self.multiplied) for joint in self.others]
+        problem = EigenProblem(loop, elimination, (), ())
+        self.others, self.shape, self.powers = problem.others, problem.shape, problem.powers
         place = elimination.unknowns.index(self.hidden)
         stacked = []
         for way in closures(loop):
             if way.unknowns == elimination.unknowns:
                 # All ways around the loop with the same unknowns, not only those that the elimination takes.
                 part = way.eliminated_part(loop)
-                left = self._left_null(part.reshape(*part.shape[-2:]))
+                basis, nullity = _flint(part.reshape(*part.shape[-2:]).T, self.prime).nullspace()
+                left = np.array([[int(x) for x in row] for row in basis.table()], dtype=object)[:, : int(nullity)].T
                 forms = way.unknown_part(loop, pose_features(pose))[0]
                 rows = loop.settle(left @ forms.reshape(len(forms), -1)).reshape(-1, *forms.shape[1:])
-                for joint in self.straight:
+                for joint in elimination.straight:
                     if joint != self.hidden:
                         rows = rows.take([0, 1], axis=1 + elimination.unknowns.index(joint))
                 stacked.append(self._multiplied(np.moveaxis(rows, 1 + place, 1)))
         self.coefficients = self._in_t(np.concatenate(stacked))
-
-    def _powers(self, joint: int) -> int:
-        return 2 if joint in self.straight else 3
-
-    def _left_null(self, matrix: Array) -> Array:
-        basis, nullity = _flint(matrix.T, self.prime).nullspace()
-        table = np.array([[int(x) for x in row] for row in basis.table()], dtype=object)
-        return table[:, : int(nullity)].T
 
     def _multiplied(self, rows: Array) -> Array:
         """(rows, 3, columns): equations times cosine and sine of the half angle, or times 1 and the length."""
         count = len(rows)
         if self.multiplied is None:
             return rows.reshape(count, 3, -1)
-        own = self._powers(self.multiplied)
+        own = self.powers(self.multiplied)
         factors = HALF if self.loop.revolute[self.multiplied] else POWERS[:, :own, : own + 1]
         # Twice the factors, for those of half angles are halves.
         whole = np.vectorize(int, otypes=[object])(2 * factors)
-        before = math.prod(self._powers(other) for other in self.others[: self.others.index(self.multiplied)])
+        before = math.prod(self.powers(other) for other in self.others[: self.others.index(self.multiplied)])
         split = rows.reshape(count, 3, before, own, rows.size // (3 * own * count * before))
         product_ = np.tensordot(split, whole, axes=([3], [1]))  # rows, 3, before, after, factor, ext
         moved = product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1)

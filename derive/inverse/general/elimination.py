@@ -22,15 +22,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.inverse.general.closure import Closure, Loop
-from derive.inverse.general.rigid_motion import FEATURES, pose_features
-
-Array = npt.NDArray[Any]
+from derive.inverse.general.rigid_motion import FEATURES, Array, pose_features
 
 HALF = np.zeros((2, 3, 4))  # (cos, sin)(x/2) times (1, c, s)(x) in terms of (cos 3x/2, sin 3x/2, cos x/2, sin x/2)
 HALF[0, 0, 2] = HALF[1, 0, 3] = 1.0

@@ -14,17 +14,14 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.inverse.general.candidates import candidates, finished
 from derive.inverse.general.closure import Loop
 from derive.inverse.general.elimination import POLICY, EigenProblem, Elimination
-from derive.inverse.general.rigid_motion import BESIDE, beside, motion_by
+from derive.inverse.general.rigid_motion import BESIDE, Array, beside, motion_by
 from derive.inverse.numeric.chain import POSE, POSITION, Entries, NumericChain, Problem
 from derive.inverse.numeric.newton import fit
 from derive.robot.robot import Robot
-
-Array = npt.NDArray[Any]
 
 PAIR = 2  # numbers of an angle: cosine and sine
 # With as many joints as a task has dimensions the number of real solutions is even at regular poses.

@@ -59,6 +59,8 @@ _FUNCTIONS: Mapping[Any, Callable[..., Any]] = {sympy.sin: np.sin, sympy.cos: np
 class DigitsDomain(FloatDomain):
     """Cells of a robot and joint positions as numbers of mpmath, with its working precision."""
 
+    functions: tuple[Any, Any] = (mpmath.cos, mpmath.sin)
+
     def __init__(self, robot: Robot, q: Sequence[Any], values: Numbers) -> None:
         super().__init__(robot, q, {})
         self._known = dict(values)
@@ -78,12 +80,15 @@ class DigitsDomain(FloatDomain):
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
         """Cosine and sine of the angle of a revolute joint."""
+        cosine, sine = self.functions
         value = joint.sign * self.q[index] + self.constant(joint.theta)
-        return mpmath.cos(value), mpmath.sin(value)
+        return cosine(value), sine(value)
 
 
 class ArrayDomain(DigitsDomain):
     """The same at many configurations, as arrays of floats."""
+
+    functions = (np.cos, np.sin)
 
     def number(self, value: int | Fraction) -> Any:
         """A rational."""
@@ -96,8 +101,3 @@ class ArrayDomain(DigitsDomain):
     def cosine_sine(self, angle: Expression) -> Any:
         """Cosine and sine of a constant angle."""
         return tuple(map(float, super().cosine_sine(angle)))
-
-    def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosine and sine of the angle of a revolute joint."""
-        value = joint.sign * self.q[index] + self.constant(joint.theta)
-        return np.cos(value), np.sin(value)

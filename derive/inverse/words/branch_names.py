@@ -59,25 +59,19 @@ class Placed:
 def placed(chain: Chain[Any], q: Sequence[Any], samples: int) -> list[Placed]:
     """An arm at several configurations."""
     poses = joint_poses(chain)
-    points = [[np.broadcast_to(x, samples) for x in pose.position] for pose in poses]
-    axes = [[np.broadcast_to(row[2], samples) for row in pose.rotation] for pose in poses]
-    end = [np.broadcast_to(x, samples) for x in (poses[-1] @ chain.tool).position]
-    stacked = [
-        np.asarray(part, dtype=np.float64) for part in (points, axes, end, [np.broadcast_to(x, samples) for x in q])
-    ]
+
+    def _stacked(rows: Any) -> Vector:
+        return np.array([[np.broadcast_to(x, samples) for x in row] for row in rows], dtype=np.float64)
+
+    points, axes = _stacked(pose.position for pose in poses), _stacked([row[2] for row in p.rotation] for p in poses)
+    stacked = points, axes, _stacked([(poses[-1] @ chain.tool).position])[0], _stacked([q])[0]
     return [Placed(*(part[..., k] for part in stacked)) for k in range(samples)]
 
 
 class Shape:
-    """Which parts an arm has.
+    """Which parts an arm has: the middle joint of its wrist, the elbow (from 0), whether a shoulder turns it.
 
-    Args:
-        up: The direction against gravity; None where the file does not say.
-
-    Attributes:
-        wrist: The middle joint of its wrist (from 0), None without one.
-        elbow: The joint that bends it, None without one.
-        shoulder: Whether there is a joint that turns the whole arm.
+    ``up`` is the direction against gravity, None where the file does not say.
     """
 
     def __init__(self, robot: Robot, example: Placed, up: Vector | None) -> None:
@@ -106,7 +100,11 @@ class Shape:
             for joint, value in zip(self._robot.joints, arm.q, strict=True)
             if not joint.is_revolute
         ]
-        return (self._shoulder_word(arm), self._elbow_word(arm), *slides, self._wrist_word(arm))
+        wrist = None
+        if self.wrist is not None:
+            before, middle, behind = arm.axes[self.wrist - 1 : self.wrist + 2]
+            wrist = _either(_cross(before, behind) @ middle, Word.WRIST, Word.WRIST_FLIPPED)
+        return (self._shoulder_word(arm), self._elbow_word(arm), *slides, wrist)
 
     def signs(self, arm: Placed) -> tuple[str | None, ...]:
         """On which side of zero each joint angle is, for branches that words do not tell apart."""
@@ -119,9 +117,8 @@ class Shape:
         """The centre of the wrist, or the end effector."""
         if self.wrist is None:
             return arm.end
-        return nearest(
-            arm.points[self.wrist], arm.axes[self.wrist], arm.points[self.wrist + 1], arm.axes[self.wrist + 1]
-        )
+        k = self.wrist
+        return nearest(arm.points[k], arm.axes[k], arm.points[k + 1], arm.axes[k + 1])
 
     def _shoulder_word(self, arm: Placed) -> Word | None:
         if not self.shoulder:
@@ -154,12 +151,6 @@ class Shape:
             return _either(above @ self._up, Word.ELBOW_UP, Word.ELBOW_DOWN)
         return _either(side * (axis @ self._up), Word.ELBOW_LEFT, Word.ELBOW_RIGHT)
 
-    def _wrist_word(self, arm: Placed) -> Word | None:
-        if self.wrist is None:
-            return None
-        before, middle, behind = arm.axes[self.wrist - 1 : self.wrist + 2]
-        return _either(_cross(before, behind) @ middle, Word.WRIST, Word.WRIST_FLIPPED)
-
 
 def branch_names(shape: Shape, seen: Sequence[Sequence[Placed]], otherwise: Sequence[str]) -> list[str]:
     """A name for each branch."""
@@ -167,19 +158,13 @@ def branch_names(shape: Shape, seen: Sequence[Sequence[Placed]], otherwise: Sequ
     for words in (shape.words, shape.signs):
         for part in zip(*(zip(*map(words, arms), strict=True) for arms in seen), strict=True):
             counted = [Counter(found).most_common(1)[0] for found in part]
-            holds = all(
-                word is not None and count >= MOSTLY * len(found)
-                for (word, count), found in zip(counted, part, strict=True)
-            )
-            longer = [
-                ", ".join(filter(None, (name, str(word)))) for name, (word, _) in zip(names, counted, strict=True)
-            ]
+            pairs = zip(counted, part, strict=True)
+            holds = all(word is not None and count >= MOSTLY * len(found) for (word, count), found in pairs)
+            longer = [f"{name}, {word}" if name else str(word) for name, (word, _) in zip(names, counted, strict=True)]
             if holds and len(set(longer)) > len(set(names)):
                 names = longer
-    return [
-        name if names.count(name) == 1 else ", ".join(filter(None, (name, signs)))
-        for name, signs in zip(names, otherwise, strict=True)
-    ]
+    numbered = [f"{name}, {own}" if name else own for name, own in zip(names, otherwise, strict=True)]
+    return [name if names.count(name) == 1 else own for name, own in zip(names, numbered, strict=True)]
 
 
 def _either(value: float, positive: Word, negative: Word) -> Word | None:

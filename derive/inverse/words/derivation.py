@@ -19,6 +19,7 @@ from derive.algebra.generators import Kind as Generator
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.graph import Node, SolutionGraph
 from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
+from derive.inverse.closed.pose import is_plain
 from derive.inverse.words.elementary import Linear, PrintedLine, Scribe, Solved, is_negative, minus_signs, usual
 from derive.inverse.words.origins import Origin, origin
 from derive.lecture.form import LectureForm
@@ -62,21 +63,16 @@ class PrintedStep:
     branches: int  # how many values it has for given ones before
     exists: Expr  # when it has any; SymPy's true where always
     fails: tuple[Expr, ...]  # what vanishes where these equations do not determine it; empty where they always do
-    # Other equations of equal meaning for those poses; none where it is free there.
-    instead: tuple[tuple[PrintedEquation, ...], ...]
+    instead: tuple[tuple[PrintedEquation, ...], ...]  # other equations for those poses; none where it is free there
     free: tuple[Expr, ...]  # what vanishes where no equation determines it; empty where that never happens
     joints: tuple[int, ...]  # the joints of the unknown, from 0
 
 
 class PrintedDerivation:
-    """The lines of one graph, step by step.
+    """The lines of one graph: one step for each unknown, after the names of entries of the pose within the arm.
 
-    Attributes:
-        pose: The symbols of the entries of the pose, by row and column.
-        definitions: Lines that name entries of the pose within the arm.
-        sums: Names of sums of joint variables that are found before these: ``q2 + q3`` -> ``q23``.
-        steps: One for each unknown.
-        conditions: What vanishes at every reachable pose, besides that R is a rotation.
+    `pose` has the symbols of its entries by row and column, `sums` the names of sums of joint variables that are found
+    before these, ``q2 + q3`` -> ``q23``, and `conditions` what vanishes at every reachable pose.
     """
 
     def __init__(self, graph: SolutionGraph, robot: Robot, style: Style) -> None:
@@ -119,7 +115,7 @@ class PrintedDerivation:
         found = dict[str, str]()
         for name, p in self._graph.definitions:
             place = _PLACE.fullmatch(name)
-            if place is not None and not _is_plain(p):
+            if place is not None and not is_plain(p):
                 row, column = int(place[1]), int(place[2])
                 found[name] = self._scribe.name((f"w{'xyz'[row - 1]}" if column == 4 else f"w{row}{column}",))
         return found
@@ -133,7 +129,7 @@ class PrintedDerivation:
         images = {f"T[{i},{j}]": target.ring.generator(name) for (i, j), name in names.items()}
         defined = {name for name, _ in self._graph.definitions}
         for g in self._graph.domain.generators:
-            if g.name not in images and g.name not in defined and not _is_of_pose(g.name):
+            if g.name not in images and g.name not in defined and not _OF_POSE.fullmatch(g.name):
                 images[g.name] = target.constant(substitute(g.expression, shifted))
         return images
 
@@ -183,9 +179,8 @@ class PrintedDerivation:
             others = node.formulas[1:] if fails and len(self._lost(formula)) == 1 else ()
             instead = tuple(tuple(self._equation(unknown, e)[0] for e in other.equations) for other in others)
             exists = solved.exists if solved else sympy.true
-            yield PrintedStep(
-                symbol, formula.kind, equations, lines, node.branches, exists, fails, instead, free, unknown.joints
-            )
+            own = symbol, formula.kind, equations, lines, node.branches, exists
+            yield PrintedStep(*own, fails, instead, free, unknown.joints)
 
     def _solved(self, kind: NodeKind, symbol: Expr, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
         match kind:
@@ -270,12 +265,11 @@ class PrintedDerivation:
         named = self._named(unknown)
         is_letter = named != symbol and not str(named).endswith(self._label(unknown))
         cosine, sine = (f(named if is_letter else symbol) for f in (sympy.cos, sympy.sin))
-        turn = (self._domain.ring.one, self._domain.ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
-        c, s = turn
+        ring = self._domain.ring
+        c, s = (ring.one, ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
         if max((sum(exponents) for exponents in equation.terms), default=0) > 1:
-            return PrintedEquation(
-                self._second_degree(equation, cosine, sine, turn), sympy.S.Zero, self._origins(equation.source)
-            ), ()
+            left = self._second_degree(equation, cosine, sine, (c, s))
+            return PrintedEquation(left, sympy.S.Zero, self._origins(equation.source)), ()
         a, b, known = map(self._composed, equation.linear)
         a, b = a * c + b * s, b * c - a * s
         size = self._scale(known, a, b) * (-1 if self._is_turned(a, b, known) else 1)
@@ -329,10 +323,8 @@ class PrintedDerivation:
         """A polynomial in cosine and sine, turned back by the shift."""
         c, s = (self._write(p) for p in turn)
         of = (c * cosine - s * sine, s * cosine + c * sine)
-        terms = (
-            self._write(self._composed(p)) * of[0] ** i * of[1] ** j for (i, j), p in sorted(equation.terms.items())
-        )
-        return sympy.Add(*terms)
+        terms = sorted(equation.terms.items())
+        return sympy.Add(*(self._write(self._composed(p)) * of[0] ** i * of[1] ** j for (i, j), p in terms))
 
     def _condition(self, equation: NodeEquation) -> PrintedEquation:
         """``r33 = -1``, ``r12 = r21``: what holds nothing of the pose stands on the right, or one of two terms."""
@@ -359,18 +351,9 @@ _CONSTANTS = (
     Generator.COSINE,
     Generator.SINE,
 )
+_OF_POSE = re.compile(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]")  # entries and invariants of the pose within the arm
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 _SHORTHAND = ("c", "s")
-
-
-def _is_of_pose(name: str) -> bool:
-    """Whether a generator is an entry or invariant of the pose within the arm."""
-    return re.fullmatch(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]", name) is not None
-
-
-def _is_plain(p: Polynomial) -> bool:
-    """Whether a polynomial is an entry of the pose, its negative, or a number."""
-    return p.is_constant or (len(p) == 1 and sum(p.degrees()) == 1 and abs(next(iter(p.terms()))[1]) == 1)
 
 
 def _three(values: Iterable[Polynomial]) -> Linear:

@@ -204,12 +204,8 @@ class Scribe:
             names = (sympy.sin(unknown), sympy.cos(unknown))
             self.lines += [PrintedLine(name, value) for name, value in zip(names, values, strict=True)]
             return sympy.atan2(*names, evaluate=False)
-        else:
-            values = [
-                self.named(value, letters, label, longest=1)
-                for value, letters in zip(values, (("Y", "V"), ("X", "U")), strict=True)
-            ]
-        return _atan2(*values)
+        pairs = zip(values, (("Y", "V"), ("X", "U")), strict=True)
+        return _atan2(*(self.named(value, letters, label, longest=1) for value, letters in pairs))
 
     def length(self, label: str, coefficients: tuple[Polynomial, Polynomial, Polynomial]) -> Solved:
         """A r^2 + B r + C = 0: two lengths, or one where A is zero (types 1 and 4)."""

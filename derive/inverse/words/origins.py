@@ -13,7 +13,7 @@ from enum import StrEnum
 
 from derive.algebra.angles import decompose
 from derive.inverse.closed.nodes import Provenance
-from derive.robot.description import Convention, Joint
+from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
 
@@ -37,8 +37,7 @@ class Origin:
     first: int  # first matrix of the product A_first ... A_last, or the first of two axes, from 1
     last: int  # the last one; one less than the first where nothing is left of it
     entries: tuple[tuple[int, ...], ...]  # rows and columns, from 1; of a component its number alone
-    # Whether they are those of the inverse of the product; whether a component is in the frame of the last axis.
-    inverse: bool = False
+    inverse: bool = False  # whether of the inverse product; of a component, whether in the frame of the last axis
     has_base: bool = False  # whether the product begins with the base
     has_tool: bool = False  # whether it ends with the tool
 
@@ -72,7 +71,7 @@ def _rotation(robot: Robot, source: Provenance, places: tuple[int, ...], to_end:
 
 
 def _position(robot: Robot, source: Provenance, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
-    """Of the position at which M ends, seen from where it begins."""
+    """The origin of an equation of the position at which M ends, seen from where it begins."""
     first, standard = source.first, robot.convention is Convention.STANDARD
     last = _end(robot, source, to_end, along=places == (3,))
     start, squares = robot.joints[first - 1], source.entry == "p.p"
@@ -106,13 +105,13 @@ def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int 
             return None
     elif joint.is_revolute and is_open and joint.d != ZERO:
         return None
-    while last < robot.n and _adds_nothing(joints[last]):
+    while last < robot.n and joints[last].is_revolute and joints[last].a == joints[last].d == ZERO:
         last += 1
     return last
 
 
 def _back(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: bool) -> Origin:
-    """Of the position at which M begins, seen from where it ends."""
+    """The origin of an equation of the position at which M begins, seen from where it ends."""
     first, last, standard = source.first, source.last, robot.convention is Convention.STANDARD
     begin, end = robot.joints[first - 1], robot.joints[last - 1]
     cuts_off = not in_world and begin.is_revolute and begin.d != ZERO and (source.outer_left or first == 1)
@@ -127,10 +126,6 @@ def _back(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: b
     return Origin(
         OriginForm.ENTRY if places else OriginForm.SQUARES, first, last, tuple((row, 4) for row in rows), inverse=True
     )
-
-
-def _adds_nothing(joint: Joint) -> bool:
-    return joint.is_revolute and joint.a == ZERO and joint.d == ZERO
 
 
 def _turned(angle: Expression, index: int) -> int:

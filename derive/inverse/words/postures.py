@@ -43,11 +43,7 @@ class Postures:
     branches: tuple[Vector, ...]  # (n, poses) for each branch, not a number where it does not exist
 
     def places(self, printed: Sequence[Vector]) -> list[int]:
-        """To which branch each of as many solutions leads, most often; each to another one.
-
-        Args:
-            printed: (n, poses) for each solution, not a number where it does not exist.
-        """
+        """To which branch each of as many solutions, (n, poses) or NaN, leads most often; each to another one."""
         hits: Counter[tuple[int, int]] = Counter()
         with np.errstate(invalid="ignore"):
             for k, own in enumerate(printed):
@@ -72,9 +68,7 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
     numbers, known = random.Random(12), parameter_values(robot)
     for name in robot_symbols(robot):
         known.setdefault(name, Fraction(numbers.randint(20, 90), 97))
-    q = np.stack(
-        [rng.uniform(-3, 3, LOOKED_AT) if j.is_revolute else rng.uniform(-1, 1, LOOKED_AT) for j in robot.joints]
-    )
+    q = np.stack([rng.uniform(*((-3, 3) if j.is_revolute else (-1, 1)), LOOKED_AT) for j in robot.joints])
     end = forward_kinematics(_chain(robot, known, q))
     rows = [
         [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
@@ -105,7 +99,6 @@ def _names(robot: Robot, known: Values, q: Vector, branches: Sequence[Vector]) -
 
 
 def _chain(robot: Robot, known: Values, q: Vector) -> Chain[Any]:
-    """The arm at many configurations."""
     bare = replace(robot, links=(), gravity=None)
     return build_chain(bare, ArrayDomain(bare, list(q), known))
 

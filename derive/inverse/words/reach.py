@@ -11,9 +11,8 @@ Robotics, section 4.2 (existence of solutions).
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -66,10 +65,8 @@ class Reach:
 
     inverse: InverseKinematics  # the inverse kinematics that it is read off: of the position, for arms of few joints
     bounds: tuple[Bound, ...]  # what has to hold, all of it
-    # Lines that say what the bounds are about: ``wx = px - d6*r13``, and distances with their signs.
-    names: tuple[PrintedLine, ...]
-    # Unknowns that are real under conditions that depend on the orientation, or on other joints.
-    others: tuple[Expr, ...]
+    names: tuple[PrintedLine, ...]  # what the bounds are about: ``wx = px - d6*r13``, distances with their signs
+    others: tuple[Expr, ...]  # unknowns whose conditions depend on the orientation, or on other joints
     is_flat: bool  # whether the end effector stays in a plane
 
     @property
@@ -84,19 +81,11 @@ class Reach:
         if any(end is not None and not end.free_symbols <= known for end in ends):
             return None
         with mpmath.workdps(DIGITS):
-            values = self._parameters
+            values = parameter_numbers(self.inverse.robot, random.Random(12))
             return tuple(None if end is None else written(value_of(end, dict(values))) for end in ends)  # type: ignore[return-value]
 
-    @cached_property
-    def _parameters(self) -> Numbers:
-        return parameter_numbers(self.inverse.robot, random.Random(12))
-
     def margins(self, poses: Array, values: Mapping[str, float]) -> list[tuple[Array, ...]]:
-        """How far poses are within each bound: positive inside, zero on the boundary; squares of lengths.
-
-        Returns:
-            For each choice of the signs of distances the margins of all bounds, (k,) each.
-        """
+        """By signs of distances how far poses are within each bound, (k,): squares of lengths, positive inside."""
         known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in values.items()}
         for i, j in product(range(3), range(4)):
             known[self.inverse.pose[i, j]] = poses[:, i, j]
@@ -121,16 +110,11 @@ def find_reach(robot: Robot, style: Style, own: InverseKinematics) -> Reach:
     """What an arm reaches."""
     found = own
     if robot.n <= LARGEST_FREE and robot.inverse.task == POSE:
-        task = next((task for task in _POSITIONS if len(task) == robot.n == _rank(robot, task)), None)
+        task = next((task for task in _POSITIONS if len(task) == robot.n == Freedom(robot, task).rank), None)
         if task is not None:
             asked = replace(robot, inverse=InverseOptions(task))
             found = inverse_kinematics(asked, style)
     return _Reading(found).reach()
-
-
-def _rank(robot: Robot, task: Task) -> int:
-    """In how many directions of a task an arm moves."""
-    return Freedom(robot, task).rank
 
 
 class _Reading:
@@ -149,7 +133,8 @@ class _Reading:
     def reach(self) -> Reach:
         """The bounds, with what they are about."""
         bounds, others = [], []
-        for node, step in zip(self._nodes, self._found.steps, strict=True):
+        nodes = (node for node in self._found.graph.nodes for _ in node.unknowns)
+        for node, step in zip(nodes, self._found.steps, strict=True):
             formula = node.formulas[0]
             if formula.kind in (NodeKind.CONIC, NodeKind.GENERAL):
                 others.append(step.unknown)
@@ -164,8 +149,8 @@ class _Reading:
             if sides[1] != 0 or formula.kind is NodeKind.QUADRATIC:
                 bound = self._bound(step.unknown, *map(self._without_turns, sides))
                 bounds += [] if bound is None else [bound]
-                if bound is None and self._moves(sides):
-                    others.append(step.unknown)
+                if bound is None and any(e.free_symbols & self._pose or e.has(sympy.sin, sympy.cos) for e in sides):
+                    others.append(step.unknown)  # a condition on more than the geometry
             if formula.kind is NodeKind.TYPE_2 and len(node.unknown.joints) == 1:
                 self._remember(node.unknown.joints[0], a, b, right, node.unknown.generators)
         bounds = self._outwards(bounds)
@@ -173,18 +158,12 @@ class _Reading:
         for line in reversed(self._names):
             used |= line.value.free_symbols if line.symbol in used else set()
         names = tuple(line for line in self._names if line.symbol in used)
-        return Reach(self._found, tuple(bounds), names, tuple(others), _rank(self._found.robot, _POSITIONS[0]) == 2)
-
-    @property
-    def _nodes(self) -> Iterable[Any]:
-        return (node for node in self._found.graph.nodes for _ in node.unknowns)
+        return Reach(
+            self._found, tuple(bounds), names, tuple(others), Freedom(self._found.robot, _POSITIONS[0]).rank == 2
+        )
 
     def _written(self, p: Any) -> Expr:
         return sympy.expand(self._found.written(p))
-
-    def _moves(self, sides: Iterable[Expr]) -> bool:
-        """Whether a condition depends on more than the geometry."""
-        return any(e.free_symbols & self._pose or e.has(sympy.sin, sympy.cos) for e in sides)
 
     # -- angles about the first axis
 
@@ -202,7 +181,9 @@ class _Reading:
             return
         letters = {str(symbol) for symbol in (*self._pose, *self._values)}
         name = next(name for name in ("rho", "u", *(f"rho_{k}" for k in range(9))) if name not in letters)
-        u, sign = sympy.Symbol(name), self._sign(joint)
+        u = sympy.Symbol(name)
+        # The choice that the solution makes at this joint.
+        sign = next(line.signs[0] for line in self._found.lines if line.symbol == variable and line.signs)
         scale = abs(first[0])
         # (first, second) turned back by the angle: d/scale across the arm, u along it.
         put_in = {
@@ -215,12 +196,6 @@ class _Reading:
         self._places.add(u)
         self._pose.add(u)
         self._signed.append(u)
-
-    def _sign(self, joint: int) -> Expr:
-        """The choice that the solution makes at this joint."""
-        variable = sympy.Symbol(self._found.robot.joints[joint].variable)
-        line = next(line for line in self._found.lines if line.symbol == variable and line.signs)
-        return line.signs[0]
 
     def _without_turns(self, e: Expr) -> Expr:
         """An expression of the pose turned back by the first angle, in distances along the turned arm."""
@@ -282,13 +257,9 @@ class _Reading:
                 terms.append((x + slope / 2) ** 2)
                 rest -= slope**2 / 4
                 taken |= {x, x**2}
-        terms += [c * m for m, c in self._monomials(p, places) if m != 1 and m not in taken]
+        powers = ((sympy.Mul(*(x**k for x, k in zip(places, own, strict=True))), c) for own, c in p.terms())
+        terms += [c * m for m, c in powers if m != 1 and m not in taken]
         return sympy.Add(*terms), sympy.expand(rest), scale
-
-    @staticmethod
-    def _monomials(p: Any, places: list[Expr]) -> Iterator[tuple[Expr, Expr]]:
-        for exponents, c in p.terms():
-            yield sympy.Mul(*(x**k for x, k in zip(places, exponents, strict=True))), c
 
     def _is_sum_of_squares(self, quantity: Expr) -> bool:
         return all(term.is_Pow and term.exp == 2 for term in sympy.Add.make_args(quantity))

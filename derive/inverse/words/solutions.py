@@ -13,7 +13,6 @@ import mpmath
 import numpy as np
 import sympy
 
-from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.graph import SolutionGraph
@@ -21,7 +20,7 @@ from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
 from derive.inverse.words.branch_names import Vector
-from derive.inverse.words.derivation import PrintedDerivation, PrintedEquation, PrintedStep
+from derive.inverse.words.derivation import PrintedDerivation
 from derive.inverse.words.elementary import PrintedLine, Sign
 from derive.inverse.words.postures import postures
 from derive.lecture.matrices import aligned_latex
@@ -61,11 +60,7 @@ class Solution:
         return {symbol: value.xreplace(known) for symbol, value in self.joints.items()}
 
     def numbers(self, values: Mapping[Expr, Any]) -> Numbers | None:
-        """The joint variables in numbers, with the working precision of mpmath.
-
-        Returns:
-            Numbers of all lines; None where the branch does not exist.
-        """
+        """The numbers of all lines, with the working precision of mpmath; None where the branch does not exist."""
         known: Numbers = dict(values)
         found: Numbers = {}
         for line in self.lines:
@@ -107,13 +102,24 @@ class InverseKinematics:
     Attributes:
         graph: The graph of its elementary equations.
         robot: The robot.
+        count: The number of solutions of a generic reachable pose, over the complex numbers.
+        complete: Whether it is certain that no solution is missing.
+        everywhere: Whether it is certain that no pose has more isolated solutions.
+        definitions: Names for what base, tool and the offsets at both ends make of the pose: the wrist centre.
+        steps: How each unknown is found, in order.
+        sums: Names of sums of joint variables: ``q2 + q3`` -> ``q23``.
+        conditions: What holds at reachable poses of an arm with fewer than six joints.
+        written: Writes a polynomial of the graph as it is printed, in the names of the pose within the arm.
     """
 
     def __init__(self, graph: SolutionGraph, robot: Robot, style: Style, asked: tuple[Any, ...] = ()) -> None:
         self.graph, self.robot = graph, robot
         self._origin = (robot, style, *asked)
         self._variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
-        self._derivation = PrintedDerivation(graph, robot, style)
+        printed = PrintedDerivation(graph, robot, style)
+        self.count, self.complete, self.everywhere = graph.count, graph.complete, graph.everywhere
+        self.definitions, self.steps, self.sums = printed.definitions, printed.steps, printed.sums
+        self.conditions, self.written, self._pose = printed.conditions, printed.written, printed.pose
 
     def __reduce__(self) -> tuple[Any, ...]:
         """It is derived again, once in each process: FLINT's polynomials cannot be pickled."""
@@ -133,10 +139,8 @@ class InverseKinematics:
         return self.solutions[solution].explicit[sympy.Symbol(self.robot.joints[joint].variable)]
 
     def _repr_latex_(self) -> str:
-        joined = " \\text{ or } ".join
-        return aligned_latex(
-            [f"{sympy.latex(line.symbol)} = {joined(map(sympy.latex, line.alternatives))}" for line in self.lines]
-        )
+        sides = ((line.symbol, " \\text{ or } ".join(map(sympy.latex, line.alternatives))) for line in self.lines)
+        return aligned_latex([f"{sympy.latex(symbol)} = {right}" for symbol, right in sides])
 
     @property
     def lines(self) -> tuple[PrintedLine, ...]:
@@ -147,9 +151,7 @@ class InverseKinematics:
     def named_lines(self) -> tuple[PrintedLine, ...]:
         """The same with the names of sums of angles, ``cos(q23)``, from where these are found."""
         given = {self._variables[k] for k in self.graph.given}
-        known: dict[Expr, Expr] = {
-            symbol: symbol for symbol in given
-        }  # what is found, by the sum of variables that it is
+        known: dict[Expr, Expr] = {symbol: symbol for symbol in given}  # what is found, by the sum that it is
         totals = {name: total for total, name in self.sums.items()}
         found = []
         for line in self.lines:
@@ -169,51 +171,8 @@ class InverseKinematics:
     @property
     def pose(self) -> Matrix:
         """The pose that is given, 4x4, in its symbols: ``r11``, ..., ``px``, ``py``, ``pz``."""
-        rows = [[self._derivation.pose[i, j] for j in (1, 2, 3, 4)] for i in (1, 2, 3)]
+        rows = [[self._pose[i, j] for j in (1, 2, 3, 4)] for i in (1, 2, 3)]
         return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
-
-    def written(self, p: Polynomial) -> Expr:
-        """A polynomial of the graph as it is printed, in the names of the pose within the arm.
-
-        Args:
-            p: The polynomial.
-        """
-        return self._derivation.written(p)
-
-    @property
-    def definitions(self) -> tuple[PrintedLine, ...]:
-        """Names for what base, tool and the offsets at both ends of the arm make of the pose: the wrist centre."""
-        return self._derivation.definitions
-
-    @property
-    def steps(self) -> tuple[PrintedStep, ...]:
-        """How each unknown is found, in order."""
-        return self._derivation.steps
-
-    @property
-    def sums(self) -> Mapping[Expr, Expr]:
-        """Names of sums of joint variables: ``q2 + q3`` -> ``q23``."""
-        return self._derivation.sums
-
-    @property
-    def count(self) -> int:
-        """The number of solutions of a generic reachable pose, over the complex numbers."""
-        return self.graph.count
-
-    @property
-    def complete(self) -> bool:
-        """Whether it is certain that no solution is missing."""
-        return self.graph.complete
-
-    @property
-    def everywhere(self) -> bool:
-        """Whether it is certain that no pose has more solutions that stand alone."""
-        return self.graph.everywhere
-
-    @property
-    def conditions(self) -> tuple[PrintedEquation, ...]:
-        """What holds at reachable poses of an arm with fewer than six joints."""
-        return self._derivation.conditions
 
     @property
     def degenerate(self) -> tuple[Degenerate, ...]:
@@ -261,26 +220,17 @@ class InverseKinematics:
     # -- in numbers
 
     def at(self, point: Mapping[str, Expression]) -> Matrix:
-        """All configurations that reach the pose of one.
+        """All configurations that reach the pose of one, to thirty digits: a row a joint, a column a solution.
 
-        Args:
-            point: Numbers of the joint variables and of parameters by name.
-
-        Returns:
-            A row for each joint, a column for each real solution that reaches the pose, of thirty digits.
-
-        Raises:
-            QuantityError: A joint or parameter without a number.
+        The point has numbers of the joint variables and of parameters by name; one without is a `QuantityError`.
         """
         with mpmath.workdps(DIGITS):
             known = {sympy.Symbol(name): value_of(expression_to_sympy(value), {}) for name, value in point.items()}
             symbols = [*map(sympy.Symbol, robot_symbols(replace(self.robot, links=(), gravity=None))), *self._variables]
             missing = [str(symbol) for symbol in symbols if symbol not in known]
             if missing:
-                raise QuantityError(
-                    f"the inverse kinematics without a number for {listed(missing)}",
-                    allowed="numbers of all joints and parameters",
-                )
+                found = f"the inverse kinematics without a number for {listed(missing)}"
+                raise QuantityError(found, allowed="numbers of all joints and parameters")
             values = self.values_at(known, known)
             columns = [] if self.is_explicit else list(self._columns_in_floats(known, values))
             for solution in self.solutions:
@@ -328,34 +278,25 @@ class InverseKinematics:
             yield self.values_at(values, q), q
 
     def values_at(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
-        """Numbers of parameters, of the pose at a configuration, and of the joints that are given.
-
-        Args:
-            values: Numbers of the parameters.
-            q: Numbers of the joint variables.
-            domain: What the numbers are.
-        """
+        """Numbers of parameters, of the pose at a configuration q, and of the joints that are given."""
         end = forward_kinematics(self._chain(values, q, domain))
         found = {symbol: number for symbol, number in values.items() if symbol not in self._variables}
-        for (i, j), symbol in self._derivation.pose.items():
+        for (i, j), symbol in self._pose.items():
             found[symbol] = end.position[i - 1] if j == 4 else end.rotation[i - 1][j - 1]
         return found | {self._variables[k]: q[self._variables[k]] for k in self.graph.given}
 
     def _chain(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Chain[Any]:
-        """The arm at a configuration."""
         robot = replace(self.robot, links=(), gravity=None)
         return build_chain(robot, domain(robot, [q[symbol] for symbol in self._variables], values))
 
     def error(self, values: Numbers, numbers: Numbers) -> Any:
-        """The largest difference between the pose of a solution and the one that was asked for.
+        """The largest difference of an entry of a solution's pose from that which was asked for.
 
-        Args:
-            values: Numbers of pose, parameters and given joints, see `values_at`.
-            numbers: Those of the solution, see `Solution.numbers`.
+        ``values`` are those of `values_at`, ``numbers`` those of `Solution.numbers`.
         """
         end = forward_kinematics(self._chain(values, {**values, **numbers}))
         reached = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
-        wanted = self._derivation.pose
+        wanted = self._pose
         return max(abs(reached[i][j] - values[wanted[i + 1, j + 1]]) for i, j in self.graph.places)
 
     def _same(self, q: Numbers, numbers: Numbers) -> bool:

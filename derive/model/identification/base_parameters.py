@@ -45,7 +45,7 @@ RegressorColumn = Mapping[Hashable, Polynomial]
 
 
 class Unproven(DeriveError):
-    """A relation that holds at the points is no identity: the points were unlucky."""
+    """A relation that holds at the sampled points is no identity."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +146,7 @@ class Relation:
     """A column that others replace: column(parameter) = sum of coefficient * column(base parameter)."""
 
     parameter: Parameter  # what is grouped with others, or has no effect
-    # The base parameters that take it over, with their coefficients; empty where it has no effect.
-    terms: tuple[tuple[Parameter, Coefficient], ...]
+    terms: tuple[tuple[Parameter, Coefficient], ...]  # base parameters that take it over; empty without effect
 
 
 @dataclass(frozen=True, slots=True, eq=False)

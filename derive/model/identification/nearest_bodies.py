@@ -1,4 +1,4 @@
-"""The search for bodies that exist: convex problems in floats, each body in the units of its own link.
+"""The nearest physically consistent bodies: convex problems in floats, each body in the units of its own link.
 
 The pseudo-inertia of a body is taken about the link's own centre of mass as given, with its mass as unit of mass and
 its radius of gyration as unit of length, so that a wrist counts as much as an upper arm, wherever the frames lie. First
@@ -11,22 +11,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.mechanics.chain import Chain
 from derive.model.identification.exact_scalars import Exact
 from derive.model.identification.regressor_null_space import WIDTH, Direction
-from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
+from derive.model.identification.semidefinite import Array, Cone, Limit, least, packed, unpacked
 
-Array = npt.NDArray[Any]
-
+# Least eigenvalue of a pseudo-inertia in the link's own units, where the arm leaves room for it: programs that read
+# models compute principal moments in floats, and refuse what does not hold after rounding.
 MARGIN = 1e-5
-"""Least eigenvalue of a pseudo-inertia in the link's own units, where the arm leaves room for it; programs that read
-models compute principal moments in floats and refuse those that do not hold after rounding."""
-
 UNIT = packed(np.eye(4))  # the unit matrix as a vector
 BORDER = 1e-8  # least eigenvalues that are smaller than the solver can tell from zero
 EXISTING = 1e-9  # where all given eigenvalues are above it nothing changes
@@ -44,9 +39,7 @@ class Bodies:
     given: Array  # (n, 10) pseudo-inertias as vectors, see `derive.model.identification.semidefinite`
     along: Array  # (n, 10, k) their change along each direction
     units: Array  # (n, 4, 4) what takes a pseudo-inertia in the joint frame to these units, from both sides
-    # (n,) the least that links given without a mass, or with a negative one, must get, lest they be much wider than
-    # the arm; zero for all others.
-    masses: Array
+    masses: Array  # (n,) the least mass of links given without one, or with a negative one; zero for all others
 
 
 def size_of(chain: Chain[Exact]) -> float:
@@ -59,11 +52,7 @@ def size_of(chain: Chain[Exact]) -> float:
 
 
 def pseudo_inertias(parameters: Array) -> Array:
-    """The pseudo-inertias of bodies.
-
-    Args:
-        parameters: (n, 10, ...) in the order of `LINK_PARTS`.
-    """
+    """The pseudo-inertias of bodies with parameters (n, 10, ...) in the order of `LINK_PARTS`."""
     # S = tr(I)/2 1 - I, the second moments of a body of inertia tensor I (Wensing, Kim and Slotine 2018).
     m, hx, hy, hz, xx, yy, zz, xy, xz, yz = np.moveaxis(parameters, 1, 0)
     rows = [
@@ -104,14 +93,7 @@ def _units(body: Array, heaviest: float, size: float) -> Array:
 
 
 def least_eigenvalues(bodies: Bodies, steps: Array | None = None) -> Array:
-    """Least eigenvalue of each pseudo-inertia.
-
-    Args:
-        steps: How far they go along each direction; None for the given ones.
-
-    Returns:
-        (n,) in the units of the links.
-    """
+    """(n,) least eigenvalue of each pseudo-inertia in the units of its link, after steps along directions if any."""
     moved = bodies.given if steps is None else bodies.given + bodies.along @ steps
     found: Array = np.linalg.eigvalsh(unpacked(moved))[..., 0]
     return found
@@ -132,37 +114,30 @@ def most_room(bodies: Bodies) -> Room:
     """Bodies as far from the limit as they can be."""
     given = least_eigenvalues(bodies)
     weights = np.where(given > 0, np.clip(given / (2 * MARGIN), EXISTING / MARGIN, 1.0), 1.0)
-    slopes, width = _slopes(bodies), bodies.along.shape[2]
-    limits = [
-        Limit(Cone.SEMIDEFINITE, body, np.column_stack([slope, -weight * UNIT]))
-        for body, slope, weight in zip(bodies.given, slopes, weights, strict=True)
-    ]
+    slopes, width = _slopes(bodies, 1), bodies.along.shape[2]
     # Variables: steps along the directions, then the room r; maximise r with P_i - w_i r 1 >= 0, r <= MARGIN.
     room = np.eye(width + 1)[width]
+    rows = zip(bodies.given, slopes, weights, strict=True)
+    limits = [Limit(Cone.SEMIDEFINITE, body, slope - w * np.outer(UNIT, room)) for body, slope, w in rows]
     limits.append(Limit(Cone.NOT_NEGATIVE, np.array([MARGIN]), -room[None]))
     found = least(-room, limits)
     return Room(float(found.x[width]), weights, unpacked(np.array(found.prices[: len(slopes)])))
 
 
 def targets(bodies: Bodies, room: Room) -> Array:
-    """The least eigenvalue of each body to keep to: half of what it can have while others have theirs.
+    """(n,) the least eigenvalue of each body to keep to: half of what it can have while others have theirs.
 
-    Returns:
-        (n,); less than zero, by what a solver does not see, for bodies that torques keep at the limit.
+    Less than zero, by what a solver does not see, for bodies that torques keep at the limit.
     """
     if room.value > MARGIN / 2:
         return room.weights * room.value / 2
-    slopes, (n, _, width) = _slopes(bodies), bodies.along.shape
+    n, _, width = bodies.along.shape
     # One room for each body: the sum of all is made largest.
     rooms = np.eye(n + width)[width:]
-    limits = [
-        Limit(Cone.SEMIDEFINITE, body, np.column_stack([slope, -weight * np.outer(UNIT, own[width:])]))
-        for body, slope, weight, own in zip(bodies.given, slopes, room.weights, rooms, strict=True)
-    ]
-    limits += [
-        Limit(Cone.NOT_NEGATIVE, np.full(n, MARGIN), -rooms),
-        Limit(Cone.NOT_NEGATIVE, np.full(n, 2 * BORDER), rooms),
-    ]
+    rows = zip(bodies.given, _slopes(bodies, n), room.weights, rooms, strict=True)
+    limits = [Limit(Cone.SEMIDEFINITE, body, slope - w * np.outer(UNIT, own)) for body, slope, w, own in rows]
+    limits.append(Limit(Cone.NOT_NEGATIVE, np.full(n, MARGIN), -rooms))
+    limits.append(Limit(Cone.NOT_NEGATIVE, np.full(n, 2 * BORDER), rooms))
     found = least(-rooms.sum(axis=0), limits).x[width:]
     return np.where(found > 2 * BORDER, room.weights * found / 2, -2 * BORDER)
 
@@ -176,15 +151,10 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
     massless, (n, _, width) = (bodies.given[:, -1] <= 0) & (target > 0), bodies.along.shape
     if not massless.any():
         return bodies
-    own = np.eye(n + width)[width:]
-    limits = [
-        _beyond(body, np.column_stack([slope, np.zeros((10, n))]), margin)
-        for body, slope, margin in zip(bodies.given, _slopes(bodies), target, strict=True)
-    ]
-    limits += [
-        Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:], (np.append(_slopes(bodies)[i, -1], np.zeros(n)) - own[i])[None])
-        for i in np.flatnonzero(massless)
-    ]
+    own, slopes = np.eye(n + width)[width:], _slopes(bodies, n)
+    limits = list(map(_beyond, bodies.given, slopes, target))
+    places = np.flatnonzero(massless)
+    limits += [Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:], (slopes[i, -1] - own[i])[None]) for i in places]
     limits += [Limit(Cone.NOT_NEGATIVE, np.zeros(n), own), Limit(Cone.NOT_NEGATIVE, np.ones(n), -own)]
     found = least(-own[massless].sum(axis=0), limits).x[width:]
     return replace(bodies, masses=np.where(massless, np.clip(found, 0, 1) / 2, 0))
@@ -192,26 +162,20 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
 
 def _masses(bodies: Bodies, more: int) -> list[Limit]:
     """What ``masses`` asks for, of functions of the steps and of some more variables."""
-    slopes = _slopes(bodies)[:, -1, :]
-    return [
-        Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:] - bodies.masses[i], np.append(slopes[i], np.zeros(more))[None])
-        for i in np.flatnonzero(bodies.masses)
-    ]
+    least_masses, slopes = bodies.given[:, -1] - bodies.masses, _slopes(bodies, more)[:, -1]
+    places = np.flatnonzero(bodies.masses)
+    return [Limit(Cone.NOT_NEGATIVE, least_masses[i, None], slopes[i, None]) for i in places]
 
 
 def needed(bodies: Bodies, target: Array) -> list[int]:
     """The links that change where the sum of changes is least."""
-    slopes, (n, _, width) = _slopes(bodies), bodies.along.shape
+    n, _, width = bodies.along.shape
     # Least sum of lengths |P_i - given_i| <= s_i: most links stay exactly as they are.
     sizes = np.eye(n + width)[width:]
-    limits = [
-        _beyond(body, np.column_stack([slope, np.zeros((10, n))]), t)
-        for body, slope, t in zip(bodies.given, slopes, target, strict=True)
-    ]
-    limits += [
-        Limit(Cone.LONGEST_FIRST, np.zeros(11), np.vstack([size, np.column_stack([slope, np.zeros((10, n))])]))
-        for size, slope in zip(sizes, slopes, strict=True)
-    ]
+    slopes = _slopes(bodies, n)
+    limits = list(map(_beyond, bodies.given, slopes, target))
+    pairs = zip(sizes, slopes, strict=True)
+    limits += [Limit(Cone.LONGEST_FIRST, np.zeros(11), np.vstack([size, slope])) for size, slope in pairs]
     found = least(sizes.sum(axis=0), [*limits, *_masses(bodies, n)]).x[width:]
     missing = least_eigenvalues(bodies) < np.minimum(target, EXISTING)
     return [i for i, size in enumerate(found) if size > KEPT * found.max() or missing[i]]
@@ -220,7 +184,7 @@ def needed(bodies: Bodies, target: Array) -> list[int]:
 def nearest(bodies: Bodies, target: Array) -> Array:
     """How far along each direction the nearest bodies are."""
     slopes = _slopes(bodies)
-    limits = [_beyond(*each) for each in zip(bodies.given, slopes, target, strict=True)] + _masses(bodies, 0)
+    limits = [*map(_beyond, bodies.given, slopes, target), *_masses(bodies, 0)]
     # Least squares of all changes, |A x|^2 with A the stacked directions.
     every = slopes.reshape(-1, slopes.shape[2])
     found: Array = least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies)
@@ -228,7 +192,6 @@ def nearest(bodies: Bodies, target: Array) -> Array:
 
 
 def _beyond(body: Array, slope: Array, margin: float) -> Limit:
-    """A body whose least eigenvalue is at least a margin."""
     return Limit(Cone.SEMIDEFINITE, body - margin * UNIT, slope)
 
 
@@ -238,6 +201,6 @@ def _column_units(bodies: Bodies) -> Array:
     return found
 
 
-def _slopes(bodies: Bodies) -> Array:
-    found: Array = bodies.along * _column_units(bodies)
-    return found
+def _slopes(bodies: Bodies, more: int = 0) -> Array:
+    """(n, 10, k + more) what the bodies change by with each step, and not with some more variables."""
+    return np.pad(bodies.along * _column_units(bodies), ((0, 0), (0, 0), (0, more)))

@@ -15,7 +15,7 @@ from derive.mechanics.joint_motion import axis
 from derive.mechanics.regrouping import regroup
 from derive.mechanics.vectors import S, axial_tensor, scale, steiner
 from derive.model.identification.base_parameters import BaseSet, Coefficient, absorbed_rotors
-from derive.robot.description import Link, Motor
+from derive.robot.description import Motor
 from derive.robot.expression import ZERO, Expression, add, multiply, power, to_text
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
@@ -27,10 +27,7 @@ def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domai
     for link in robot.links:
         mass, r = domain.constant(link.mass), constant_vector(link.com, domain)
         bodies.append(Body(mass, scale(mass, r), central_inertia(link, domain) + steiner(mass, r)))
-    return [
-        _body_part(bodies[p.joint - 1], p.part) if p.of_link else _joint_part(robot.links[p.joint - 1], p.part, domain)
-        for p in parameters
-    ]
+    return [_value(p, robot, bodies, domain) for p in parameters]
 
 
 def base_values(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Callable[[Coefficient], S]) -> list[S]:
@@ -64,28 +61,25 @@ def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Param
     grouped = regroup(replace(chain, bodies=tuple(bodies))).bodies
     values: dict[Parameter, S] = {}
     for p in [*base.parameters, *(relation.parameter for relation in base.relations)]:
-        link = robot.links[p.joint - 1]
-        values[p] = _body_part(grouped[p.joint - 1], p.part) if p.of_link else _joint_part(link, p.part, domain)
+        values[p] = _value(p, robot, grouped, domain)
     for p, added in armatures.items():
         values[p] = values[p] + added
     return values
 
 
-def _body_part(body: Body[S], part: str) -> S:
-    """One of a body's ten parameters."""
-    if part == "m":
+def _value(p: Parameter, robot: Robot, bodies: Sequence[Body[S]], domain: Domain[S]) -> S:
+    """One of a body's ten parameters, or that of a rotor, armature or friction."""
+    link, body = robot.links[p.joint - 1], bodies[p.joint - 1]
+    if p.part == "m":
         return body.mass
-    if part in LINK_PARTS[1:4]:
-        return body.first_moment["xyz".index(part[1])]
-    value: S = getattr(body.inertia, part[1:])
-    return value
-
-
-def _joint_part(link: Link, part: str, domain: Domain[S]) -> S:
-    """Rotor, armature or friction."""
+    if p.part in LINK_PARTS[1:4]:
+        return body.first_moment["xyz".index(p.part[1])]
+    if p.of_link:
+        value: S = getattr(body.inertia, p.part[1:])
+        return value
     motor = link.motor or Motor()
     cells = {"mm": motor.mass, "Im": motor.inertia, "Ia": link.armature, "b": link.viscous, "f": link.coulomb}
-    return domain.constant(cells[part])
+    return domain.constant(cells[p.part])
 
 
 MAX_TEXT = 1000  # longest formula, in characters, that is written

@@ -1,4 +1,4 @@
-"""`--inertia possible`: the nearest bodies that exist and move as the given ones do.
+"""`--inertia possible`: the nearest physically consistent bodies with the torques of the given ones.
 
 A rigid body exists where its pseudo-inertia [[S, h], [h^T, m]], with S its second moments and h its first moment, is
 positive semidefinite: then its mass is not negative, and no principal moment is larger than the sum of the other two
@@ -15,17 +15,15 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import floor, log10
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from flint import arb, fmpq
 
 from derive.errors import DeriveError, near_miss, quoted
 from derive.mechanics.chain import Chain
 from derive.mechanics.space import decimal, exactly
 from derive.mechanics.vectors import add, from_matrix, matmul, multiply, scale, steiner, transpose
-from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero, null_space
+from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero
 from derive.model.identification.nearest_bodies import (
     BORDER,
     EXISTING,
@@ -46,17 +44,17 @@ from derive.model.identification.regressor_null_space import (
     body_of,
     combined,
     directions,
+    fixing,
     keeping,
     parameters_of,
 )
+from derive.model.identification.semidefinite import Array
 from derive.model.identification.witness import refusal
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import Expression, number, to_text
 from derive.robot.names import without_lost_symbols
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
-
-Array = npt.NDArray[Any]
 
 # Which bodies are taken: those of the robot, or the nearest ones that exist and move alike.
 INERTIAS = ("given", "possible")
@@ -80,12 +78,11 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Possible:
-    """A robot whose links exist."""
+    """A robot whose links are physically consistent."""
 
     robot: Robot  # the robot
     changes: tuple[Change, ...]  # the links that changed
-    # Links, from 1, that are limits of bodies, such as a point or a thin rod, since torques leave no choice.
-    border: tuple[int, ...] = ()
+    border: tuple[int, ...] = ()  # links, from 1, that torques keep at limits of bodies: a point, a thin rod
 
     @property
     def report(self) -> tuple[str, ...]:
@@ -93,14 +90,10 @@ class Possible:
         head = f"{len(self.changes)} of {self.robot.n} links changed; base parameters and torques stay the same"
         lines = [head, *map(str, self.changes)] if self.changes else ["all links exist as they are"]
         if self.border:
-            which = (
-                f"link {self.border[0]} is"
-                if len(self.border) == 1
-                else f"links {', '.join(map(str, self.border))} are"
-            )
-            lines.append(
-                f"{which} at the limit of what exists (nothing, a point, a thin rod or plate); torques allow no other"
-            )
+            several, which = len(self.border) > 1, ", ".join(map(str, self.border))
+            are = f"links {which} are" if several else f"link {which} is"
+            limit = "at the limit of what exists (nothing, a point, a thin rod or plate); torques allow no other"
+            lines.append(f"{are} {limit}")
         return tuple(lines)
 
     @property
@@ -110,7 +103,7 @@ class Possible:
 
 
 def possible(robot: Robot) -> Possible:
-    """The nearest bodies that exist and give the same torques."""
+    """The nearest physically consistent bodies that give the same torques."""
     if not robot.links:
         raise DeriveError(f"{robot.name}: no masses and inertias", remedy="give links in the robot file")
     with exactly():
@@ -143,7 +136,7 @@ def possible(robot: Robot) -> Possible:
 
 
 def wants_possible(inertia: str) -> bool:
-    """Whether bodies that exist are asked for."""
+    """Whether physically consistent bodies are asked for."""
     if inertia not in INERTIAS:
         allowed = f"allowed: {', '.join(INERTIAS)}"
         raise DeriveError(
@@ -167,9 +160,7 @@ def _without_mass(parameters: Sequence[Exact], basis: list[Direction]) -> list[D
     """
     masses = range(0, len(parameters), WIDTH)
     kept = [k for k in masses if is_zero(parameters[k]) and all(is_zero(direction[k]) for direction in basis)]
-    rows = [[direction[k + axis] for direction in basis] for k in kept for axis in (1, 2, 3)]
-    rows = [row for row in rows if not all(map(is_zero, row))]
-    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()] if rows else basis
+    return fixing(basis, [k + axis for k in kept for axis in (1, 2, 3)])
 
 
 def _decimal_steps(bodies: Bodies, target: Array) -> list[Exact] | None:
@@ -239,9 +230,8 @@ def _differences(old: Link, new: Link) -> Iterator[tuple[str, Expression, Expres
     pairs = [("mass", old.mass, new.mass)]
     pairs += [(f"com {axis}", *pair) for axis, pair in zip("xyz", zip(old.com, new.com, strict=True), strict=True)]
     pairs += [(key, getattr(old.inertia, key), getattr(new.inertia, key)) for key in MOMENTS]
-    yield from ((name, before, after) for name, before, after in pairs if before != after)
+    yield from (pair for pair in pairs if pair[1] != pair[2])
 
 
 def _short(cell: Expression) -> str:
-    """A cell for a message."""
     return to_text(cell, lambda value: f"{float(value):.6g}")

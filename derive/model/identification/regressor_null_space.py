@@ -1,7 +1,7 @@
-"""What of the links' inertial parameters may change while every torque stays the same.
+"""The null space of the regressor: changes of the links' inertial parameters that leave every torque the same.
 
-The torques know base parameters alone (`derive.model.identification.base_parameters`), so bodies may change along the
-directions in which no base parameter does. They are two kinds:
+Torques depend on the base parameters alone (`derive.model.identification.base_parameters`), so bodies may change along
+the directions in which no base parameter does. They are of two kinds:
 
 - what of a link looks the same however its joint moves may as well be on the link before: of a revolute joint's link
   its mass, its first moment along the axis, and the second moment along the axis, diag(1, 1, 0); of a prismatic joint's
@@ -50,7 +50,7 @@ def body_of(parameters: Sequence[Exact]) -> Body[Exact]:
 
 
 def directions(robot: Robot, chain: Chain[Exact], domain: ExactDomain) -> list[Direction]:
-    """A basis of the changes of bodies that no torque notices."""
+    """A basis of the changes of bodies that change no torque."""
     base = base_set(robot)
     return [*_moved_inward(chain), *_replaced(base, chain.n, domain)]
 
@@ -95,10 +95,14 @@ def _place(parameter: Parameter) -> int:
 
 def keeping(basis: Sequence[Direction], links: Sequence[int]) -> list[Direction]:
     """Those changes that leave some links as they are."""
-    places = [WIDTH * i + k for i in links for k in range(WIDTH)]
+    return fixing(basis, [WIDTH * i + k for i in links for k in range(WIDTH)])
+
+
+def fixing(basis: Sequence[Direction], places: Sequence[int]) -> list[Direction]:
+    """Those changes that leave some parameters as they are."""
     rows = [[direction[place] for direction in basis] for place in places]
     rows = [row for row in rows if not all(map(is_zero, row))]
-    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()]
+    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()] if rows else list(basis)
 
 
 def combined(basis: Sequence[Direction], weights: Sequence[Exact]) -> Direction:

@@ -49,11 +49,7 @@ class Optimum:
 
 
 def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None) -> Optimum:
-    """The least of a function within limits.
-
-    Args:
-        quadratic: Q, positive semidefinite; None for zero.
-    """
+    """The least of a function within limits; Q is positive semidefinite, None for zero."""
     try:
         import clarabel
         from scipy import sparse
@@ -100,6 +96,5 @@ def unpacked(vectors: Array) -> Array:
 
 
 def _triangle(size: int) -> tuple[Array, Array]:
-    """Rows and columns of the upper triangle, column by column."""
     columns, rows = np.tril_indices(size)
     return rows, columns

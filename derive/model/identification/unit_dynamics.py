@@ -86,7 +86,6 @@ class UnitDynamics(Generic[S]):
         return known[i]
 
     def _gravity_in(self, i: int) -> Vector[S]:
-        """The acceleration of gravity in joint frame i."""
         known = self._known_gravities
         while len(known) <= i:
             known.append(to_child(self.chain.joints[len(known)], known[-1] if known else self.chain.gravity))

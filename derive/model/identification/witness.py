@@ -1,13 +1,13 @@
-"""Why there are no bodies that move as some numbers say: a witness that anybody can check.
+"""Why no physically consistent bodies have some torques: a certificate (witness) that anybody can check.
 
 For each link a quadratic function f_i of place, nowhere negative: then the sum of the integrals of f_i over the masses
 of the links is not negative, whatever the bodies. Where f_i and f_{i-1} agree on the axis of joint i, and no torque
-notices the rest of them either, this sum is one of base parameters: it is the same for all bodies with these torques.
+depends on their rest either, this sum is one of base parameters: it is the same for all bodies with these torques.
 If it comes out negative from the given numbers, these contradict mechanics, and no choice of bodies helps.
 
 The functions come from the dual of the search for bodies (`possible`), rounded to rational numbers,
 with some kinetic energy added (which is such a sum, and positive) so that they stay above zero. Where a point of a link
-never moves, no torque notices what is there: f_i is zero, and rounding must keep it so, since next to it f_i would be
+never moves, no torque depends on what is there: f_i is zero, and rounding must keep it so, as beside it f_i would be
 negative. The same goes for a direction along which it slides alone, or that never turns. These are the vectors (x, y,
 z, 1) and (x, y, z, 0) that the screws of all joints up to i send to zero; elsewhere kinetic energy is positive, so that
 a little of it makes up for rounding. All three claims are then checked again in the scalars of
@@ -21,10 +21,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log10
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from flint import fmpq
 
 from derive.errors import DeriveError
@@ -36,12 +34,10 @@ from derive.mechanics.vectors import add, scale
 from derive.model.identification.base_parameters import base_set
 from derive.model.identification.exact_scalars import Exact, as_fraction, is_rational, is_zero, null_space
 from derive.model.identification.regressor_null_space import WIDTH, Direction, combined, parameters_of
-from derive.model.identification.semidefinite import Cone, Limit, least, packed
+from derive.model.identification.semidefinite import Array, Cone, Limit, least, packed
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
-
-Array = npt.NDArray[Any]
 
 ADDED = (0.0, *(10.0**-k for k in range(10, 0, -1)))  # parts of kinetic energy that are tried
 DIGITS = (6, 12)  # of the largest coefficient of a function, in the units of the links; few are easier to read
@@ -49,16 +45,12 @@ SHOWN = 100  # coefficients smaller by this factor are left out of messages
 STILL = 1e-9  # part of a link's kinetic energy that is rounding
 STATES = 12  # of which kinetic energies are added up
 # Terms of a function of place, and where their coefficients stand in its symmetric matrix.
-MONOMIALS = {"x^2": (0, 0), "y^2": (1, 1), "z^2": (2, 2), "x y": (0, 1), "x z": (0, 2), "y z": (1, 2)} | {
-    "x": (0, 3),
-    "y": (1, 3),
-    "z": (2, 3),
-    "": (3, 3),
-}
+MONOMIALS = {"x^2": (0, 0), "y^2": (1, 1), "z^2": (2, 2), "x y": (0, 1), "x z": (0, 2), "y z": (1, 2)}
+MONOMIALS |= {"x": (0, 3), "y": (1, 3), "z": (2, 3), "": (3, 3)}
 
 
 class NoSuchBodies(DeriveError):
-    """No bodies move as these numbers say."""
+    """No physically consistent bodies have these torques."""
 
     witness: Witness | None = None  # why; None where only the search says so
 
@@ -115,24 +107,19 @@ def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], price
 def find_witness(
     robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array, units: Array
 ) -> Witness | None:
-    """A witness from approximate functions.
+    """A witness from approximate functions; None where rounding these does not give one.
 
-    Args:
-        prices: (n, 4, 4) matrices of functions that nearly are one, in the units of the links.
-        units: (n, 4, 4) what takes pseudo-inertias in joint frames to these units, from both sides.
-
-    Returns:
-        The witness, or None where rounding them does not give one.
+    Prices, (n, 4, 4), are matrices of functions that nearly are one, in the units of the links; units, (n, 4, 4), take
+    pseudo-inertias in joint frames to these units, from both sides.
     """
     parameters = [value for body in chain.bodies for value in parameters_of(body)]
-    # Functions that torques notice: orthogonal to all changes of bodies, zero where links never move.
+    # Functions that torques depend on: orthogonal to all changes of bodies, zero where links never move.
     seen = list(null_space([*basis, *_still(chain)], len(parameters)).values())
     columns = np.array([_in_units([float(entry) for entry in vector], units) for vector in seen]).T
     lengths = np.linalg.norm(columns, axis=0)
     values = [float(sum((e * p for e, p in zip(vector, parameters, strict=True)), fmpq(0))) for vector in seen]
-    starts = _starts(
-        columns / lengths, np.array(values) / lengths, prices, _in_units(list(_kinetic_energy(robot)), units)
-    )
+    energy = _in_units(list(_kinetic_energy(robot)), units)
+    starts = _starts(columns / lengths, np.array(values) / lengths, prices, energy)
     for start, digits in ((each, few) for each in starts for few in DIGITS):
         nearest = start / lengths
         most = np.abs(nearest).max()
@@ -193,7 +180,7 @@ def _in_units(factors: Sequence[float], units: Array) -> Array:
 
 
 def _still(chain: Chain[Exact]) -> list[Direction]:
-    """What is zero of functions that torques notice, and that are nowhere negative, where links never move."""
+    """What is zero of functions that are nowhere negative and that torques depend on, where links never move."""
     units = [[fmpq(int(a == b)) for a in range(WIDTH)] for b in range(WIDTH)]
     matrices, width = [function_matrix(unit) for unit in units], WIDTH * chain.n
     rows = []
@@ -216,13 +203,6 @@ def _still(chain: Chain[Exact]) -> list[Direction]:
                     row[WIDTH * i + k] = sum((m * v for m, v in zip(matrix[a], vector, strict=True)), fmpq(0))
                 rows.append(row)
     return rows
-
-
-def coefficients(matrix: Array) -> Array:
-    """What multiplies a body's ten parameters in the integral of a function over its mass."""
-    (xx, xy, xz, x), (_, yy, yz, y), (_, _, zz, z), (*_, one) = matrix
-    turning = [(yy + zz - xx) / 2, (xx + zz - yy) / 2, (xx + yy - zz) / 2, -2 * xy, -2 * xz, -2 * yz]
-    return np.array([one, 2 * x, 2 * y, 2 * z, *turning])
 
 
 def function_matrix(factors: Sequence[Exact]) -> list[list[Exact]]:

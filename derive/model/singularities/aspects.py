@@ -62,10 +62,8 @@ class Aspects:
     solutions: tuple[int, ...] = ()  # how many real solutions each of the poses has that were looked at
     shared: int = 0  # how many of these poses have two solutions with the same signs of all factors
     crossing: Crossing | None = None  # a path between two solutions of one pose; None where none was found
-    # The signs of the factors in each solution of `inverse` in closed form, where they are always the same.
-    signs: tuple[tuple[int, ...] | None, ...] = ()
-    # Numbers of the parameters with which the arm was looked at.
-    values: Mapping[str, float] = field(default_factory=dict)
+    signs: tuple[tuple[int, ...] | None, ...] = ()  # of the factors in each solution; None where they vary
+    values: Mapping[str, float] = field(default_factory=dict)  # the parameters with which the arm was looked at
     task: tuple[str, ...] = ()  # whose determinant is det J; empty for all of J
 
     @property
@@ -104,9 +102,8 @@ def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Ma
 class _Look:
     """Looks at one arm in numbers.
 
-    Attributes:
-        is_same: Whether det J in numbers is the product of the factors.
-        conditions: The factors by whose signs aspects are told apart; none where det J itself is taken.
+    `is_same` says whether det J in numbers is the product of the factors, by whose signs, `conditions`, aspects are
+    told apart; there are none where det J itself is taken.
     """
 
     def __init__(
@@ -119,6 +116,7 @@ class _Look:
     ) -> None:
         self._inverse, self._chain, self._determinant = inverse, chain, determinant
         self._values = values
+        self._known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in values.items()}
         self._q = [sympy.Symbol(joint.variable) for joint in inverse.robot.joints]
         product = np.ones(64)
         sample = random_configurations(chain, 64, 6)
@@ -133,12 +131,10 @@ class _Look:
         self._roads: dict[tuple[int, ...], Roadmap] = {}
 
     def _number(self, expression: Expr, q: Array) -> Array:
-        known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in self._values.items()}
-        known |= {symbol: q[..., k] for k, symbol in enumerate(self._q)}
+        known: Numbers = self._known | {symbol: q[..., k] for k, symbol in enumerate(self._q)}
         return np.broadcast_to(np.asarray(array_value(expression, known)), q.shape[:-1])
 
     def _moving(self, sample: Array) -> tuple[int, ...]:
-        """The joints that change det J."""
         found, rng = [], np.random.default_rng(7)
         for k in range(self._chain.n):
             moved = sample.copy()
@@ -212,8 +208,8 @@ class _Look:
         for solution in self._inverse.solutions if self.conditions else ():
             seen = set[tuple[int, ...]]()
             for pose in goal:
-                known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in self._values.items()}
-                known |= {self._inverse.pose[i, j]: pose[i, j] for i in range(3) for j in range(4)}
+                places = {self._inverse.pose[i, j]: pose[i, j] for i in range(3) for j in range(4)}
+                known: Numbers = self._known | places
                 with np.errstate(all="ignore"):
                     for line in solution.lines:
                         known[line.symbol] = array_value(line.value, known)

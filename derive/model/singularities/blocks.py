@@ -20,7 +20,6 @@ from derive.mechanics.exact_kinematics import JacobianColumn, Kinematics, Refere
 from derive.mechanics.vectors import column, dot
 from derive.robot.expression import ONE, ZERO, number
 from derive.robot.options.inverse import FREEDOMS, POSE, TASKS
-from derive.robot.robot import Robot
 
 ALL = (1, 2, 3, 4, 5, 6)
 
@@ -57,10 +56,8 @@ def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
     if centre is None:
         return (_shortest(kinematics, "J", ALL, [Reference(k, k) for k in range(7)]),)
     references = [Reference(k, centre) for k in range(7)]
-    return (
-        _shortest(kinematics, "J_11", ALL[:3], references),
-        _shortest(kinematics, "J_22", ALL[3:], references),
-    )
+    halves = (("J_11", ALL[:3]), ("J_22", ALL[3:]))
+    return tuple(_shortest(kinematics, name, places, references) for name, places in halves)
 
 
 def _wrist_centre(kinematics: Kinematics) -> int | None:
@@ -127,18 +124,16 @@ def _task_rows(kinematics: Kinematics) -> Iterator[SquareBlock]:
 
 def _candidates(kinematics: Kinematics) -> Iterator[SquareBlock]:
     """Blocks of all columns of an arm with a natural task, in the order in which they are preferred."""
-    n, end = kinematics.robot.n, Reference(frame=0 if _is_slanted(kinematics.robot) else None)
+    n, base = kinematics.robot.n, kinematics.robot.base
+    # A slanted base turns frame 0 so that its axes are none of the world.
+    is_straight = all(cell in (ZERO, ONE, number(-1)) for row in base[:3] for cell in row[:3])
+    end = Reference(frame=None if is_straight else 0)
     columns = tuple(range(1, n + 1))
     yield from _nonzero_rows(kinematics, [Reference(), Reference(frame=0)])
     if n == 3:
         yield _block("J", (1, 2, 3), columns, end, jacobian_columns(kinematics, end))
     frames = (None, *range(n + 1))
     yield from _nonzero_rows(kinematics, [Reference(k, m) for m in (None, *range(n + 1)) for k in frames])
-
-
-def _is_slanted(robot: Robot) -> bool:
-    """Whether the base turns frame 0 so that no axis of it is one of the world."""
-    return not all(cell in (ZERO, ONE, number(-1)) for row in robot.base[:3] for cell in row[:3])
 
 
 def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> Iterator[SquareBlock]:
@@ -154,21 +149,14 @@ def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> It
             yield _block("J", rows, tuple(range(1, n + 1)), reference, columns)
 
 
-def _words(rows: tuple[int, ...]) -> tuple[str, ...]:
-    """What rows of J are the velocities of."""
-    turns = rows[sum(r <= 3 for r in rows) :]
-    names = ("x", "y", "z", "rotation about x", "rotation about y", "phi" if len(turns) == 1 else "rotation about z")
-    return ("orientation",) if turns == (4, 5, 6) else task_words([names[r - 1] for r in rows])
-
-
 def _block(
-    name: str,
-    rows: tuple[int, ...],
-    columns: tuple[int, ...],
-    reference: Reference,
-    entries: Sequence[JacobianColumn],
+    name: str, rows: tuple[int, ...], columns: tuple[int, ...], reference: Reference, entries: Sequence[JacobianColumn]
 ) -> SquareBlock:
     chosen = tuple(tuple(entries[c - 1][r - 1] for c in columns) for r in rows)
     others = (entries[c - 1][r - 1] for c in columns for r in ALL if r not in rows)
-    task = _words(rows) if len(entries) < 6 else ()
+    # What the rows are the velocities of.
+    turns = rows[sum(r <= 3 for r in rows) :]
+    names = ("x", "y", "z", "rotation about x", "rotation about y", "phi" if len(turns) == 1 else "rotation about z")
+    words = ("orientation",) if turns == (4, 5, 6) else task_words([names[r - 1] for r in rows])
+    task = words if len(entries) < 6 else ()
     return SquareBlock(name, rows, columns, reference, chosen, not any(others), task)

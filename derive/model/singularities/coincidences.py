@@ -35,17 +35,13 @@ def coincidences(
 ) -> tuple[tuple[tuple[SingularFactor, ...], tuple[SingularFactor, ...]], ...]:
     """For each step the factors of det J at whose zeros its two values are one, and those at whose zeros it is free."""
     moving = [factor for factor in factors if factor.condition is not None]
-    places = {id(factor): list(_zeros(found, factor)) for factor in moving}
-    pairs = []
-    for step in found.steps:
-        merged = () if step.exists is sympy.true else (_margin(step),)
-        pairs.append(
-            tuple(
-                tuple(factor for factor in moving if conditions and _vanish(conditions, places[id(factor)]))
-                for conditions in (merged, step.free)
-            )
-        )
-    return tuple((merged, free) for merged, free in pairs)
+    places = [(factor, list(_zeros(found, factor))) for factor in moving]
+
+    def _where_zero(conditions: Sequence[Expr]) -> tuple[SingularFactor, ...]:
+        return tuple(factor for factor, zeros in places if conditions and _vanish(conditions, zeros))
+
+    merged = (() if step.exists is sympy.true else (_margin(step),) for step in found.steps)
+    return tuple((_where_zero(own), _where_zero(step.free)) for own, step in zip(merged, found.steps, strict=True))
 
 
 def _margin(step: PrintedStep) -> Expr:

@@ -46,11 +46,7 @@ class Condition:
 def zero_condition(
     zeros: RealZeros, factor: Factor, expression: Expr, write: Write, *, is_position: bool, has_wrist: bool
 ) -> Condition | None:
-    """Where a factor of the determinant is zero.
-
-    Returns:
-        The condition; None if the factor does not move, or is never zero.
-    """
+    """Where a factor of the determinant is zero; None if it does not move, or is never zero."""
     joints, domain = zeros.moving(factor.value), zeros.domain
     exists = bool(joints) and zeros.exist([factor.value])
     if exists is False:

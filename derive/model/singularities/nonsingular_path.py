@@ -31,8 +31,7 @@ class Crossing:
 class ScaledDeterminant:
     """det J in numbers, of the rows that decide its rank; in parts of its largest value.
 
-    Attributes:
-        basis: Orthonormal rows of what the joints move; None where they are not as many as the joints.
+    `basis` has orthonormal rows of what the joints move, None where they are not as many as the joints.
     """
 
     def __init__(self, chain: NumericChain) -> None:
@@ -78,11 +77,7 @@ def random_configurations(chain: NumericChain, count: int, seed: int) -> Array:
 
 
 class Roadmap:
-    """Straight pieces between random configurations on which det J is not zero (a probabilistic roadmap).
-
-    Args:
-        places: Configurations with the same signs of all factors, (k, n).
-    """
+    """Straight pieces between random configurations with the same signs, (k, n), on which det J is not zero."""
 
     def __init__(
         self, chain: NumericChain, determinant: ScaledDeterminant, places: Array, active: Sequence[int]
@@ -100,7 +95,6 @@ class Roadmap:
         return found
 
     def _near(self, q: Array) -> list[list[int]]:
-        """The nearest milestones of configurations."""
         found = []
         for own in q:
             way = self._way(own, self._places)[:, self._active]

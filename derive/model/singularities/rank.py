@@ -25,7 +25,7 @@ from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.model.singularities.real_zeros import RealZeros
 
 Rows = Sequence[Sequence[Polynomial]]
-Equation = Mapping[str, Factor]  # the factors of a minor by their keys: it is zero where one of them is
+FactorChoice = Mapping[str, Factor]  # the factors of a minor by their keys: it is zero where one of them is
 MAX_MINORS = 200
 MAX_STEPS = 400  # choices of factors that are followed
 
@@ -81,12 +81,7 @@ def _key(factor: Factor) -> str:
 
 
 class CommonZeros:
-    """Solves systems of products.
-
-    Attributes:
-        complete: Whether every common zero lies in the families that were given out.
-        unless: What was taken not to be zero, by keys.
-    """
+    """Solves systems of products: `complete` if all common zeros were given out; `unless` is taken not to vanish."""
 
     def __init__(self, domain: PolynomialDomain) -> None:
         self._domain, self._factoring, self.zeros = domain, Factoring(domain), RealZeros(domain)
@@ -96,7 +91,8 @@ class CommonZeros:
         """The rank that entries which do not move take out of a matrix, the rest of it, and these entries."""
         left, pivots = [list(row) for row in rows if any(row)], list[Polynomial]()
         while True:
-            still = [(i, j) for i, row in enumerate(left) for j, p in enumerate(row) if self._stands(p)]
+            entries = [(i, j, p) for i, row in enumerate(left) for j, p in enumerate(row)]
+            still = [(i, j) for i, j, p in entries if not self.zeros.moving(p) and not self.zeros.vanishes(p)]
             if not still:
                 return len(pivots), left, pivots
             _, i, j = min((self._cost(left, i, j), i, j) for i, j in still)
@@ -115,9 +111,6 @@ class CommonZeros:
         fill = sum(map(bool, rows[i])) * sum(bool(row[j]) for row in rows)
         return not rows[i][j].is_constant, len(rows[i][j]), fill
 
-    def _stands(self, p: Polynomial) -> bool:
-        return not self.zeros.moving(p) and not self.zeros.vanishes(p)
-
     def minors(self, rows: Rows) -> tuple[int, list[Polynomial]]:
         """The largest minors that are not zero everywhere, and their size."""
         width = len(rows[0]) if rows else 0
@@ -130,7 +123,7 @@ class CommonZeros:
                 return size, minors
         return 0, []
 
-    def moving_factors(self, p: Polynomial) -> Equation | None:
+    def moving_factors(self, p: Polynomial) -> FactorChoice | None:
         """The factors of a polynomial that can be zero; None where it is zero everywhere."""
         if self.zeros.vanishes(p):
             return None
@@ -149,12 +142,12 @@ class CommonZeros:
         read = [self.moving_factors(p) for p in polynomials]
         return self._solved([equation for equation in read if equation is not None])
 
-    def _solved(self, equations: Sequence[Equation]) -> list[Family]:
+    def _solved(self, equations: Sequence[FactorChoice]) -> list[Family]:
         self._steps += 1
         if self._steps > MAX_STEPS:
             self.complete = False
             return []
-        needed: list[Equation] = []
+        needed: list[FactorChoice] = []
         for equation in sorted(equations, key=len):  # one with all factors of another follows from it
             if not any(set(other) <= set(equation) for other in needed):
                 needed.append(equation)
@@ -174,7 +167,7 @@ class CommonZeros:
             found += self._with(factor, [e for e in rest if e is not first and key not in e])
         return found
 
-    def _effort(self, equation: Equation) -> tuple[int, ...]:
+    def _effort(self, equation: FactorChoice) -> tuple[int, ...]:
         unsolved = sum(not self.images(factor) for factor in equation.values())
         terms = sum(len(factor.value) for factor in equation.values())
         return len(equation) == unsolved == 1, len(equation), unsolved, terms
@@ -187,7 +180,7 @@ class CommonZeros:
         self.complete = self.complete and self.zeros.exist([factor.value for factor in factors]) is False
         return []
 
-    def _with(self, factor: Factor, others: Sequence[Equation]) -> list[Family]:
+    def _with(self, factor: Factor, others: Sequence[FactorChoice]) -> list[Family]:
         """The families in which a factor is zero; its solutions together where the others are the same for all."""
         images = self.images(factor)
         if not images:
@@ -205,8 +198,8 @@ class CommonZeros:
         return [(Zero(factor), *tables[0][name][1]) for name in shared] + [(Zero(factor, k), *own) for k, own in alone]
 
     def _put_in(
-        self, equation: Equation, image: Mapping[int, Polynomial], before: dict[tuple[str, int | None], Zero]
-    ) -> Equation | None:
+        self, equation: FactorChoice, image: Mapping[int, Polynomial], before: dict[tuple[str, int | None], Zero]
+    ) -> FactorChoice | None:
         """An equation with a solution put in, None where it holds then; and which factors were others before."""
         found: dict[str, Factor] = {}
         for factor in equation.values():
@@ -241,9 +234,8 @@ class CommonZeros:
         before = group[: group.index(first)]
         c0, s0 = ring.one, ring.zero
         if before:
-            c0, s0 = (
-                ring.wrap(ring.context.gens()[domain.places[kind, before[-1]]]) for kind in (Kind.COSINE, Kind.SINE)
-            )
+            places = (domain.places[kind, before[-1]] for kind in (Kind.COSINE, Kind.SINE))
+            c0, s0 = (ring.wrap(ring.context.gens()[place]) for place in places)
         # The solutions put in: cosine and sine of the last angle from those of the angles before it.
         turn = domain.directions[first] * domain.directions[group[0]]
         values = ((1, 0), (-1, 0)) if factor.kind is Kind.SINE else ((0, -turn), (0, turn))

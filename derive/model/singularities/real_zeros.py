@@ -62,13 +62,11 @@ class RealZeros:
     def _terms(self, p: Polynomial) -> _Terms:
         known = [math.nan if value is None else value for value in self._values]
         free = [value is None for value in self._values]
-        return [
-            (
-                float(coefficient) * math.prod(known[i] ** e for i, e in enumerate(powers) if e and not free[i]),
-                {i: e for i, e in enumerate(powers) if e and free[i]},
-            )
-            for powers, coefficient in p.terms()
-        ]
+        found = []
+        for powers, coefficient in p.terms():
+            size = math.prod(known[i] ** e for i, e in enumerate(powers) if e and not free[i])
+            found.append((float(coefficient) * size, {i: e for i, e in enumerate(powers) if e and free[i]}))
+        return found
 
     def rank(self, rows: Sequence[Sequence[Polynomial]]) -> int:
         """The rank of a matrix at a random place, with random numbers of symbols that have none."""

@@ -49,32 +49,18 @@ class SingularFactor:
 
 @dataclass(frozen=True)
 class Singularities:
-    """Where an arm is singular.
+    """Where an arm is singular."""
 
-    Attributes:
-        outcome: What was found.
-        blocks: The diagonal blocks whose determinants are multiplied; none without a square block that decides.
-        determinant: Their product as a product of factors; 0 if singular everywhere, None where it was not
-            computed or there is none.
-        factors: Its factors; without a determinant what alone makes all minors zero.
-        task: What the rows are the velocities of: x, y, z, phi, position, orientation, ...; empty for all of J.
-        shape: Rows and columns of the Jacobian.
-        rank: Its usual rank; None where it was not computed.
-        families: The rank is less where all conditions of one of these hold.
-        complete: Whether it is less nowhere else.
-        unless: What is taken not to be zero where ``complete``.
-    """
-
-    outcome: Outcome
-    blocks: tuple[JacobianBlock, ...] = ()
-    determinant: Expr | None = None
-    factors: tuple[SingularFactor, ...] = ()
-    task: tuple[str, ...] = ()
-    shape: tuple[int, int] = (6, 6)
-    rank: int | None = None
-    families: tuple[tuple[Condition, ...], ...] = ()
-    complete: bool = True
-    unless: tuple[Expr, ...] = ()
+    outcome: Outcome  # what was found
+    blocks: tuple[JacobianBlock, ...] = ()  # whose determinants are multiplied; none where no square block decides
+    determinant: Expr | None = None  # their product in factors; 0 if singular everywhere, None where there is none
+    factors: tuple[SingularFactor, ...] = ()  # without a determinant what alone makes all minors zero
+    task: tuple[str, ...] = ()  # whose velocities the rows are: x, y, z, phi, position, ...; empty for all of J
+    shape: tuple[int, int] = (6, 6)  # rows and columns of the Jacobian
+    rank: int | None = None  # its usual rank; None where it was not computed
+    families: tuple[tuple[Condition, ...], ...] = ()  # the rank is less where all conditions of one of these hold
+    complete: bool = True  # whether it is less nowhere else
+    unless: tuple[Expr, ...] = ()  # what is taken not to be zero where ``complete``
 
     @property
     def conditions(self) -> tuple[Condition, ...]:

@@ -12,7 +12,7 @@ from derive.mechanics.space import exactly
 from derive.model.identification.exact_scalars import ExactDomain
 from derive.model.identification.possible import possible
 from derive.model.identification.regressor_null_space import bare_chain, parameters_of
-from derive.model.identification.witness import NoSuchBodies, Witness, coefficients, function_matrix, is_semidefinite
+from derive.model.identification.witness import NoSuchBodies, Witness, function_matrix, is_semidefinite
 from derive.robot.description import Inertia
 from derive.robot.expression import number
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
@@ -21,6 +21,13 @@ from derive.verification.oracle.functions import Oracle
 from tests.exchange.bodied import arm, with_links
 
 pytest.importorskip("clarabel")
+
+
+def coefficients(matrix: np.ndarray) -> np.ndarray:
+    """What multiplies a body's ten parameters in the integral of a function over its mass."""
+    (xx, xy, xz, x), (_, yy, yz, y), (_, _, zz, z), (*_, one) = matrix
+    turning = [(yy + zz - xx) / 2, (xx + zz - yy) / 2, (xx + yy - zz) / 2, -2 * xy, -2 * xz, -2 * yz]
+    return np.array([one, 2 * x, 2 * y, 2 * z, *turning])
 
 
 def contradictory(turned: bool) -> Robot:
