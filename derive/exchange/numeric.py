@@ -39,7 +39,6 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
 
 
 def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
-    """A part of a description with all its cells filled in."""
     if isinstance(part, tuple):
         return tuple(_filled(entry, values) for entry in part)
     if isinstance(part, Expression):
@@ -61,6 +60,7 @@ def with_positive_axes(robot: Some) -> Some:
     A half turn H about x takes z to -z, so that Rot(z, -q) Trans(z, d) = H Rot(z, q) Trans(z, -d) H. It commutes with
     Trans(x, a) Rot(x, alpha) and adds pi to the alpha on either side; next to the base or the tool it goes there.
     """
+    # Which rows have H on their z part; two that follow one another cancel between them.
     turned = [joint.sign < 0 for joint in robot.joints]
     before, behind = [False, *turned[:-1]], [*turned[1:], False]
     standard = robot.convention is Convention.STANDARD

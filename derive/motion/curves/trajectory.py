@@ -123,6 +123,7 @@ class _Track:
         length = float(self.durations[index])
         u = (t - self._start_list[index]) / length
         q = qd = qdd = 0.0
+        # Horner's rule with both derivatives: q'' = q'' u + 2 q', q' = q' u + q, q = q u + c.
         for coefficient in self._powers[index]:
             qdd = qdd * u + 2 * qd
             qd = qd * u + q

@@ -43,10 +43,8 @@ def bounds_of(plan: Plan, values: Mapping[str, float]) -> Bounds:
     joints = plan.robot.joints
 
     def _least(*rows: Sequence[Expression | None]) -> Array:
-        of_joints = zip(*rows, strict=True)
-        return np.array(
-            [min((_known(most) for most in found if most is not None), default=np.inf) for found in of_joints]
-        )
+        of_joints = ([_known(most) for most in found if most is not None] for found in zip(*rows, strict=True))
+        return np.array([min(found, default=np.inf) for found in of_joints])
 
     def _known(most: Expression, unknown: float = np.inf) -> float:
         return evaluate(most, values) if all(name in values for name in names(most)) else unknown
@@ -108,9 +106,9 @@ def nearby(values: Mapping[str, Array], bounds: Bounds, kinds: Array) -> Bounds:
         least, most = rows.min(axis=0), rows.max(axis=0)
         picture = np.array([np.ptp(rows[:, kinds == kind]) for kind in kinds])
         both = np.isfinite(low) & np.isfinite(high)
-        half = np.where(
-            both, (high - np.where(both, low, 0.0)) / 2, np.where(np.isfinite(high), np.abs(high), np.abs(low))
-        )
+        only = np.where(np.isfinite(high), np.abs(high), np.abs(low))
+        half = np.where(both, (high - np.where(both, low, 0.0)) / 2, only)
+        # Near: within a part of half the way between both limits, and not farther outside than the picture is high.
         room = np.minimum(NEAR * half, picture)
         found[what] = np.where(least <= low + room, low, -np.inf), np.where(most >= high - room, high, np.inf)
     return found

@@ -87,7 +87,6 @@ class MotionCode:
 
     @cached_property
     def _pieces(self) -> tuple[tuple[str, tuple[AnyPiece, ...]], ...]:
-        """Of each joint its variable and its pieces."""
         segments, joints = self.motion.trajectory.segments, self.motion.plan.robot.joints
         count = sum(len(pieces) for segment in segments for pieces in segment.joints)
         if count > MOST:
@@ -100,12 +99,10 @@ class MotionCode:
 
     @cached_property
     def _kernels(self) -> dict[str, Kernel]:
-        """How pieces are computed, each kind once."""
         kinds = {kernel_name(piece, joint): (piece, joint) for joint, pieces in self._pieces for piece in pieces}
         return {name: kernel_of(piece, joint) for name, (piece, joint) in kinds.items()}
 
     def _kernel_texts(self, language: Language) -> dict[str, object]:
-        """The functions of the kinds of pieces in a language."""
         found = []
         for place, kernel in enumerate(self._kernels.values()):
             body, results = kernel.written(language)
@@ -116,7 +113,6 @@ class MotionCode:
 
     @property
     def _context(self) -> dict[str, object]:
-        """What the templates ask for."""
         motion, plan = self.motion, self.motion.plan
         places = {name: place for place, name in enumerate(self._kernels)}
         joints = [_Joint.of(variable, pieces, places) for variable, pieces in self._pieces]

@@ -234,7 +234,6 @@ def _wanted_peaks(motion: Motion, row: int, j: int) -> Mark:
 
 
 def _peaks(motion: Motion, row: int, joints: Sequence[int], curves: Curves, *, happened: bool) -> list[Mark]:
-    """The largest magnitudes of curves that are not constant."""
     times, values = curves
     marks = []
     for j in joints if row else ():
@@ -246,7 +245,6 @@ def _peaks(motion: Motion, row: int, joints: Sequence[int], curves: Curves, *, h
 
 
 def _name_points(axes: Any, motion: Motion) -> None:
-    """The names of the points above the times at which they are reached."""
     segments = motion.trajectory.segments
     if motion.plan.curves:
         return

@@ -29,8 +29,7 @@ class Run:
     lost: Array  # to friction up to then [J], (samples,)
     divergence: Divergence | None  # where it was given up, with the samples up to then; None where the end was reached
     pushed: Array = field(default_factory=lambda: np.zeros(1))  # work of the disturbances up to then [J], (samples,)
-    # Work up to then of the force and moment by which a moving base holds the arm [J], (samples,).
-    base: Array = field(default_factory=lambda: np.zeros(1))
+    base: Array = field(default_factory=lambda: np.zeros(1))  # work of a moving base on the arm up to then [J]
 
     @property
     def reached(self) -> bool:
@@ -90,6 +89,7 @@ def simulate(
         if looks:
             held = stage.law(a, state[:n], state[n : 2 * n])
         law = _motors(stage.law, held, b, is_sampled=period is not None)
+        # Samples after a up to b, and b itself, from which the next integration starts.
         inside = times[slice(*np.searchsorted(times, (a, b), side="right"))]
         wanted = inside if inside.size and inside[-1] == b else np.append(inside, b)
         if stage.plant.held:
@@ -99,6 +99,7 @@ def simulate(
             rows, divergence = step(stage.plant, law, state, (a, b), wanted)
         kept = rows[: inside.size]
         tau = [law(float(t), row[:n], row[n : 2 * n]) for t, row in zip(inside, kept, strict=False)]
+        # The work of a constant push is push . (q - q_a).
         pushes = pushed[-1] + (rows[:, :n] - state[:n]) @ stage.plant.push
         part = inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant, brought, pushes[: len(kept)]
         parts.append(_Stretch(*part))
