@@ -176,12 +176,9 @@ def _ancestry(urdf: Urdf, carrying: Mapping[str, UrdfJoint], link: str) -> list[
 
 
 def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm:
-    """The chain from one link to another.
+    """The chain from a base, None for the root that the tip hangs on, to a tip, None for the only link that is one.
 
-    Args:
-        base: Name of the link that stands; None for the one that the tip hangs on in the end.
-        tip: Name of the last link; None where only one carries no other and moves.
-        snap: Angles and directions that are closer to fractions of pi are taken for them [rad].
+    Angles and directions that are closer to fractions of pi than the snap are taken for them [rad].
     """
     for name in (base, tip):
         if name is not None and name not in urdf.bodies:

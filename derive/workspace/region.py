@@ -148,15 +148,13 @@ def joined(cells: Any, size: float) -> Region:
 
 
 def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tuple[tuple[int, Region], ...]:
-    """The parts of an area whose places are reached in different numbers of postures, the fewest first.
-
-    Slivers between two approximations of one curve belong to the part beside them.
-    """
+    """The parts of an area whose places are reached in different numbers of postures, the fewest first."""
     if not area.cells:
         return ()
     cells = np.array(area.cells, dtype=object)
     package, found = shapely(), numbers(_places_inside(cells))
-    # 2 area/perimeter is the width of a long cell.
+    # 2 area/perimeter is the width of a long cell: slivers between two approximations of one curve, which belong to the
+    # part beside them.
     thin = 2.0 * package.area(cells) < _SLIVER * size * package.length(cells)
     parts = {int(number): joined(cells[(found == number) & ~thin], size) for number in np.unique(found[~thin])}
     beside: dict[int, list[Region]] = {number: [part] for number, part in parts.items()}
@@ -167,10 +165,7 @@ def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tup
 
 
 def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> Flags:
-    """Whether positions of many configurations lie in cells that no search has reached.
-
-    The margin is what a curve may be off between two of its points, and more.
-    """
+    """Whether positions of many configurations lie in cells, by more inside than curves may be off."""
     package = shapely()
     if not len(faces):
         return np.zeros(0, dtype=bool)

@@ -37,10 +37,8 @@ class Limits:
     def stretch(self, speeds: Sequence[Expr], accelerations: Sequence[Expr]) -> Expr | None:
         """By how much a motion must be longer so that it keeps to speed and acceleration.
 
-        In a time that is f times as long speeds are 1/f, accelerations 1/f^2 of what they were.
-
-        Returns:
-            The factor, also below one; zero where nothing moves; None where nothing limits what moves.
+        In a time that is f times as long speeds are 1/f, accelerations 1/f^2 of what they were. The factor may be below
+        one; it is zero where nothing moves, and None where nothing limits what moves.
         """
         longest: Expr | None = None
         for j, (speed, acceleration) in enumerate(zip(speeds, accelerations, strict=True)):

@@ -42,14 +42,7 @@ class Trajectory:
         return np.asarray(np.clip(found, 0, len(self.segments) - 1))
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration; before the start and after the end the arm stands.
-
-        Args:
-            t: Times [s], of any shape (...).
-
-        Returns:
-            q, qd, qdd, (..., n) each [rad or m, per s, per s^2].
-        """
+        """q, qd, qdd, (..., n) each, at times t [s], (...); before the start and after the end the arm stands."""
         times = np.asarray(t, dtype=float)
         if times.ndim == 0:
             q, qd, qdd = np.array([track.at(float(times)) for track in self._tracks]).T

@@ -94,16 +94,12 @@ def _excess(values: Array, bound: Bound) -> Array:
 
 
 def nearby(values: Mapping[str, Array], bounds: Bounds, kinds: Array) -> Bounds:
-    """Limits that are worth a line in a plot: what moves comes near them, and they are not far outside the picture.
-
-    Args:
-        values: What is compared, by the names of the bounds, (rows, n) each.
-        kinds: Of each joint whether it turns, (n,): angles and slides have plots of their own.
-    """
+    """Limits worth a line in a plot: the rows, (rows, n), come near them, and they are not far outside the picture."""
     found = {}
     for what, rows in values.items():
         low, high = bounds[what]
         least, most = rows.min(axis=0), rows.max(axis=0)
+        # Angles and slides have plots of their own: the height of a picture is that of one kind.
         picture = np.array([np.ptp(rows[:, kinds == kind]) for kind in kinds])
         both = np.isfinite(low) & np.isfinite(high)
         only = np.where(np.isfinite(high), np.abs(high), np.abs(low))

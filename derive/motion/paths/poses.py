@@ -120,13 +120,7 @@ class Follower:
     def pieces(
         self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array, Array]
     ) -> tuple[tuple[Piece, ...], ...]:
-        """The pieces of each joint.
-
-        Args:
-            q: Joint variables at its start, (n,).
-            times: When the end effector is at the nodes [s], (nodes,).
-            fractions: s, its derivative by time, and the second one before and after each node, (nodes,) each.
-        """
+        """The pieces of each joint from q, (n,), by times [s] and s, sd, sdd before and after each node, (nodes,)."""
         befores: list[tuple[Array, ...]] = []
         afters: list[tuple[Array, ...]] = []
         for t, s, sd, before, after in zip(times, *fractions, strict=True):

@@ -61,14 +61,10 @@ def simulate(
     sticks: bool,
     jumps: Sequence[float] = (),
 ) -> Run:
-    """A motion.
+    """A motion from positions and velocities at the first of ascending times [s].
 
-    Args:
-        start: Positions and velocities at the first time, (n,) each.
-        times: Times of the samples [s], ascending.
-        period: Time between two looks of a controller that holds its torques in between [s]; None for a continuous one,
-            infinite where nothing is controlled.
-        jumps: Times at which what a continuous controller wants jumps; no integration goes across them [s].
+    A controller holds its torques between two looks, a period [s] apart; None for a continuous one, whose integration
+    does not go across times at which what it wants jumps [s], infinite where nothing is controlled.
     """
     n = start[0].size
     begins = [stage.start for stage in stages]

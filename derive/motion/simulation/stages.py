@@ -50,17 +50,12 @@ class Controller:
     inertial: Callable[[float, Array, Array], Array] | None = None  # what a base adds that moves; None where it stands
 
     def __call__(self, t: float, q: Array, qd: Array) -> Array:
-        """Torques of the motors.
-
-            pd               tau = Kp e + Kd de/dt
-            pd-gravity       tau = Kp e + Kd de/dt + g(q)
-            computed-torque  tau = B(q) (qdd_d + Kd de/dt + Kp e) + C(q, qd) qd + g(q)
-
-        Returns:
-            tau, (n,) [N m or N].
-        """
+        """Torques of the motors, (n,) [N m or N]."""
         if self.law == "none":
             return np.zeros(q.size)
+        # pd               tau = Kp e + Kd de/dt
+        # pd-gravity       tau = Kp e + Kd de/dt + g(q)
+        # computed-torque  tau = B(q) (qdd_d + Kd de/dt + Kp e) + C(q, qd) qd + g(q)
         wanted, velocity, acceleration = self.reference(t)
         tau: Array = self.kp * (wanted - q) + self.kd * (velocity - qd)
         if self.functions is None:
