@@ -80,19 +80,14 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
     document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
     check_structure(document, PlanFile)
     plan = _PlanReader(document, _robot(document, data)).read()
-    robot = _with_values(plan.robot, plan.values)
+    own = dict(plan.robot.parameters)  # replaced by the numbers of the plan, where it has others
+    numbers = tuple((name, substitute(plan.values.get(name, value), own)) for name, value in own.items())
+    robot = replace(plan.robot, parameters=numbers)
     carried: dict[KeyPath, Payload | None] = {("plant", PAYLOAD): plan.plant_payload}
     carried |= {("path", k, "payload"): step.payload for k, step in enumerate(plan.steps, 1)}
     loads = {path: body for path, body in carried.items() if body}
     remarks = remarks_on_loads(document, robot, (plan.values, plan.plant), loads)
     return replace(plan, robot=robot, remarks=(*plan.robot.remarks, *remarks))
-
-
-def _with_values(robot: Robot, values: Mapping[str, Expression]) -> Robot:
-    """A robot whose own numbers are replaced by those of the plan, where the plan has another one."""
-    own = dict(robot.parameters)
-    numbers = tuple((name, substitute(values.get(name, value), own)) for name, value in robot.parameters)
-    return replace(robot, parameters=numbers)
 
 
 def _robot(document: Document, data: bytes) -> Robot:

@@ -125,7 +125,8 @@ def stages_of(
 
     stages = []
     for start in _changes(plan, trajectory, values):
-        carried = _carried(plan, trajectory, start)
+        pairs = zip(plan.steps, trajectory.segments, strict=False)
+        carried = [None, *(step.payload for step, segment in pairs if float(segment.start) <= start)][-1]
         push = np.zeros(robot.n)
         for each in plan.disturbances:
             if evaluate(each.start, values) <= start < evaluate(each.end, values):
@@ -161,11 +162,3 @@ def _changes(plan: Plan, trajectory: Trajectory, values: Mapping[str, float]) ->
     for each in plan.disturbances:
         found |= {evaluate(each.start, values), evaluate(each.end, values)}
     return sorted(t for t in found if 0 <= t < end)
-
-
-def _carried(plan: Plan, trajectory: Trajectory, time: float) -> Payload | None:
-    found = None
-    for step, segment in zip(plan.steps, trajectory.segments, strict=False):
-        if float(segment.start) <= time:
-            found = step.payload
-    return found
