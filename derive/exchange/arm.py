@@ -84,8 +84,7 @@ class Arm:
     axes: tuple[Axis, ...]  # from the base on
     end: Frame  # frame of the last link
     up: Point  # z axis of the link that hangs on no joint: against gravity
-    # Names of joints beside the chain that carry something on it, which are taken as fixed at zero.
-    held: tuple[str, ...]
+    held: tuple[str, ...]  # joints beside the chain that carry something on it, taken as fixed at zero
     snaps: tuple[float, ...]  # how far angles and directions of the chain were changed, where they were [rad]
 
     @property
@@ -123,6 +122,7 @@ def snapped(rpy: Triple, snap: Fraction) -> Point:
 def frame_at(origin: Origin, snap: Fraction) -> Frame:
     """A frame by its origin and roll, pitch, yaw."""
     (cr, sr), (cp, sp), (cy, sy) = map(_turn, snapped(origin.rpy, snap))
+    # Columns of Rz(yaw) Ry(pitch) Rx(roll).
     x = (cy * cp, sy * cp, -sp)
     y = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
     z = (cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr)
@@ -176,12 +176,9 @@ def _ancestry(urdf: Urdf, carrying: Mapping[str, UrdfJoint], link: str) -> list[
 
 
 def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm:
-    """The chain from one link to another.
+    """The chain from a base, None for the root that the tip hangs on, to a tip, None for the only link that is one.
 
-    Args:
-        base: Name of the link that stands; None for the one that the tip hangs on in the end.
-        tip: Name of the last link; None where only one carries no other and moves.
-        snap: Angles and directions that are closer to fractions of pi are taken for them [rad].
+    Angles and directions that are closer to fractions of pi than the snap are taken for them [rad].
     """
     for name in (base, tip):
         if name is not None and name not in urdf.bodies:
@@ -192,6 +189,7 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
     down = _ancestry(urdf, carrying, end)
     start = base if base is not None else (down[-1].parent if down else end)
     up = _ancestry(urdf, carrying, start)
+    # What both ways to the root share is on neither side: they meet at the lowest link that carries both.
     while up and down and up[-1] is down[-1]:
         up, down = up[:-1], down[:-1]
     meeting = {joints[-1].parent if joints else link for joints, link in ((up, start), (down, end))}
@@ -225,7 +223,6 @@ def _only_tip(urdf: Urdf) -> str:
 
 
 def _some(names: Sequence[str], most: int = 24) -> str:
-    """Names for a message."""
     return ", ".join(quoted(name)[1:-1] for name in names[:most]) + (", ..." if len(names) > most else "")
 
 
@@ -312,7 +309,6 @@ def _changes(joint: UrdfJoint, snap: Fraction) -> list[float]:
 
 
 def _check_kind(joint: UrdfJoint) -> None:
-    """Refuse a joint that has no place in a table."""
     found, allowed = joint.fault, ""
     remedy = f"{'correct it, or ' if found else ''}choose another --tip or --chain"
     if joint.type not in MOVING:

@@ -54,6 +54,7 @@ class RigidBody:
         moment: each adds what it lacks to the moments about both other axes.
         """
         moments, axes = self.principal
+        # Second moments along the axes: (A + B + C)/2 - A and so on, none of which is negative for a body.
         lack = np.maximum(inside * moments[2] - moments.sum() / 2 + moments, 0)
         body = self
         for axis, own in zip((axes.x, axes.y, axes.z), lack, strict=True):
@@ -74,6 +75,7 @@ class RigidBody:
 
     def about(self, point: Point) -> list[list[Real]]:
         """The tensor about a point (Steiner)."""
+        # I_p = I + m (r.r 1 - r r^T).
         away = plus(self.com, point, -1)
         far = dot(away, away)
         return [
@@ -132,9 +134,7 @@ class Rotor:
     axis: Point  # about which it spins, there
     inertia: Real  # about its axis [kg m^2]
     ratio: Real  # of its gear
-    # How fast it turns about its axis with the link that carries it, per rate of each joint; None where that depends
-    # on the configuration.
-    drag: tuple[float, ...] | None
+    drag: tuple[float, ...] | None  # rate about its axis of the link that carries it, by joint rates; None if it varies
 
     @property
     def is_coupled(self) -> bool:
@@ -186,6 +186,8 @@ def body_chain(robot: Robot) -> BodyChain:
     standard = robot.convention is Convention.STANDARD
     origins, dh, before = [], [], WORLD
     for joint in robot.joints:
+        # From a link to the next in both conventions Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha): in a
+        # standard table the row before it, in a modified one the z part of the row before and the x part of its own.
         across = along_x(ball(joint.a), ball(joint.alpha))
         along = along_z(ball(joint.theta), ball(joint.d))
         origins.append(before if standard else before.then(across))
@@ -212,6 +214,7 @@ def _drags(robot: Robot) -> list[tuple[float, ...] | None]:
     arm = numeric_arm(robot)
     q = np.random.default_rng(0).uniform(-2, 2, (6, robot.n))
     axes, _ = joint_axes(arm, chain_frames(arm, q))
+    # w_i . z = sum_j s_j (z_j . z_i) qd_j over the turning joints before: constant cosines make a constant coupling.
     cosines: Array = np.einsum("kia,kja->kij", axes, axes) * (arm.sign * arm.revolute)
     found: list[tuple[float, ...] | None] = []
     for i in range(robot.n):
@@ -224,6 +227,7 @@ def _drags(robot: Robot) -> list[tuple[float, ...] | None]:
 def roll_pitch_yaw(frame: Frame) -> Point:
     """Angles with Rz(yaw) Ry(pitch) Rx(roll) as rotation [rad]."""
     x, y, z = frame.x, frame.y, frame.z
+    # Pitch of +-pi/2: roll and yaw turn about one axis, and all is roll.
     flat = length((x[0], x[1], arb(0)))
     if not flat > NOTHING:
         sign = -1 if x[2] > 0 else 1

@@ -87,6 +87,7 @@ def with_table(robot: Description, table: Robot) -> Description:
     robot = replace(robot, links=links, gravity=table.gravity, parameters=())
     segments = body_chain(Robot.of(robot)).segments
     bodies = [segment.body for segment in segments]
+    # Links of the URDF hold the rotors that they carry: these are taken out again.
     for i, (segment, following) in enumerate(pairwise(segments)):
         if following.rotor is not None and segment.body is not None:
             rotor = following.rotor.carried.moved(WORLD.seen_from(segment.dh))

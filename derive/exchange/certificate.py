@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
+from math import prod
 
 from flint import arb
 
@@ -61,6 +62,8 @@ def certify(arm: Arm, robot: Description) -> Certificate:
         for axis, line in reversed(list(zip(arm.axes, axes, strict=True))):
             # Of two unit vectors that are close, |a - b| <= angle <= pi/2 |a - b|.
             angle = arb.pi() / 2 * length(plus(axis.line.direction, line.direction, -1))
+            # Turns about axes that differ by an angle e: |R - R'| <= 2 e, at the distance of what is beyond the pivot;
+            # by a distance h: 2 h, there and back.
             if axis.is_revolute:
                 pivot = axis.line.foot(place)
                 position += 2 * angle * (beyond + length(plus(place, pivot, -1))) + 2 * line.distance(pivot)
@@ -71,6 +74,7 @@ def certify(arm: Arm, robot: Description) -> Certificate:
                 travel = real(max(map(abs, axis.travel)))
                 position += angle * travel
                 beyond += travel
+        # What the decimals of the base stretch acts on everything that the arm reaches.
         skew, far = _apart(base, rigid), beyond + length(plus(place, base.origin, -1)) + position
         return Certificate(_up(position + skew * far), _up(rotation + 2 * skew))
 
@@ -100,10 +104,7 @@ def ball(cell: Expression, known: Mapping[str, Expression] | None = None) -> Rea
         case Sum(terms):
             return sum((ball(term, known) for term in terms), arb(0))
         case Product(factors):
-            found = arb(1)
-            for factor in factors:
-                found = found * ball(factor, known)
-            return found
+            return prod((ball(factor, known) for factor in factors), start=arb(1))
         case Power(base, exponent):
             return ball(base, known) ** exponent
         case Name(name) if known and name in known:
@@ -134,10 +135,8 @@ def frame_of(matrix: Matrix, known: Mapping[str, Expression] | None = None) -> F
 
 def _apart(a: Frame, b: Frame) -> Real:
     """The Frobenius norm of the difference of two rotations: at least its largest stretch, and the angle up to 2.7."""
-    square = arb(0)
-    for one, other in ((a.x, b.x), (a.y, b.y), (a.z, b.z)):
-        difference = plus(one, other, -1)
-        square += dot(difference, difference)
+    differences = [plus(one, other, -1) for one, other in ((a.x, b.x), (a.y, b.y), (a.z, b.z))]
+    square = sum((dot(difference, difference) for difference in differences), arb(0))
     return length((square.abs_upper().sqrt(), arb(0), arb(0)))
 
 
@@ -147,5 +146,4 @@ def _above(value: float) -> str:
 
 
 def _up(value: Real) -> float:
-    """A double that is not smaller."""
     return float(value.abs_upper()) * (1 + 1e-15)

@@ -30,10 +30,8 @@ NEGATIVE = 0.02  # what a minus sign counts
 # What an offset counts for each joint behind it: of parallel axes the last one has it, as in makers' tables.
 EARLY = 1e-4
 FAR = 2.0  # no cell of a table is a larger multiple of the arm's reach where another table does without
+# How far the arm may move where axes with such a far common normal are taken as parallel: of 1 m, or of a lesser reach.
 TURNED = 1e-4
-"""How far the arm may move where two axes with such a far common normal are taken as parallel: of 1 m, or of its reach
-where that is less."""
-
 AS_WRITTEN = 1e-5  # the same where nothing is snapped
 TOO_FAR = 1000.0  # what a far cell counts for each power of ten
 
@@ -57,9 +55,7 @@ class Placement:
     rows: tuple[DHRow, ...]  # of the table
     tool: Frame  # the arm's end in frame n
     turned: tuple[float, ...]  # by how much axes were turned, where they were [rad]
-    # The axes that are almost parallel to the one before, with a common normal beyond everything that the arm
-    # reaches, by their numbers from 0, and whether they were taken as parallel.
-    far: tuple[tuple[int, bool], ...] = ()
+    far: tuple[tuple[int, bool], ...] = ()  # axes, from 0, that meet the one before too far away; if taken as parallel
 
 
 @dataclass(frozen=True)
@@ -79,6 +75,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     lines, far = _straightened(arm, snap)
     turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
     standard = convention is Convention.STANDARD
+    # Lines for every z of the table: the axes, slides moved beside them, and the z that no joint has.
     free = _free_lines(arm, lines, standard)
     spots = _spots(arm, lines)
     options = [
@@ -121,6 +118,7 @@ def _straightened(arm: Arm, snap: float) -> tuple[list[Line], tuple[tuple[int, b
     for i, axis in enumerate(arm.axes):
         line = axis.line
         known = [other.direction for other in reversed(lines)] + [WORLD.z, WORLD.x, WORLD.y, arm.end.z]
+        # The direction of an axis before it, of the base or of the end, where it is that but for the snap.
         alike = next((direction for direction in known if parallel(direction, line.direction, snap)), None)
         line = line if alike is None else _along(line, alike)
         if lines and parallel(lines[-1].direction, line.direction, snap):  # by then
@@ -206,6 +204,7 @@ def _normals(
     line: Line, partners: Sequence[Line], spots: Sequence[Point], known: Sequence[Point], snap: float
 ) -> Iterator[tuple[Point, Point]]:
     """Origins on a line with directions of x that are perpendicular to it and to a partner, which x meets."""
+    # The part of each known direction that is perpendicular to the line: (z x v) x z.
     slanting = [v for v in known if length(cross(line.direction, v)) > ALIKE]
     across = [unit(cross(cross(line.direction, v), line.direction)) for v in slanting]
     feet = [line.foot(spot) for spot in spots]
@@ -213,6 +212,7 @@ def _normals(
         yield from ((foot, x) for foot in feet for x in across)
         return
     for partner in partners:
+        # x meets both lines at right angles: along z x z', else along the way between parallels, else free.
         normal = cross(partner.direction, line.direction)
         if length(normal) > max(snap, NOTHING):
             yield line.nearest(partner), unit(normal)
@@ -227,10 +227,12 @@ def _normals(
 def _row(before: Frame, after: Frame, standard: bool) -> DHRow:
     """Cells from one frame to the next; what is below `NOTHING` is zero."""
     if standard:
+        # Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha), through the foot of x on the z before.
         foot = plus(before.origin, before.z, dot(plus(after.origin, before.origin, -1), before.z))
         theta, alpha = _angle(before.x, after.x, before.z), _angle(before.z, after.z, after.x)
         d, a = dot(plus(foot, before.origin, -1), before.z), dot(plus(after.origin, foot, -1), after.x)
     else:
+        # Modified: Trans(x, a) Rot(x, alpha) Rot(z, theta) Trans(z, d), through the foot of the x before on z.
         foot = plus(after.origin, after.z, -dot(plus(after.origin, before.origin, -1), after.z))
         theta, alpha = _angle(before.x, after.x, after.z), _angle(before.z, after.z, before.x)
         a = dot(plus(foot, before.origin, -1), before.x)
@@ -252,6 +254,7 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
         raise _lost(arm)
     costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
     back: list[np.ndarray] = []
+    # The least cost to each frame from the base on, and which frame it came from.
     for behind, (column, following) in zip(range(len(candidates) - 1, 0, -1), pairwise(candidates), strict=True):
         steps, cells = _step_costs(column, following, standard, loose)
         far = np.maximum(cells / (FAR * arm.reach + ALIKE), 1)
@@ -263,6 +266,7 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
     at = int(costs.argmin())
     if not np.isfinite(costs[at]):  # two lines have a common normal, but floats may not tell where
         raise _lost(arm)
+    # Back from the cheapest end.
     chosen = [at]
     for choice in reversed(back):
         chosen.append(int(choice[chosen[-1]]))
@@ -277,7 +281,6 @@ def _lost(arm: Arm) -> RobotFileError:
 
 
 def _frame_cost(outer: Frame, inner: Frame) -> float:
-    """Numbers of a base or a tool."""
     local = inner.seen_from(outer)
     places = sum(abs(float(c)) > ALIKE for c in local.origin)
     turned = 2 * (abs(float(local.z[2]) - 1) > ALIKE) or abs(float(local.x[0]) - 1) > ALIKE
@@ -292,12 +295,14 @@ def _step_costs(
     o1, x1, z1 = np.moveaxis(np.array([c.numbers for c in following]), 1, 0)[:, None, :, :]
     x, turning = (x1, z0) if standard else (x0, z1)
     apart = o1 - o0
+    # x is perpendicular to the z that it meets, and (o' - o) . (x x z) = 0: both z meet the line along x.
     wrong = np.abs((x * turning).sum(-1)) > loose
     far = 1 + np.abs(apart).sum(-1)
     wrong = wrong | (np.abs((apart * np.cross(x, turning)).sum(-1)) > loose * far)
     d, a = (apart * turning).sum(-1), (apart * x).sum(-1)
     sin_theta, cos_theta = (np.cross(x0, x1) * turning).sum(-1), (x0 * x1).sum(-1)
     sin_alpha, cos_alpha = (np.cross(z0, z1) * x).sum(-1), (z0 * z1).sum(-1)
+    # Each number counts one, a minus sign a little: theta and alpha are none where sine is 0 and cosine 1.
     cost = np.zeros(d.shape)
     for sine, cosine in ((sin_theta, cos_theta), (sin_alpha, cos_alpha)):
         cost += (np.abs(sine) > ALIKE) | (cosine < 0)

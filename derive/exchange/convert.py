@@ -87,7 +87,6 @@ def _factor_text(factor: Factor) -> str:
 
 
 def _comments(conversion: Conversion) -> list[str]:
-    """How the file was made, the way back, and what its source says of itself."""
     robot, leaving = conversion.source, conversion.leaving
     own = [line for line in robot.comments if not line.startswith(_MADE) and _BACK.fullmatch(line) is None]
     row = "last" if robot.convention is Convention.STANDARD else "first"

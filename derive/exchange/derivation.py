@@ -88,7 +88,6 @@ def _factors(conversion: Conversion) -> Iterator[str]:
 
 
 def _links(conversion: Conversion) -> Iterator[str]:
-    """The centres of mass that are written otherwise."""
     source, result = conversion.source, conversion.result
     changed = [i for i in range(len(source.links)) if source.links[i].com != result.links[i].com]
     if changed:

@@ -95,7 +95,6 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
 
 
 def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_joints: Sequence[str]) -> Iterator[str]:
-    """What is not in the file, as sentences."""
     for key in form.lacks:
         words, has = GIVEN[key]
         if joints := [segment.joint.variable for segment in written.segments if has(segment)]:

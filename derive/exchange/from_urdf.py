@@ -1,4 +1,8 @@
-"""A robot from a URDF: its table by common normals, its links in the frames of the table."""
+"""A robot from a URDF: its table by common normals, its links in the frames of the table.
+
+Two axes that 1.57 and -1.5708 turn are not parallel, and have a common normal: some hundred metres away. Such angles,
+rounded to a few decimals, are read as the fractions of pi that they were meant for where the arm hardly moves by that.
+"""
 
 from __future__ import annotations
 
@@ -6,22 +10,25 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from decimal import Decimal, InvalidOperation
+from decimal import ROUND_CEILING, Context, Decimal, InvalidOperation
 from fractions import Fraction
+from math import pi
 from pathlib import Path
 from typing import TypedDict
 
+from flint import arb
+
 from derive.errors import DeriveError, RobotFileError, quoted
-from derive.exchange.arm import Arm, arm_of
+from derive.exchange.arm import FRACTIONS, Arm, arm_of, joints_between
 from derive.exchange.carried_table import carried_table, placement_of, with_table
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, place
 from derive.exchange.convert import convention_named
 from derive.exchange.robot_of_arm import robot_of_arm
-from derive.exchange.slanted import CutOff, as_meant, cut_off, meant, named, slant, slanted, snap_for
 from derive.exchange.source import ChainSource
-from derive.exchange.urdf import Urdf
-from derive.mechanics.space import exactly
+from derive.exchange.urdf import Origin, Urdf, UrdfJoint
+from derive.mechanics.space import DIGITS, decimal, exactly, length, plus
+from derive.mechanics.vectors import cross
 from derive.model.identification.possible import wants_possible, with_chosen_bodies
 from derive.robot.body_remarks import missing_moment
 from derive.robot.description import Convention, Description
@@ -35,6 +42,9 @@ from derive.robot.writer import robot_text
 MOST_MOVED = 0.01  # of the arm's reach: a table whose poses may be farther from the URDF's is refused
 ROUNDED = 1e-7  # what poses may move of any arm, as cells are rounded [m]
 MOST_SNAP = Fraction(1, 10)  # larger angles are no slips [rad]
+PLACES = range(2, 13)  # so many decimals has an angle that somebody cut off
+MOST_NAMED = 8  # so many of them are named
+CutOff = Sequence[tuple[UrdfJoint, Fraction]]  # angles that are almost fractions of pi, with their joints
 SNAP = "1e-6"  # how near an angle is to a simple fraction of pi that it is taken for [rad]
 
 
@@ -223,7 +233,6 @@ class _Chain:
         return _Table(arm, placement, description, certify(self.written, description), changes)
 
     def _described(self, arm: Arm, placement: Placement, snap: Fraction) -> Description:
-        """The robot with its name and title."""
         title = _plain(" ".join(f"{self.urdf.name}: {arm.base} to {arm.tip}".split()))
         return robot_of_arm(arm, placement, snap, robot_name(self.name or self.urdf.name or "arm"), title)
 
@@ -285,7 +294,6 @@ def _plain(text: str) -> str:
 
 
 def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
-    """What a reader should know, as sentences."""
     yield from urdf.notes
     bodies = [body for axis in arm.axes for body in axis.bodies]
     if not bodies:
@@ -322,3 +330,60 @@ def robot_name(text: str) -> str:
         return text
     name = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[: FILE_LIMITS.name_length - 6].strip("-") or "arm"
     return name if is_robot_name(name) else f"{name}-robot"
+
+
+def meant(angle: Fraction) -> Fraction:
+    """The fraction of pi, to many digits, of which an angle has the first decimals, the last one rounded or not."""
+    ulp = next((Fraction(1, 10**places) for places in PLACES if angle * 10**places % 1 == 0), Fraction(0))
+    for fraction in FRACTIONS if angle else ():
+        near = decimal(arb.pi() * round(float(angle) * fraction / pi) / fraction, 3 * DIGITS)
+        # Rounded to its last decimal, or cut off after it.
+        if 2 * abs(angle - near) <= ulp or 0 < abs(near) - abs(angle) < ulp:
+            return near
+    return angle
+
+
+def as_meant(urdf: Urdf) -> Urdf:
+    """A robot with fractions of pi where joints have their first decimals; see `meant`."""
+    joints = []
+    for joint in urdf.joints:
+        roll, pitch, yaw = map(meant, joint.origin.rpy)
+        joints.append(replace(joint, origin=Origin(joint.origin.xyz, (roll, pitch, yaw))))
+    return replace(urdf, joints=tuple(joints))
+
+
+def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> CutOff:
+    """Angles between two links, with their joints, that are first decimals of fractions of pi beyond the snap [rad]."""
+    between = joints_between(urdf, one, other)
+    angles = [(joint, angle) for joint in between for angle in joint.origin.rpy]
+    return [(joint, angle) for joint, angle in angles if abs(meant(angle) - angle) > snap]
+
+
+def snap_for(widest: float) -> Fraction:
+    """The least snap of two digits that takes angles of some difference for each other [rad]."""
+    return Fraction(Context(prec=2, rounding=ROUND_CEILING).create_decimal(repr(widest * (1 + ALIKE))))
+
+
+def slant(arm: Arm, i: int) -> float:
+    """Sine of the angle between an axis and the one before."""
+    return float(length(cross(arm.axes[i - 1].line.direction, arm.axes[i].line.direction)))
+
+
+def slanted(arm: Arm, i: int, taken: bool) -> str:
+    """What was done with an axis that is almost parallel to the one before, as a sentence."""
+    before, axis = arm.axes[i - 1], arm.axes[i]
+    away = float(length(plus(before.line.nearest(axis.line), before.line.point, -1)))
+    said = f"joints {before.joint.name} and {axis.joint.name} (line {axis.joint.location.line})"
+    done = "taken as parallel" if taken else "kept"
+    return (
+        f"{said} are {slant(arm, i):.2g} rad from parallel, their common normal {float(f'{away:.3g}'):g} m away: {done}"
+    )
+
+
+def named(cut: CutOff, taken: bool) -> str:
+    """What was done with angles that somebody cut off, as a sentence."""
+    told = [
+        f"{float(angle):.12g} (joint {joint.name}, line {joint.location.line})" for joint, angle in cut[:MOST_NAMED]
+    ]
+    more = ", ..." if len(cut) > MOST_NAMED else ""
+    return f"{', '.join(told)}{more}: {'taken for' if taken else 'almost'} fractions of pi"

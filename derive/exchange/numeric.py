@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from derive.errors import DeriveError
 from derive.exchange.certificate import ball
 from derive.mechanics.space import Real, decimal
-from derive.robot.description import Convention, Description, Joint
+from derive.robot.description import Convention, Description
 from derive.robot.expression import Expression, Pi, Product, add, negate, number, substitute
 from derive.robot.names import file_symbols, number_of
 from derive.robot.writer import cell_text
@@ -39,7 +39,6 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
 
 
 def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
-    """A part of a description with all its cells filled in."""
     if isinstance(part, tuple):
         return tuple(_filled(entry, values) for entry in part)
     if isinstance(part, Expression):
@@ -61,6 +60,7 @@ def with_positive_axes(robot: Some) -> Some:
     A half turn H about x takes z to -z, so that Rot(z, -q) Trans(z, d) = H Rot(z, q) Trans(z, -d) H. It commutes with
     Trans(x, a) Rot(x, alpha) and adds pi to the alpha on either side; next to the base or the tool it goes there.
     """
+    # Which rows have H on their z part; two that follow one another cancel between them.
     turned = [joint.sign < 0 for joint in robot.joints]
     before, behind = [False, *turned[:-1]], [*turned[1:], False]
     standard = robot.convention is Convention.STANDARD
@@ -71,7 +71,13 @@ def with_positive_axes(robot: Some) -> Some:
         base = tuple(tuple(negate(cell) if k in (1, 2) else cell for k, cell in enumerate(row)) for row in base)
     if not standard and turned[-1]:
         tool = tuple(tuple(map(negate, row)) if k in (1, 2) else row for k, row in enumerate(tool))
-    joints, links = tuple(map(_forward, robot.joints, halves)), []
+    joints, links = [], []
+    for joint, half in zip(robot.joints, halves, strict=True):
+        if half:
+            joint = replace(joint, alpha=add(joint.alpha, Pi() if ball(joint.alpha) <= 0 else negate(Pi())))
+        if joint.sign < 0:
+            joint = replace(joint, sign=1, theta=negate(joint.theta), d=negate(joint.d))
+        joints.append(joint)
     for link, half, own in zip(robot.links, frames, turned, strict=False):
         if half:  # seen from a frame that is turned about x by pi
             x, y, z = link.com
@@ -80,15 +86,7 @@ def with_positive_axes(robot: Some) -> Some:
         if own and link.motor:
             link = replace(link, motor=replace(link.motor, ratio=negate(link.motor.ratio)))
         links.append(link)
-    return replace(robot, joints=joints, base=base, tool=tool, links=tuple(links))
-
-
-def _forward(joint: Joint, is_half: bool) -> Joint:
-    """A row with its variable along its axis, and half a turn in its alpha."""
-    alpha = add(joint.alpha, Pi() if ball(joint.alpha) <= 0 else negate(Pi())) if is_half else joint.alpha
-    if joint.sign > 0:
-        return replace(joint, alpha=alpha)
-    return replace(joint, sign=1, theta=negate(joint.theta), d=negate(joint.d), alpha=alpha)
+    return replace(robot, joints=tuple(joints), base=base, tool=tool, links=tuple(links))
 
 
 def text(value: Real) -> str:

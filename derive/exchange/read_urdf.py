@@ -59,16 +59,15 @@ def read_urdf(data: bytes, source: str) -> Urdf:
         raise reader.refused(macro, found, "give it as a file: derive import expands xacro in files alone")
     bodies: dict[str, UrdfBody | None] = {}
     joints: dict[str, UrdfJoint] = {}
-    for element in (element for element in elements if element.tag == "link"):
-        name = reader.name(element)
-        if name in bodies:
-            raise reader.refused(element, f"a second link {quoted(name)}", "give each link a name of its own")
-        bodies[name] = reader.body(element)
-    for element in (element for element in elements if element.tag == "joint"):
-        joint = reader.joint(element, bodies)
-        if joint.name in joints:
-            raise reader.refused(element, f"a second joint {quoted(joint.name)}", "give each joint a name of its own")
-        joints[joint.name] = joint
+    for element in sorted(elements, key=lambda element: element.tag == "joint"):  # joints name links
+        kind, name = element.tag, reader.name(element)
+        joint = reader.joint(element, name, bodies) if kind == "joint" else None
+        if name in (bodies if joint is None else joints):
+            raise reader.refused(element, f"a second {kind} {quoted(name)}", f"give each {kind} a name of its own")
+        if joint is None:
+            bodies[name] = reader.body(element)
+        else:
+            joints[name] = joint
     if not bodies:
         raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
     if not root.get("name"):
@@ -86,7 +85,6 @@ def read_urdf(data: bytes, source: str) -> Urdf:
 
 
 def _roots(links: Iterable[str], joints: Iterable[UrdfJoint]) -> tuple[str, ...]:
-    """What to say of a file with several trees."""
     carried = {joint.child for joint in joints}
     roots = [quoted(link) for link in links if link not in carried]
     said = f"{len(roots)} links hang on no joint: {', '.join(roots[:MOST_ROOTS])}"
@@ -249,6 +247,7 @@ class _UrdfReader:
             raise self.refused(origin, "origin, quat_xyzw: a quaternion of length 0", "write 0 0 0 1 for no rotation")
         if abs(square - 1) > ONE:
             self.note(origin, f"a quaternion of length {float(square) ** 0.5:.6g} is taken with length 1")
+        # Columns of the rotation of x, y, z, w times the squared length.
         columns = (
             (w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)),
             (2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)),
@@ -276,10 +275,9 @@ class _UrdfReader:
             self.note(tensor, f"inertia without {', '.join(missing)}, taken as 0")
         return UrdfBody(value, self.origin(inertial), entries, self.place(inertial), tensor is None)
 
-    def joint(self, element: etree._Element, links: Mapping[str, object]) -> UrdfJoint:
+    def joint(self, element: etree._Element, name: str, links: Mapping[str, object]) -> UrdfJoint:
         """A joint."""
-        name, kind = self.name(element), element.get("type", "").strip()
-        ends = {}
+        kind, ends = element.get("type", "").strip(), {}
         for end in ("parent", "child"):
             child = element.find(end)
             link = "" if child is None else child.get("link", "").strip()

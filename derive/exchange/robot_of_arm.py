@@ -52,7 +52,6 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
 
 
 def _joint(i: int, axis: Axis, row: DHRow, snap: Fraction) -> Joint:
-    """A row of the table; its variable is the joint's own."""
     of_file, limits = axis.joint, None
     if axis.limits is not None:
         limits = number(rounded(axis.limits[0])), number(rounded(axis.limits[1]))
@@ -102,7 +101,6 @@ def rounded(value: Fraction) -> Fraction:
 
 
 def _matrix(frame: Frame, snap: Fraction) -> Matrix:
-    """A transform as cells."""
     columns = (frame.x, frame.y, frame.z)
     rows = [(*(turned(column[k]) for column in columns), distance(frame.origin[k], snap)) for k in range(3)]
     return (*rows, (ZERO, ZERO, ZERO, ONE))
@@ -161,6 +159,7 @@ def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:
         xx, yy, zz, xy, xz, yz = map(real, body.inertia)
         own = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
         axes = [frame.turned(axis) for axis in (body.axes.x, body.axes.y, body.axes.z)]
+        # R I R^T + m (r.r 1 - r r^T).
         away = plus(frame.inside(body.com), com, -1)
         far = dot(away, away)
         for i in range(3):

@@ -71,10 +71,12 @@ def _placed(arm: BodyChain, said: Collection[int], divided: Collection[int]) -> 
     for i, segment in enumerate(arm.segments):
         body, inwards = segment.body, WORLD.seen_from(segment.dh)
         beyond = arm.segments[i + 1] if i + 1 < len(arm.segments) else None
+        # The rotor of the next joint stands on this link: its mass, and I or I - J about that axis.
         if body is not None and beyond is not None and beyond.rotor is not None:
             inertia = 0 if i + 1 in said else beyond.rotor.inertia - (_share(beyond) if i + 1 in divided else 0)
             body = body + (beyond.rotor.body + RigidBody.spinning(beyond.rotor.axis, inertia)).moved(inwards)
         if i in divided and body is not None and segment.rotor is not None:
+            # The other side of a division: J about its own axis, and the armature I k^2 - J.
             body = body + RigidBody.spinning(WORLD.z, _share(segment)).moved(inwards)
             armature = number(decimal(segment.rotor.reflected - _share(segment)))
             link = replace(segment.link, motor=None, armature=add(segment.link.armature, armature))
@@ -113,6 +115,7 @@ def lost_coupling(robot: Robot, written: BodyChain, is_said: Callable[[Rotor], b
         links.append(segment.body.link(link) if segment.body else link)
     q, qd, qdd = np.random.default_rng(0).uniform(-1, 1, (3, STATES, robot.n)) * [[[np.pi]], [[1]], [[1]]]
     ours, theirs = Oracle.of(robot), Oracle.of(replace(robot, links=tuple(links)))
+    # B'^-1 (tau - tau') of accelerations that are wanted: how far the motion of what is written goes astray.
     lack = np.subtract(*(oracle.evaluate("inverse_dynamics", q, qd, qdd) for oracle in (ours, theirs)))
     inverse = np.linalg.pinv(theirs.evaluate("inertia_matrix", q))
     return float(np.abs(np.einsum("kij,kj->ki", inverse, lack)).max())

@@ -44,7 +44,6 @@ def script_text(template: str, arm: BodyChain, head: list[str]) -> str:
 
 
 def _matrix(frame: Frame) -> list[str]:
-    """The rows of a homogeneous transform."""
     columns = (frame.x, frame.y, frame.z, frame.origin)
     return [texts((column[k] for column in columns), ", ") for k in range(3)] + ["0, 0, 0, 1"]
 
@@ -128,7 +127,6 @@ def _parts(arm: BodyChain) -> Iterator[dict[str, Any]]:
 
 
 def _part(body: str, joint: str, type: str = "fixed", **more: Any) -> dict[str, Any]:
-    """A body and the joint that it hangs on."""
     nothing = {"frame": None, "flip": False, "limits": "", "mass": None, "spaced": False}
     return nothing | {"body": body, "joint": matlab_string(joint), "type": type} | more
 
@@ -150,7 +148,6 @@ def csv_text(arm: BodyChain, head: list[str]) -> str:
 
 
 def _csv_row(arm: BodyChain, i: int) -> dict[str, str]:
-    """Every number that the robot file gives for a joint and its link."""
     joint, link = arm.segments[i].joint, arm.segments[i].link
     row = {"convention": arm.robot.convention.value, "joint": joint.label, "type": joint.type.value}
     row["sign"] = str(joint.sign)

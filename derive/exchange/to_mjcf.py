@@ -66,8 +66,7 @@ def coupled_by_tendon(rotor: Rotor) -> bool:
 class WrittenBody:
     """A body of the file."""
 
-    # Those that move it against the body before, from 0; the last one's link is the body, the others weigh nothing.
-    joints: range
+    joints: range  # from 0, against the body before; the last one's link is the body, the others weigh nothing
     body: RigidBody | None  # what it weighs, in the frame of that link; None without dynamics
 
 
@@ -125,6 +124,7 @@ def _tendon(arm: BodyChain, i: int, rotor: Rotor) -> dict[str, Any]:
 
 def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]:
     """A body with its joints; `first` is what shows the first of several where it is: in the body before."""
+    # Places of the frames of all its joints in the body before; each joint's axis is seen from the last one.
     start, *others = (arm.segments[k].origin for k in written.joints)
     if written.joints.start == 0:
         start = arm.base.then(start)
@@ -184,6 +184,7 @@ def _inertial(body: RigidBody) -> dict[str, str]:
     (a, b, c), axes = body.principal
     if not body.is_possible:
         return {"mass": text(body.mass), "pos": texts(body.com), "fullinertia": texts(body.entries)}
+    # At least LEAST each, and c <= a + b, which MuJoCo checks.
     a, b = max(a, LEAST), max(b, LEAST)
     moments = [a, b, min(max(c, LEAST), a + b)]
     if axes.x[0] + axes.y[1] + axes.z[2] > BESIDE:

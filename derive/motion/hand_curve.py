@@ -36,11 +36,7 @@ class HandCurve:
         self._robot = kinematics_alone(motion.plan.robot)
 
     def __call__(self, t: Array) -> tuple[Array, Array]:
-        """Position and velocity.
-
-        Returns:
-            p [m] and v [m/s] in the world frame, (times, 3) each.
-        """
+        """Position [m] and velocity [m/s] in the world frame, (times, 3) each."""
         times = np.asarray(t, dtype=float)
         q, qd, _ = self._motion(times)
         p = self._functions("forward_kinematics", q)[..., :3, 3]

@@ -41,11 +41,8 @@ class Increments:
     corrections: int  # steps towards the target after that
     closed: float  # distance from the target then [m]
     damped: int  # how many steps were damped
-    # What vanishes at the singularity that was nearest where the arm came nearest to one, also while it was
-    # corrected; empty where it came near none.
-    factor: str
-    # Angle to the target's orientation before any correction [rad]; None where the arm is not free to turn.
-    turn: float | None = None
+    factor: str  # what vanishes at the nearest singularity that the arm came near, also in corrections; empty for none
+    turn: float | None = None  # angle to the target before any correction [rad]; None where the arm cannot turn freely
     turned: float = 0.0  # that angle after the corrections
     anew: int = 0  # how often corrections began anew, aside of where those with J^+ stop
 
@@ -81,6 +78,7 @@ class Walker:
             q = q + inverse @ (way / steps)
             rows.append(q)
         damped, first = sum(ratio < NEAR for ratio, _ in near), self._off(target, q)
+        # The corrections: Newton's steps towards the target itself, J^+ e.
         bound, off, corrections = CLOSED * (1 + float(np.linalg.norm(way))), first, 0
         while (left := float(np.linalg.norm(off))) > bound and corrections < CORRECTIONS:
             inverse, ratio = self._pseudoinverse(q, way.size, left)
@@ -98,6 +96,7 @@ class Walker:
     def _anew(self, q: Array, target: Array, bound: float) -> tuple[Array, int, int]:
         """From farther and farther aside to the target, in how many steps and attempts; none where no one arrives."""
         random = np.random.default_rng(0)
+        # From 2^-9 to 2^2 rad or m aside.
         for attempt in range(1, ANEW + 1):
             aside = q + random.normal(scale=2.0 ** (attempt - 10), size=q.size)
             found, steps = self._descended(aside, target, bound)
@@ -117,6 +116,7 @@ class Walker:
         off, damping, steps = self._off(target, q), 1e-2, 0
         while (left := float(np.linalg.norm(off))) > bound and steps < DESCENTS:
             jacobian = self._functions("jacobian", q)[: off.size]
+            # (J^T J + l |e| 1) dq = J^T e; l falls after a step that comes nearer and grows after one that does not.
             square = jacobian.T @ jacobian + damping * left * np.eye(q.size)
             there = q + np.linalg.solve(square, jacobian.T @ off)
             later, steps = self._off(target, there), steps + 1
@@ -130,6 +130,7 @@ class Walker:
 
         Corrections damp by no more than the distance that is left: they converge faster and faster where J is regular.
         """
+        # J = U S V^T; J^+ with s/(s^2 + d^2) for 1/s, where d^2 = d0^2 (1 - (s/s0)^2) below s0 and zero above.
         left, values, right = np.linalg.svd(self._functions("jacobian", q)[:rows], full_matrices=False)
         kept = slice(0, self._ranks[rows])
         ratios = values[kept] / (values[0] or 1.0)

@@ -180,7 +180,6 @@ class Motion:
         return BaseCurve.of((x, y, z), tuple(angles))
 
     def _followed(self, formula: Expression, what: str, duration: float) -> Expr:
-        """A formula of time with the numbers of its symbols."""
         (exact,) = self._exact((formula,))
         try:
             return followed(exact.subs(Symbol(TIME_NAME), TIME), duration)
@@ -363,7 +362,6 @@ class Motion:
         return nearby(self._compared(run), self.bounds, np.array(kinds))
 
     def _compared(self, run: Run | None) -> Mapping[str, Array]:
-        """What is compared with limits, at the samples."""
         if run is not None:
             return {"position": run.q, "speed": run.qd, "torque": run.tau}
         values = dict(zip(self.bounds, self.trajectory(self.times), strict=False))
@@ -413,7 +411,6 @@ class Motion:
         return loads(float(segment.start), end, count, _state, corners)
 
     def _exact(self, values: tuple[Expression, ...]) -> tuple[Expr, ...]:
-        """Cells with the numbers of their symbols."""
         robot = self.plan.robot
         numbers = {**dict(robot.parameters), **self.plan.values}
         known = {name: expression_to_sympy(value) for name, value in numbers.items()}

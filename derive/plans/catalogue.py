@@ -104,7 +104,6 @@ def plan_text(keys: Mapping[str, Any]) -> str:
 
 
 def _plain(value: object) -> object:
-    """What stands in a file for a value."""
     if isinstance(value, Mapping):
         plain = {str(key): _plain(entry) for key, entry in value.items()}
         return {key: entry for key, entry in plain.items() if entry is not None}

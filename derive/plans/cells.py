@@ -33,7 +33,6 @@ class PlanCells:
         self.values: Mapping[str, Expression] = {name: self._value(name) for name in self.keys(("values",))}
 
     def _value(self, name: str) -> Expression:
-        """A number that the plan gives a symbol."""
         path: KeyPath = ("values", name)
         check_symbol(self._document, path, name)
         if name == TIME or any(joint.variable == name for joint in self._robot.joints):

@@ -32,10 +32,12 @@ def basis(k: int) -> tuple[tuple[int, ...], ...]:
     starts, ends = [], []
     for i in range(k):
         start = [0] * (2 * k)
+        # i! h_i = u^i (1 - u)^k sum_j C(k - 1 + j, j) u^j, with (1 - u)^k by the binomial theorem.
         for j in range(k - i):
             for power in range(k + 1):
                 start[i + j + power] += comb(k - 1 + j, j) * comb(k, power) * (-1) ** power
         end = [0] * (2 * k)
+        # (-1)^i h_i(1 - u): (1 - u)^p = sum_m C(p, m) (-u)^m.
         for power, coefficient in enumerate(start):
             for m in range(power + 1):
                 end[m] += (-1) ** (i + m) * comb(power, m) * coefficient
@@ -62,8 +64,7 @@ class Piece:
 
     start: Expr  # time of its first end [s]
     duration: Expr  # its length [s], positive
-    # Position, velocity, ... at the first end, then at the second; as many at both.
-    values: tuple[tuple[Expr, ...], tuple[Expr, ...]]
+    values: tuple[tuple[Expr, ...], tuple[Expr, ...]]  # position, velocity, ... at the first end, then at the second
 
     @property
     def k(self) -> int:
@@ -107,6 +108,7 @@ def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
     """Coefficients of a piece by powers of unit time."""
     scale = [duration**i / factorial(i) for i in range(k)]
     weights = numbers * np.array(scale * 2)
+    # h_0(u) + h_0(1 - u) = 1: the difference of both positions, and the first one added at last, round less.
     weights[0], weights[k] = 0.0, numbers[k] - numbers[0]
     coefficients: Array = weights @ _derived(k, 0)
     coefficients[-1] += numbers[0]

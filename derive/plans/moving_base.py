@@ -52,6 +52,7 @@ class BaseCurve:
     @classmethod
     def of(cls, place: tuple[Expr, ...], angles: tuple[Expr, ...]) -> BaseCurve:
         """The transform of formulas."""
+        # R = Rz(yaw) Ry(pitch) Rx(roll).
         (ca, sa), (cb, sb), (cc, sc) = ((cos(angle), sin(angle)) for angle in angles)
         roll = Matrix([[1, 0, 0], [0, ca, -sa], [0, sa, ca]])
         pitch = Matrix([[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -44,8 +44,7 @@ class Plan:
     robot: Robot  # the robot
     title: str  # free text for people
     sample: Expression  # time between two rows of a table [s]
-    # Where robot, sample, period and formulas stand in the file, by ``robot``, ``curves, q1``, ``base, x``.
-    places: Mapping[str, Location]
+    places: Mapping[str, Location]  # of robot, sample, period and formulas, by ``robot``, ``curves, q1``, ``base, x``
     points: Mapping[str, Point]  # by name, in the order of the file
     start: str  # name of the first point of the path; empty where curves are given
     steps: tuple[Step, ...]  # the segments
@@ -81,7 +80,9 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
     document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
     check_structure(document, PlanFile)
     plan = _PlanReader(document, _robot(document, data)).read()
-    robot = _with_values(plan.robot, plan.values)
+    own = dict(plan.robot.parameters)  # replaced by the numbers of the plan, where it has others
+    numbers = tuple((name, substitute(plan.values.get(name, value), own)) for name, value in own.items())
+    robot = replace(plan.robot, parameters=numbers)
     carried: dict[KeyPath, Payload | None] = {("plant", PAYLOAD): plan.plant_payload}
     carried |= {("path", k, "payload"): step.payload for k, step in enumerate(plan.steps, 1)}
     loads = {path: body for path, body in carried.items() if body}
@@ -89,17 +90,7 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
     return replace(plan, robot=robot, remarks=(*plan.robot.remarks, *remarks))
 
 
-def _with_values(robot: Robot, values: Mapping[str, Expression]) -> Robot:
-    """A robot whose own numbers are replaced by those of the plan, where the plan has another one."""
-    own = dict(robot.parameters)
-    return replace(
-        robot,
-        parameters=tuple((name, substitute(values.get(name, value), own)) for name, value in robot.parameters),
-    )
-
-
 def _robot(document: Document, data: bytes) -> Robot:
-    """The robot: the block, a name, or a file beside the plan."""
     scalar = document.scalar(("robot",))
     if scalar is None:
         return Robot.from_bytes(data, document.source)
@@ -129,39 +120,14 @@ class _PlanReader:
         steps = tuple(self._step(index, points) for index in range(1, count))
         start = self._start(points) if count else ""
         curves = self._curves()
-        recorded = document.scalar(("recorded",))
-        given = [key for key, has in (("path", count), ("curves", curves), ("recorded", recorded)) if has]
-        if len(given) != 1:
-            found = "neither path nor curves nor recorded" if not given else f"both {given[0]} and {given[1]}"
-            place: KeyPath = (given[1],) if given else ()
-            raise document.error(place, found, "allowed: one of them", "write path: [rest, {to: A, time: 3}]")
-        if document.find(("time",)) is not None and not curves:
-            remedy = "write the time of each segment: {to: A, time: 3}" if count else "remove it"
-            raise document.error(("time",), f"a time beside {given[0]}", "allowed: beside curves", remedy)
-        check_effects(document, self._robot, given[0], points, steps)
-        plan = self._plan(points, start, steps, curves, recorded)
-        numbers.check_used()
-        return plan
-
-    def _plan(
-        self,
-        points: Mapping[str, Point],
-        start: str,
-        steps: tuple[Step, ...],
-        curves: Mapping[str, Expression],
-        recorded: YamlScalar | None,
-    ) -> Plan:
-        document, numbers, joints = self._document, self._numbers, self._robot.joints
-        long = next((key for key in ("sample", "time", "path", "recorded") if document.find((key,)) is not None), "")
-        places: dict[str, KeyPath] = {"robot": ("robot",), "sample": (long,), "period": ("control", "period")}
-        places |= {f"curves, {name}": ("curves", name) for name in curves}
-        places |= {f"base, {name}": path for name, path in PATHS.items()}
-        places |= {f"disturbance, {k}": ("disturbance", k) for k in range(document.length(("disturbance",)))}
-        return Plan(
+        recorded, joints = document.scalar(("recorded",)), self._robot.joints
+        given = self._check_way([("path", count), ("curves", len(curves)), ("recorded", recorded is not None)])
+        check_effects(document, self._robot, given, points, steps)
+        plan = Plan(
             robot=self._robot,
             title=document.text("title"),
             sample=numbers.positive(("sample",), number(Fraction(1, 100))),
-            places={name: document.location(path) for name, path in places.items()},
+            places=self._places(curves),
             points=points,
             start=start,
             steps=steps,
@@ -181,9 +147,32 @@ class _PlanReader:
             source=document.source,
             digest=document.digest,
         )
+        numbers.check_used()
+        return plan
+
+    def _check_way(self, ways: Sequence[tuple[str, int]]) -> str:
+        """Which of path, curves and recorded the plan has: one of them, and a time beside curves alone."""
+        document, given = self._document, [key for key, has in ways if has]
+        if len(given) != 1:
+            found = "neither path nor curves nor recorded" if not given else f"both {given[0]} and {given[1]}"
+            place: KeyPath = (given[1],) if given else ()
+            raise document.error(place, found, "allowed: one of them", "write path: [rest, {to: A, time: 3}]")
+        if document.find(("time",)) is not None and given != ["curves"]:
+            remedy = "write the time of each segment: {to: A, time: 3}" if given == ["path"] else "remove it"
+            raise document.error(("time",), f"a time beside {given[0]}", "allowed: beside curves", remedy)
+        return given[0]
+
+    def _places(self, curves: Mapping[str, Expression]) -> dict[str, Location]:
+        """Where that stands in the file which is checked with numbers."""
+        document = self._document
+        long = next((key for key in ("sample", "time", "path", "recorded") if document.find((key,)) is not None), "")
+        places: dict[str, KeyPath] = {"robot": ("robot",), "sample": (long,), "period": ("control", "period")}
+        places |= {f"curves, {name}": ("curves", name) for name in curves}
+        places |= {f"base, {name}": path for name, path in PATHS.items()}
+        places |= {f"disturbance, {k}": ("disturbance", k) for k in range(document.length(("disturbance",)))}
+        return {name: document.location(path) for name, path in places.items()}
 
     def _most(self, key: str, default: Most) -> Most:
-        """The largest value of each joint."""
         if self._document.find((key,)) is None:
             return default
         if key == "torque" and not self._robot.has_dynamics:
@@ -231,7 +220,6 @@ class _PlanReader:
         return Pose(_three("p", self._cells.length), angles, given == ["zyz"])
 
     def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
-        """The point at which a segment ends."""
         path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
         name = self._document.text(*path)
         if name not in points:
@@ -241,7 +229,6 @@ class _PlanReader:
         return name
 
     def _start(self, points: Mapping[str, Point]) -> str:
-        """The point at which the path begins."""
         path: KeyPath = ("path", 0)
         for key in self._numbers.keys(path):
             if key != "to":
@@ -299,7 +286,6 @@ class _PlanReader:
         )
 
     def _recording(self, file: YamlScalar) -> Path:
-        """The file that the plan names, beside it."""
         beside = Path(self._document.source).parent / file.text
         if not beside.is_file():
             allowed = "allowed: a CSV file, its path relative to the plan"
@@ -317,7 +303,6 @@ class _PlanReader:
         )
 
     def _gains(self, path: KeyPath) -> Vector:
-        """One gain for all joints, or one for each."""
         n, count = self._robot.n, self._document.length(path)
         if count and count != n:
             found = f"{count} gain{'s' * (count > 1)} for {n} joint{'s' * (n > 1)}"

@@ -63,9 +63,8 @@ UNIT_PEAKS: dict[Profile, tuple[Expr, Expr]] = {
     Profile.SEPTIC: (Rational(35, 16), 84 * sqrt(5) / 25),
     Profile.HARMONIC: (pi / 2, pi**2 / 2),
 }
+# Speed of a trapezoid as a multiple of distance by time, by default: a third each to speed up, go on and slow down.
 CRUISE = Rational(3, 2)
-"""Speed of a trapezoid as a multiple of distance by time where nothing else is said: a third of the time each to speed
-up, to go on and to slow down."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +148,7 @@ def trapezoid(start: Expr, duration: Expr, q0: Expr, q1: Expr, speed: Expr) -> t
     if way == 0:
         return (Piece(start, duration, ((q0, ZERO), (q1, ZERO))),)
     velocity = sign(way) * speed
+    # D = V (T - t_b): the area under the trapezoid of velocity.
     blend = together(duration - way / velocity)
     gone = velocity * blend / 2
     points = [(ZERO, q0, ZERO), (blend, q0 + gone, velocity), (duration - blend, q1 - gone, velocity)]
@@ -175,6 +175,7 @@ def spline(times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Piece, ...
     lengths = [times[j + 1] - times[j] for j in range(count - 1)]
     slopes = [(positions[j + 1] - positions[j]) / lengths[j] for j in range(count - 1)]
     system, right = Matrix.eye(count), Matrix.zeros(count, 1)
+    # Continuous acceleration at the inner points; the first and last row say v = 0.
     for j in range(1, count - 1):
         before, after = 1 / lengths[j - 1], 1 / lengths[j]
         system[j, j - 1], system[j, j], system[j, j + 1] = before, 2 * (before + after), after

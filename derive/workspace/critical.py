@@ -59,6 +59,8 @@ def _exact_factors(plane: PlaneMap) -> Iterator[Determinant]:
     columns, kinematics = _exact_columns(point, domain)
     if plane.picture is Picture.SIDE or turn is None:
         raise DeriveError("the plane of the picture has no exact normal")
+    # In a section distances from the axis and heights count, whatever the turn of the first joint does: the picture
+    # folds where its column lies in the plane of the others. From above it folds where z does.
     across = columns[turn] if plane.picture is Picture.SECTION else kinematics.axis(turn + 1)
     vectors = [across, *(columns[j] for j in plane.joints)]
     product = determinant([[vector[row] for vector in vectors] for row in range(3)])
@@ -73,6 +75,7 @@ def _exact_columns(point: ArmPoint, domain: PolynomialDomain) -> tuple[list[tupl
     """Columns of J_v of the point, which is the end effector's origin or that of a frame before it."""
     kinematics = Kinematics(point.poses.robot, domain)
     n, everything = point.poses.robot.n, tuple(range(point.poses.robot.n))
+    # Which frame's origin the point is, is told by its columns of J in floats at three configurations.
     q = point.random(3, everything, seed=5)
     rotation, _ = point.axis
     wanted = np.einsum("ij,jkn->ikn", rotation, point.motion(q, everything)[1])
@@ -95,6 +98,7 @@ def _evaluated(p: Polynomial, domain: PolynomialDomain, plane: PlaneMap, *q: Arr
         if not p.degrees()[index]:
             numbers.append(1.0)
         elif generator.kind in (Kind.SINE, Kind.COSINE):
+            # A generator is the sine or cosine of a sum of angles of parallel axes, counted along the first of them.
             members = domain.angles[generator.joint]
             first = domain.directions[members[0]]
             angle = sum((first * domain.directions[m] * values.get(m, zero) for m in members), zero)
@@ -118,6 +122,7 @@ def _evaluated(p: Polynomial, domain: PolynomialDomain, plane: PlaneMap, *q: Arr
 def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     """Segments among which a picture's boundary lies, their ends exactly on the curves, (segments, 2 ends, 2) [m]."""
     turn = plane.point.turn
+    # A circle of the arm's size departs from its chord by r (2 pi/N)^2 / 8: four times as much.
     gap = plane.point.size * (TURN / cells) ** 2 / 2.0
     if turn is None or turn not in plane.joints or plane.picture is not Picture.TOP:
         curves = _curves(plane, cells)
@@ -151,6 +156,7 @@ def _bridges(segments: Array, gap: float) -> Array:
     There it touches another curve, and both are known in points only, which leaves a gap. Lines that lead nowhere
     bound no cell, so that a cross does no harm elsewhere.
     """
+    # Ends of segments by their rounded places: two at an inner point of a curve.
     ends, place = np.unique(np.round(segments.reshape(-1, 2) / (1e-6 * gap)), axis=0, return_inverse=True)
     place = place.reshape(-1, 2)
     order = np.argsort(place.ravel(), kind="stable")
@@ -159,6 +165,7 @@ def _bridges(segments: Array, gap: float) -> Array:
     inner = np.flatnonzero(counts == 2)
     one, two = (place[order[first[inner] + k] // 2, 1 - order[first[inner] + k] % 2] for k in range(2))
     at, before, after = (1e-6 * gap * ends[chosen] for chosen in (inner, one, two))
+    # Turned back: both neighbours on one side. Extreme radius: both neighbours nearer to, or farther from, the axis.
     back = np.sum((before - at) * (after - at), axis=1) > 0.0
     middle, low, high = (np.hypot(*corner.T) for corner in (at, before, after))
     tips = at[back | ((middle - low) * (middle - high) > 0.0)]
@@ -209,6 +216,7 @@ def _image(plane: PlaneMap, ends: Array) -> Array:
     segments: Array = plane.values(q)[0].T.reshape(-1, 2, 2)
     if plane.picture is not Picture.SECTION:
         return segments
+    # The axis is passed where (x, y) turns by more than a right angle; distances from it add up on both sides.
     x, y = plane.point.motion(q, plane.joints)[0][:2].reshape(2, -1, 2)
     passing = x[:, 0] * x[:, 1] + y[:, 0] * y[:, 1] < 0.0
     near, far = segments[passing, 0], segments[passing, 1]
@@ -225,6 +233,7 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     four, which closes every crossing: (2 variables, lines, 2 ends).
     """
     values = np.broadcast_to(function(us[:, None], vs[None, :]), (len(us), len(vs)))
+    # Grid lines whose ends have different signs, in both directions; joints that turn all around close the grid.
     above = np.array(values >= 0.0)
     for axis, is_closed in enumerate(closed):
         if is_closed:
@@ -233,6 +242,7 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     low = np.stack([np.append(us[across[0]], us[along[0]]), np.append(vs[across[1]], vs[along[1]])])
     high = np.stack([np.append(us[across[0] + 1], us[along[0]]), np.append(vs[across[1]], vs[along[1] + 1])])
     sign = np.append(above[across], above[along])
+    # All zeros at once by bisection along their grid lines.
     for _ in range(_BISECTIONS if len(sign) else 0):
         middle = (low + high) / 2
         same = (function(middle[0], middle[1]) >= 0.0) == sign
@@ -244,6 +254,7 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
         number_across[:, -1] = number_across[:, 0]
     if closed[0]:
         number_along[-1] = number_along[0]
+    # The zeros on the four sides of each cell by their numbers, -1 for none, joined in pairs.
     sides = (number_across[:, :-1], number_across[:, 1:], number_along[:-1], number_along[1:])
     joined = [
         np.stack([a, b], axis=1)[(a >= 0) & (b >= 0)] for a, b in combinations([side.ravel() for side in sides], 2)
@@ -270,6 +281,7 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
     radius = np.hypot(*plane.values(q)[0]).reshape(shape)
     found: list[float] = []
     for sign in (1.0, -1.0):
+        # Configurations of the grid that are nearest (farthest) among their neighbours, refined below.
         lowest = np.ones(shape, dtype=bool)
         for k, way in enumerate(plane.ranges):
             for step in (1, -1):
@@ -278,6 +290,7 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
                     np.moveaxis(beside, k, 0)[0 if step > 0 else -1] = np.inf  # what was rolled around
                 lowest &= sign * radius <= beside + 1e-12 * plane.point.size
         found += list(_lowest_nearby(plane, q[:, lowest.ravel()], sign, [float(np.ptp(g)) / cells for g in grids]))
+    # Radii of one circle from different configurations are one.
     return sorted({round(r / plane.point.size / _ALIKE) * _ALIKE * plane.point.size for r in found if r > 0.0})
 
 

@@ -77,8 +77,7 @@ class ArmPoint:
 
     poses: RobotPoses  # the robot in numbers
     ranges: tuple[Range, ...]  # the way of every joint
-    # The point in the axes of the end effector [m]; its origin is (0, 0, 0).
-    place: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)  # the point in the axes of the end effector [m]
 
     @cached_property
     def axis(self) -> tuple[Array, Array]:
@@ -93,6 +92,7 @@ class ArmPoint:
         for index, way in enumerate(self.ranges):
             if way.revolute:
                 return index
+            # A slide before it that is parallel to the axis leaves the axis in place.
             along = self.poses.frame_of_axis(index).rotation
             if abs(sum(along[k][2] * self.axis[0][k, 2] for k in range(3))) < 1.0 - _DEPENDS:
                 return None
@@ -110,6 +110,7 @@ class ArmPoint:
         """The joints that move the point at all."""
         everything = tuple(range(len(self.ranges)))
         _, columns = self.motion(self.random(_PROBES, everything), everything)
+        # Of all derivatives at random configurations none but rounding: the joint does not move the point.
         strength = np.abs(columns).max(axis=(0, 2))
         return tuple(int(k) for k in np.flatnonzero(strength > _DEPENDS * self.size))
 
@@ -131,7 +132,6 @@ class ArmPoint:
         return self._seen(_array(point, q.shape[1]))
 
     def _all(self, q: Array, joints: Sequence[int]) -> list[float | Array]:
-        """Values of all joints."""
         values: list[float | Array] = [0.0] * len(self.ranges)
         for row, joint in enumerate(joints):
             values[joint] = q[row]
@@ -239,15 +239,18 @@ class PlaneMap:
             if not len(active):
                 break
             at, missing = q[:, active], miss[:, active]
+            # The pull J^T miss towards the target; joints that it pulls beyond a limit are held (projected gradient).
             scaled = derivative[:, :, active] * self.unit
             pull = np.einsum("kjn,kn->jn", scaled, missing)
             held = ~free & (((at <= low) & (pull < 0)) | ((at >= high) & (pull > 0)))
             scaled = np.where(held, 0.0, scaled)
+            # Levenberg and Marquardt: dq = J^T (J J^T + mu 1)^-1 miss, of two or three rows however many joints.
             step = self.unit * np.einsum("kjn,kn->jn", scaled, _solved(scaled, missing, damping[active]))
             tried = self.inside(at + step)
             there, slope = self.values(tried)
             left = targets[:, active] - there
             squared = np.sum(left**2, axis=0)
+            # Steps that come nearer are taken and mu falls; else mu grows. What settles is left alone by infinite mu.
             better = squared < error[active]
             settled = better & (squared > (1.0 - _SETTLED) * error[active])
             chosen = active[better]

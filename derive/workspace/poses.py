@@ -126,10 +126,12 @@ class RobotPoses:
                 c, s, offset = np.cos(angle), np.sin(angle), row.offset
             else:
                 c, s, offset = row.cosine, row.sine, joint.sign * value + to_float(joint.d, self._values)
+            # The motion of the joint about (along) its z axis, of the point and of the derivatives by joints beyond.
             vectors = [[c * x - s * y, s * x + c * y, z] for x, y, z in (point, *slopes.values())]
             x, y, z = vectors[0]
             slopes = dict(zip(slopes, vectors[1:], strict=True))
             if index in joints:
+                # dp/dq = z x p of a joint that turns, z of one that slides.
                 slopes[index] = [-joint.sign * y, joint.sign * x, 0.0] if joint.is_revolute else [0.0, 0.0, joint.sign]
             slopes = {moved: _turned(row.fixed, slope) for moved, slope in slopes.items()}
             point = _placed(row.fixed, (x, y, z + offset))

@@ -63,6 +63,7 @@ class Postures:
     def poses(self, places: Array) -> Array:
         """Poses whose point is at places (3, k) in the frame of the axis [m], all of one orientation."""
         rotation, origin = self.point.axis
+        # p_e = p - R r for the point r in the end effector's axes, in the world.
         turn = self._poses_tried[0, :3, :3]
         found = np.tile(np.eye(4), (places.shape[1], 1, 1))
         found[:, :3, :3] = turn
@@ -79,6 +80,7 @@ class Postures:
         moving = [self.point.ranges[j] for j in self.point.moving]
         if not (self.reach.is_whole and self.reach.bounds and all(way.full for way in moving)):
             return False
+        # Other orientations, the same places: where bounds differ, they are not about the point alone.
         own = self.reach.margins(self._poses_tried, self._values)
         other = self.reach.margins(self.poses(self._places_tried), self._values)
         return bool(np.allclose(own, other, rtol=0.0, atol=1e-9 * self.point.size**2, equal_nan=True))
@@ -98,6 +100,7 @@ class Postures:
     def curves(self, plane: PlaneMap, parts: int) -> Array:
         """Segments along which a bound is reached, (segments, 2 ends, 2) [m]."""
         far = _BEYOND * plane.point.size
+        # Uneven, so that no line of the grid runs along a curve at zero.
         sides = [np.linspace(-1.0137 * far, far, parts + 1), np.linspace(-1.0071 * far, far, parts + 1)]
         if plane.picture is Picture.SECTION:
             sides[0] = sides[0][sides[0] > -0.02 * far]
@@ -129,6 +132,7 @@ class Postures:
     @cached_property
     def are_counted(self) -> bool:
         """Whether postures are found again that places were made of."""
+        # Places are made of random postures, and each has to be among those that are found.
         wanted = self._tried[:, list(self.point.moving)]
         apart = np.abs(self._turned(self._solutions(self._places_tried) - wanted[:, None]))
         return bool((np.where(np.isnan(apart), np.inf, apart).max(axis=-1).min(axis=-1) < _SAME).all())
@@ -147,10 +151,12 @@ class Postures:
         q = self._solver.solve(self.poses(places)).q[..., list(self.point.moving)]
         for k, way in enumerate(self.point.ranges[j] for j in self.point.moving):
             value = q[..., k]
+            # The first full turn at or above the lower limit.
             if way.revolute and not way.full:
                 value = value + TURN * np.ceil((way.lower - _SAME - value) / TURN)
             if not way.full:
                 q[(value < way.lower - _SAME) | (value > way.upper + _SAME)] = np.nan
+        # Solutions that coincide, as in singular configurations, count once.
         for later in range(1, q.shape[1]):
             apart = np.abs(self._turned(q[:, :later] - q[:, later : later + 1])).max(axis=-1)
             q[np.any(apart < _SAME, axis=1), later] = np.nan

@@ -66,6 +66,7 @@ class _Cells:
                 good = ~np.isnan(q[0])
                 rows.append(np.flatnonzero(good))
                 found.append(q[:, good])
+        # Of all known around each node, so many that are nearest to it.
         row, q = np.concatenate(rows), np.concatenate(found, axis=1)
         away = np.sum((self.plane.places(q) - self.places(nodes)[:, row]) ** 2, axis=0)
         order = np.argsort(away, kind="stable")
@@ -75,6 +76,7 @@ class _Cells:
     def visit(self, nodes: Indices, best: bool = False) -> Flags:
         """Finds out how far nodes are from what is reached, remembers configurations, and says which are reached."""
         rows, starts = self.starts(nodes, best)
+        # The best few configurations of each node are remembered, the nearest first.
         q, _, distance = self.plane.nearest(self.places(nodes)[:, rows], starts)
         order = np.argsort(distance, kind="stable")
         rows, q, distance = rows[order], q[:, order], distance[order]
@@ -135,6 +137,7 @@ def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
     grid.settle()
     from contourpy import contour_generator
 
+    # The level line of the distance one cell away goes around the area and around every hole.
     outside = np.where(grid.reached, 0.0, np.minimum(grid.distance, (_LAYERS + 1) * grid.width))
     lines = contour_generator(z=outside.T).lines(grid.width)
     rings = [_on_boundary(grid, np.asarray(line, dtype=float)) for line in lines]
@@ -142,6 +145,7 @@ def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
     for every in (1, 2):
         area = package.Polygon()
         parts = [package.make_valid(package.Polygon(ring[::every])) for ring in rings if len(ring) > 8]
+        # Rings inside of rings are holes: the largest first, each one turns inside into outside.
         for part in sorted(parts, key=lambda part: -float(part.area)):
             area = area.symmetric_difference(part)
         areas.append(closed(area, 0.05 * grid.width))
@@ -158,6 +162,7 @@ def _spread(cells: _Cells) -> None:
         while True:
             area = _grown(cells.reached, layer + 1)
             todo = np.stack(np.nonzero(area & np.isinf(cells.distance)))
+            # The area grows as long as neighbours are reached; then its border is tried from configurations far away.
             if todo.shape[1] and cells.visit(todo).any():
                 continue
             border = np.stack(np.nonzero(_grown(cells.reached, 1) & ~cells.reached & ~cells.tried_again))

@@ -20,10 +20,9 @@ from derive.workspace.point import TURN, Picture, PlaneMap
 
 Region: TypeAlias = Any  # an area of Shapely: polygons with holes, or nothing
 CELLS = 400  # parts into which the range of a joint is cut where critical curves are followed
+# Corners are rounded to this part of the arm's size, so that curves that meet share a corner; with a hundredth of it
+# straight curves that run back on themselves are cut at wrong places, and cells beside them run into one.
 _GRID = 1e-8
-"""Corners are rounded to this part of the arm's size, so that curves that meet share a corner; with a hundredth of it
-straight curves that run back on themselves are cut at wrong places, and cells beside them run into one."""
-
 _THIN = 2e-5  # cells thinner than this part of the arm's size lie between two approximations of one curve
 _SLIVER = 1e-3  # of cells thinner than this part of the arm's size nothing is said for themselves
 _ROUND = 128  # corners of a quarter of a circle
@@ -54,8 +53,7 @@ class Area:
     region: Region  # with all points
     coarse: Region  # with half of the points of every curve, which tells how exact the area is
     margin: float = 0.0  # how far the points themselves may be off [m]
-    # The cells of which it is made, within each of which the number of postures is the same.
-    cells: tuple[Region, ...] = ()
+    cells: tuple[Region, ...] = ()  # of which it is made, each with one number of postures
 
     def changed(self, change: Callable[[Region], Region]) -> Area:
         """Another area, found in the same way."""
@@ -111,8 +109,8 @@ def _area(plane: PlaneMap, fine: Any, coarse: Any) -> Area:
 
 
 def _cells(plane: PlaneMap, segments: Array) -> Any:
-    """The cells into which segments cut the plane."""
     package, size = shapely(), plane.point.size
+    # The axis itself bounds cells of a section.
     if plane.picture is Picture.SECTION and len(segments):
         low, high = segments[..., 1].min() - 0.1 * size, segments[..., 1].max() + 0.1 * size
         segments = np.concatenate([segments, [[[0.0, low], [0.0, high]]]])
@@ -120,13 +118,13 @@ def _cells(plane: PlaneMap, segments: Array) -> Any:
     segments = segments[np.any(segments[:, 0] != segments[:, 1], axis=1)]
     if not len(segments):
         return np.array([], dtype=object)
+    # Noded on a grid, so that lines cross at shared corners; polygons between them are the cells.
     lines = package.unary_union(package.linestrings(segments), grid_size=_GRID * size)
     faces = package.get_parts(package.polygonize([lines]))
     return faces[2.0 * package.area(faces) > _THIN * size * package.length(faces)]
 
 
 def _places_inside(faces: Any) -> Array:
-    """A place inside of each cell, (2, k)."""
     inside = shapely().point_on_surface(faces)
     return np.stack([shapely().get_x(inside), shapely().get_y(inside)])
 
@@ -137,6 +135,7 @@ def _reached_cells(plane: PlaneMap, segments: Array, parts: int) -> Any:
     if not len(faces):
         return faces
     reached = is_reached(plane, _places_inside(faces))
+    # Searches may miss a cell: samples inside of it, farther from curves than these may be off, tell.
     reached[~reached] = _hold_samples(plane, faces[~reached], plane.point.size * (TURN / parts) ** 2 / 2.0)
     return faces[reached]
 
@@ -149,14 +148,13 @@ def joined(cells: Any, size: float) -> Region:
 
 
 def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tuple[tuple[int, Region], ...]:
-    """The parts of an area whose places are reached in different numbers of postures, the fewest first.
-
-    Slivers between two approximations of one curve belong to the part beside them.
-    """
+    """The parts of an area whose places are reached in different numbers of postures, the fewest first."""
     if not area.cells:
         return ()
     cells = np.array(area.cells, dtype=object)
     package, found = shapely(), numbers(_places_inside(cells))
+    # 2 area/perimeter is the width of a long cell: slivers between two approximations of one curve, which belong to the
+    # part beside them.
     thin = 2.0 * package.area(cells) < _SLIVER * size * package.length(cells)
     parts = {int(number): joined(cells[(found == number) & ~thin], size) for number in np.unique(found[~thin])}
     beside: dict[int, list[Region]] = {number: [part] for number, part in parts.items()}
@@ -167,10 +165,7 @@ def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tup
 
 
 def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> Flags:
-    """Whether positions of many configurations lie in cells that no search has reached.
-
-    The margin is what a curve may be off between two of its points, and more.
-    """
+    """Whether positions of many configurations lie in cells, by more inside than curves may be off."""
     package = shapely()
     if not len(faces):
         return np.zeros(0, dtype=bool)
@@ -222,6 +217,7 @@ def dexterous(region: Region, radius: float, revolves: bool) -> Region:
     if radius <= 0.0 or whole.is_empty:
         return region
     parts = [package.Polygon(polygon.exterior) for polygon in package.get_parts(whole)]
+    # Inside of the outer boundary by the radius; then each hole takes the places whose circle meets it.
     left = package.unary_union(parts).buffer(-radius, quad_segs=_ROUND)
     for polygon in package.get_parts(whole):
         for ring in polygon.interiors:
@@ -261,6 +257,7 @@ def _whole(region: Region, revolves: bool) -> Region:
 def _revolved(region: Region) -> float:
     """The volume of an area beside the axis that turns once around it, by the theorem of Pappus [m^3]."""
     total = 0.0
+    # Pappus: V = 2 pi x_c A, with x_c A of a polygon as sum (x_i + x_{i+1}) (x_i y_{i+1} - x_{i+1} y_i)/6.
     for polygon in shapely().get_parts(region):
         for ring, sign in ((polygon.exterior, 1.0), *((hole, -1.0) for hole in polygon.interiors)):
             x, y = np.reshape(ring.coords, (-1, 2)).T

@@ -58,9 +58,7 @@ class WorkspaceView:
     dexterous: Area | None  # the area that is reached in every orientation; None where that is not known
     exact: bool  # whether the boundary follows the exact critical curves
     path: Array  # (k, 2) positions where these are but a line or a point [m]
-    # The parts that are reached in different numbers of postures, the fewest first; empty where the joints behind the
-    # arm move the end effector too.
-    by_number: tuple[tuple[int, Region], ...] = ()
+    by_number: tuple[tuple[int, Region], ...] = ()  # its parts by the number of postures, the fewest first, where known
     by_formula: bool = False  # whether the boundary is that of formulas, the square roots of the inverse kinematics
 
 
@@ -68,13 +66,11 @@ class WorkspaceView:
 class Workspace:
     """The workspace of the origin of the end effector's frame."""
 
-    # Section and top view; side and top view of an arm without an axis of symmetry; one view of a flat one.
-    views: tuple[WorkspaceView, ...]
+    views: tuple[WorkspaceView, ...]  # section, without symmetry side view, and top view; of a flat one this alone
     volume: Measure | None  # of what is reached; None for a flat workspace
     dexterous_volume: Measure | None  # of what is dexterous; None where that is not known
     wrist: Wrist | None  # the last joints, where they turn the hand about one point
-    # The ways of the joints that move it, and of the wrist where something is said about orientations.
-    ranges: tuple[Range, ...]
+    ranges: tuple[Range, ...]  # of the joints that move it, and of a wrist that is complete
 
     @property
     def assumed(self) -> tuple[Range, ...]:
@@ -100,6 +96,7 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
     axes = np.array([[[row[2] for row in frame.rotation] for frame in arm[:-1]] for arm in frames], dtype=float)
     origins = np.array([[frame.position for frame in arm] for arm in frames], dtype=float)
     hands = np.array([arm[-1].rotation for arm in frames], dtype=float)
+    # Parallel axes: the foot of the last axis beside the end effector, in its own axes.
     if len(revolute) > 1 and np.abs(np.cross(axes[:, revolute], axes[:, revolute[:1]])).max() < _SAME:
         last = revolute[-1]
         lever = origins[:, last] - origins[:, -1]
@@ -111,6 +108,7 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
     n = len(point.ranges)
     if n < 3 or revolute[-3:] != [n - 3, n - 2, n - 1]:
         return None
+    # Three last axes through one point, which stands still in the axes of the end effector.
     centres = [_meeting(arm[-4:-1], axis[-3:]) for arm, axis in zip(origins, axes, strict=True)]
     places = np.einsum("nji,nj->ni", hands, np.array([c for c, _ in centres]) - origins[:, -1])
     if max(miss for _, miss in centres) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
@@ -127,6 +125,7 @@ def _wrist(places: Array, point: ArmPoint, joints: tuple[int, ...], complete: bo
 
 def _meeting(origins: Array, axes: Array) -> tuple[Array, float]:
     """The point nearest to some lines, and how far it is from them."""
+    # Least squares of (1 - z z^T) (c - o) = 0 over the lines.
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     centre = np.linalg.lstsq(across.reshape(-1, 3), np.einsum("kij,kj->ki", across, origins).ravel(), rcond=None)[0]
     return centre, float(np.abs(np.einsum("kij,kj->ki", across, centre - origins)).max())
@@ -147,6 +146,7 @@ def _turns_everywhere(point: ArmPoint) -> bool:
         angles.append(float(axes[0] @ axes[2]))
         if abs(axes[0] @ axes[1]) > _SAME or abs(axes[1] @ axes[2]) > _SAME:
             return False
+    # The outer axes, each perpendicular to the middle one, come to 0 and to pi apart: every orientation is there.
     covered = max(angles) > 1.0 - 1e-4 and min(angles) < 1e-4 - 1.0
     outer = (point.ranges[first], point.ranges[last])
     if all(way.full for way in outer):
@@ -231,6 +231,7 @@ class _Search:
         if picture is Picture.TOP and not exact and self.revolves and Picture.SECTION in self.pictures:
             section, _ = self._reachable(PlaneMap.of(self.point, Picture.SECTION))
             return section.changed(_seen_along_axis), False
+        # What the centre reaches, enlarged by the hand, since the wrist turns it into every direction.
         if wrist is not None and centre is not plane:
             hand, in_space = wrist.hand, picture is Picture.SECTION
             return self._around(wrist, picture).changed(lambda region: enlarged(region, hand, in_space)), exact
@@ -239,7 +240,6 @@ class _Search:
         return self.followed[picture], False
 
     def _around(self, wrist: Wrist, picture: Picture) -> Area:
-        """Where the wrist's centre gets to."""
         if picture not in self.centres:
             self.centres[picture] = self._area(PlaneMap.of(replace(self.point, place=wrist.centre), picture))
         return self.centres[picture]
@@ -306,5 +306,6 @@ def _counted_volume(point: ArmPoint, views: Sequence[WorkspaceView]) -> Measure:
         inside = package.contains_xy(front.reachable.region, across, z)
         inside &= package.contains_xy(top.reachable.region, x, y)
         shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
+    # Twice the standard error of the mean of the estimates.
     box = float(np.prod(sides))
     return Measure(box * float(np.mean(shares)), 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5)

@@ -97,6 +97,7 @@ def highest(function: Callable[[Array], Array], times: Array, values: Array) -> 
     """When each function of time is largest, (n,), also between ascending times (k,) at which they are (k, n)."""
     at, joints = values.argmax(axis=0), np.arange(values.shape[1])
     low, high = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
+    # Each function is looked at between the neighbours of its largest known value.
     when, found = refined(lambda places: function(places)[joints, :, joints], low, high)
     known = values[at, joints]
     return np.where(found > known * (1 + MORE * np.sign(known)), when, times[at])
@@ -111,6 +112,7 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
     if isinstance(piece, Cosine):
         way = (piece.values[1][0] - piece.values[0][0]) / 2
         half = Rational(1, 2)
+        # q' and q'' of (1 - cos(pi u))/2 are largest in the middle, and at the start.
         value = way * (pi / piece.duration) ** order
         yield Peak(value, piece.start + (half if order == 1 else 0) * piece.duration, True)
         return
@@ -128,6 +130,7 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
     derivative = piece.in_unit_time()
     for _ in range(order):
         derivative = derivative.diff(_U)
+    # Without its leading coefficient, which may have roots, the rest is often rational and has exact factors.
     leading, monic = _monic(derivative)
     scale = leading / piece.duration**order
     for place, value, exact in [_at(monic, Integer(0)), _at(monic, Integer(1)), *_stationary(monic)]:
@@ -165,6 +168,7 @@ def _stationary(polynomial: Poly) -> Iterator[_Place]:
         return
     rational = polynomial.domain == QQ
     for factor, _ in derivative.factor_list()[1] if rational else [(derivative, 1)]:
+        # Square roots at most: exact. Of higher degree in floats, as eigenvalues of the companion matrix.
         if factor.degree() <= 2:
             places = [place for place in roots(factor, _U) if place.is_real and 0 < float(place) < 1]
             yield from (_at(polynomial, place, factor if rational else None) for place in places)

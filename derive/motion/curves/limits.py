@@ -30,23 +30,20 @@ class Limits:
 
     def numbers(self) -> tuple[Array, Array, Array]:
         """All of them in floats, infinite where nothing limits, (n,) each."""
-
-        def _in_floats(bound: Bound) -> Array:
-            return np.array([np.inf if most is None else float(most) for most in bound])
-
-        return _in_floats(self.speed), _in_floats(self.acceleration), _in_floats(self.torque)
+        bounds = (self.speed, self.acceleration, self.torque)
+        a, b, c = (np.array([np.inf if most is None else float(most) for most in bound]) for bound in bounds)
+        return a, b, c
 
     def stretch(self, speeds: Sequence[Expr], accelerations: Sequence[Expr]) -> Expr | None:
         """By how much a motion must be longer so that it keeps to speed and acceleration.
 
-        In a time that is f times as long speeds are 1/f, accelerations 1/f^2 of what they were.
-
-        Returns:
-            The factor, also below one; zero where nothing moves; None where nothing limits what moves.
+        In a time that is f times as long speeds are 1/f, accelerations 1/f^2 of what they were. The factor may be below
+        one; it is zero where nothing moves, and None where nothing limits what moves.
         """
         longest: Expr | None = None
         for j, (speed, acceleration) in enumerate(zip(speeds, accelerations, strict=True)):
             fastest, hardest = self.speed[j], self.acceleration[j]
+            # T >= v/v_max, T^2 >= a/a_max for a motion of one second.
             needed = [(speed / fastest).expand()] if speed != 0 and fastest is not None else []
             if acceleration != 0 and hardest is not None:
                 needed.append(sqrt(acceleration / hardest))

@@ -31,38 +31,33 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     them, with accelerations, too, quintic ones.
     """
     source = str(path)
+
+    def _refused(found: str, allowed: str, *place: int) -> RobotFileError:
+        return RobotFileError(found, allowed=f"allowed: {allowed}", location=Location(source, *place))
+
+    data = file_bytes(path, BYTES)
+    if len(data) > BYTES:
+        raise _refused(f"more than {BYTES} bytes", f"at most {BYTES} bytes and {ROWS} rows")
     try:
-        data = file_bytes(path, BYTES)
-        if len(data) > BYTES:
-            found, allowed = f"more than {BYTES} bytes", f"allowed: at most {BYTES} bytes and {ROWS} rows"
-            raise RobotFileError(found, allowed=allowed, location=Location(source))
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        found, allowed = "this is no text in UTF-8", "allowed: comma-separated values"
-        raise RobotFileError(found, allowed=allowed, location=Location(source)) from None
+        raise _refused("this is no text in UTF-8", "comma-separated values") from None
     lines = list(csv.reader(text.splitlines()))
     columns = _columns(lines[0] if lines else [], robot, source)
     if not 2 <= len(lines) - 1 <= ROWS:
-        found, allowed = f"{max(len(lines) - 1, 0)} rows", f"allowed: 2 to {ROWS}"
-        raise RobotFileError(found, allowed=allowed, location=Location(source, max(len(lines), 1)))
+        raise _refused(f"{max(len(lines) - 1, 0)} rows", f"2 to {ROWS}", max(len(lines), 1))
     rows = [_row(line, columns, Location(source, k)) for k, line in enumerate(lines[1:], start=2) if line]
     numbers = np.array(rows)
     times = numbers[:, 0] - numbers[0, 0]
     if (np.diff(times) <= 0).any():
         at = int(np.argmax(np.diff(times) <= 0)) + 3
-        found, allowed = (
-            f"the time {numbers[at - 2, 0]:.6g} after {numbers[at - 3, 0]:.6g}",
-            "allowed: times that ascend",
-        )
-        raise RobotFileError(found, allowed=allowed, location=Location(source, at, 1))
+        raise _refused(f"the time {numbers[at - 2, 0]:.6g} after {numbers[at - 3, 0]:.6g}", "times that ascend", at, 1)
     orders = (numbers.shape[1] - 1) // robot.n
     states = numbers[:, 1:].reshape(len(times), orders, robot.n)
     if orders == 1:
         states = np.stack([states[:, 0], _spline_rates(times, states[:, 0])], axis=1)
     when = [Float(t) for t in times]
-    joints = tuple(
-        joined([tuple(Float(value) for value in node) for node in states[:, :, j]], when) for j in range(robot.n)
-    )
+    joints = tuple(joined([tuple(map(Float, node)) for node in states[:, :, j]], when) for j in range(robot.n))
     return Trajectory((Segment("recording", when[0], when[-1], joints),))
 
 
@@ -101,7 +96,6 @@ def _columns(heading: list[str], robot: Robot, source: str) -> list[tuple[int, f
 
 
 def _row(line: list[str], columns: list[tuple[int, float]], place: Location) -> list[float]:
-    """The numbers of one row."""
     numbers = []
     for at, unit in columns:
         cell = line[at].strip() if at < len(line) else ""
@@ -111,9 +105,7 @@ def _row(line: list[str], columns: list[tuple[int, float]], place: Location) -> 
             value = math.nan
         if not math.isfinite(value):
             column = sum(len(before) + 1 for before in line[:at]) + 1
-            found = f"found {quoted(cell)}"
-            raise RobotFileError(
-                found, allowed="allowed: a number", location=Location(place.source, place.line, column)
-            )
+            there = Location(place.source, place.line, column)
+            raise RobotFileError(f"found {quoted(cell)}", allowed="allowed: a number", location=there)
         numbers.append(value * unit)
     return numbers

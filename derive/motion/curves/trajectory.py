@@ -42,14 +42,7 @@ class Trajectory:
         return np.asarray(np.clip(found, 0, len(self.segments) - 1))
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration; before the start and after the end the arm stands.
-
-        Args:
-            t: Times [s], of any shape (...).
-
-        Returns:
-            q, qd, qdd, (..., n) each [rad or m, per s, per s^2].
-        """
+        """q, qd, qdd, (..., n) each, at times t [s], (...); before the start and after the end the arm stands."""
         times = np.asarray(t, dtype=float)
         if times.ndim == 0:
             q, qd, qdd = np.array([track.at(float(times)) for track in self._tracks]).T
@@ -123,6 +116,7 @@ class _Track:
         length = float(self.durations[index])
         u = (t - self._start_list[index]) / length
         q = qd = qdd = 0.0
+        # Horner's rule with both derivatives: q'' = q'' u + 2 q', q' = q' u + q, q = q u + c.
         for coefficient in self._powers[index]:
             qdd = qdd * u + 2 * qd
             qd = qd * u + q

@@ -43,10 +43,8 @@ def bounds_of(plan: Plan, values: Mapping[str, float]) -> Bounds:
     joints = plan.robot.joints
 
     def _least(*rows: Sequence[Expression | None]) -> Array:
-        of_joints = zip(*rows, strict=True)
-        return np.array(
-            [min((_known(most) for most in found if most is not None), default=np.inf) for found in of_joints]
-        )
+        of_joints = ([_known(most) for most in found if most is not None] for found in zip(*rows, strict=True))
+        return np.array([min(found, default=np.inf) for found in of_joints])
 
     def _known(most: Expression, unknown: float = np.inf) -> float:
         return evaluate(most, values) if all(name in values for name in names(most)) else unknown
@@ -96,21 +94,17 @@ def _excess(values: Array, bound: Bound) -> Array:
 
 
 def nearby(values: Mapping[str, Array], bounds: Bounds, kinds: Array) -> Bounds:
-    """Limits that are worth a line in a plot: what moves comes near them, and they are not far outside the picture.
-
-    Args:
-        values: What is compared, by the names of the bounds, (rows, n) each.
-        kinds: Of each joint whether it turns, (n,): angles and slides have plots of their own.
-    """
+    """Limits worth a line in a plot: the rows, (rows, n), come near them, and they are not far outside the picture."""
     found = {}
     for what, rows in values.items():
         low, high = bounds[what]
         least, most = rows.min(axis=0), rows.max(axis=0)
+        # Angles and slides have plots of their own: the height of a picture is that of one kind.
         picture = np.array([np.ptp(rows[:, kinds == kind]) for kind in kinds])
         both = np.isfinite(low) & np.isfinite(high)
-        half = np.where(
-            both, (high - np.where(both, low, 0.0)) / 2, np.where(np.isfinite(high), np.abs(high), np.abs(low))
-        )
+        only = np.where(np.isfinite(high), np.abs(high), np.abs(low))
+        half = np.where(both, (high - np.where(both, low, 0.0)) / 2, only)
+        # Near: within a part of half the way between both limits, and not farther outside than the picture is high.
         room = np.minimum(NEAR * half, picture)
         found[what] = np.where(least <= low + room, low, -np.inf), np.where(most >= high - room, high, np.inf)
     return found

@@ -87,7 +87,6 @@ class MotionCode:
 
     @cached_property
     def _pieces(self) -> tuple[tuple[str, tuple[AnyPiece, ...]], ...]:
-        """Of each joint its variable and its pieces."""
         segments, joints = self.motion.trajectory.segments, self.motion.plan.robot.joints
         count = sum(len(pieces) for segment in segments for pieces in segment.joints)
         if count > MOST:
@@ -100,12 +99,10 @@ class MotionCode:
 
     @cached_property
     def _kernels(self) -> dict[str, Kernel]:
-        """How pieces are computed, each kind once."""
         kinds = {kernel_name(piece, joint): (piece, joint) for joint, pieces in self._pieces for piece in pieces}
         return {name: kernel_of(piece, joint) for name, (piece, joint) in kinds.items()}
 
     def _kernel_texts(self, language: Language) -> dict[str, object]:
-        """The functions of the kinds of pieces in a language."""
         found = []
         for place, kernel in enumerate(self._kernels.values()):
             body, results = kernel.written(language)
@@ -116,11 +113,10 @@ class MotionCode:
 
     @property
     def _context(self) -> dict[str, object]:
-        """What the templates ask for."""
         motion, plan = self.motion, self.motion.plan
         places = {name: place for place, name in enumerate(self._kernels)}
-        joints = [_Joint.of(variable, pieces, places) for variable, pieces in self._pieces]
-        counts = np.cumsum([0, *(len(joint.rows) for joint in joints)])
+        joints = [_joint_texts(variable, pieces, places) for variable, pieces in self._pieces]
+        counts = np.cumsum([0, *(len(pieces) for _, pieces in self._pieces)])
         title = plan.title or f"A motion of {plan.robot.title or plan.robot.name}"
         operations = {node.op for kernel in self._kernels.values() for node in kernel.tape.nodes}
         return {
@@ -152,22 +148,12 @@ class MotionCode:
         }
 
 
-@dataclass(frozen=True, slots=True)
-class _Joint:
-    """The pieces of a joint as texts."""
-
-    variable: str  # its name
-    kinds: tuple[str, ...]  # places of their kernels, in lines
-    rows: tuple[str, ...]  # their numbers
-    pairs: tuple[str, ...]  # kernel and numbers of each, in Python
-
-    @classmethod
-    def of(cls, variable: str, pieces: Sequence[AnyPiece], places: Mapping[str, int]) -> _Joint:
-        """The texts of some pieces."""
-        kinds = [places[kernel_name(piece, variable)] for piece in pieces]
-        rows = [", ".join(map(repr, row_of(piece))) for piece in pieces]
-        pairs = tuple(f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True))
-        return cls(c_comment(variable), wrapped([str(kind) for kind in kinds]), tuple(rows), pairs)
+def _joint_texts(variable: str, pieces: Sequence[AnyPiece], places: Mapping[str, int]) -> dict[str, object]:
+    """The pieces of a joint as texts: places of their kernels in lines, their numbers, and both in pairs of Python."""
+    kinds = [str(places[kernel_name(piece, variable)]) for piece in pieces]
+    rows = [", ".join(map(repr, row_of(piece))) for piece in pieces]
+    pairs = [f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True)]
+    return {"variable": c_comment(variable), "kinds": wrapped(kinds), "rows": rows, "pairs": pairs}
 
 
 def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler: Command | None) -> float:

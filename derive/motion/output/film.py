@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.util import find_spec
@@ -89,10 +89,18 @@ class Film:
         return frames_of(self.motion, self.times, q)
 
     @cached_property
-    def _stage(self) -> _Stage:
-        scenes = [arm_scene(self.motion.plan.robot, frames) for frames in self._poses]
-        normal = motion_normal(self.motion)
-        view = arm_view(scenes[len(scenes) // 2]) if normal is None else view_along(normal, scenes[0].up)
+    def _scenes(self) -> list[Scene]:
+        return [arm_scene(self.motion.plan.robot, frames) for frames in self._poses]
+
+    @cached_property
+    def _view(self) -> View:
+        normal, scenes = motion_normal(self.motion), self._scenes
+        return arm_view(scenes[len(scenes) // 2]) if normal is None else view_along(normal, scenes[0].up)
+
+    @cached_property
+    def _draw(self) -> Callable[[Any, int], None]:
+        """Draws a frame: the way that is wanted of the hand, the arm, and the trace of the hand up to then."""
+        scenes, view = self._scenes, self._view
         trace = view.project(self._poses[:, -1, :3, 3])[:, :2]
         wanted = trace
         if self.run is not None:
@@ -103,7 +111,19 @@ class Film:
         scale = float(min(room / np.maximum(high - low, 1e-9)))
         gaps = sorted(segment.length * scale for segment in scenes[0].segments)
         sizes = Sizes(float(np.clip(gaps[len(gaps) // 3] / 62.0, 0.55, 1.0)) if gaps else 1.0)
-        return _Stage(tuple(scenes), view, scale, (low + high) / 2, sizes, trace, wanted)
+        right, up = (low + high) / 2 * scale
+        page = FINE * np.array(((1.0, 0.0, WIDTH / 2 - right), (0.0, -1.0, HEIGHT / 2 + up)))
+        line, faint = ((way * scale @ page[:, :2].T + page[:, 2]).ravel().tolist() for way in (trace, wanted))
+
+        def _frame(pen: Any, k: int) -> None:
+            pen.line(faint, fill=_GHOST, width=2 * FINE)
+            faces, _ = solid_faces(scenes[k], scale, sizes)
+            for corners, color, solid in seen(faces, view, page):
+                pen.polygon(corners, fill=_rgb(color), outline=_rgb(OUTLINE) if solid.edge else None)
+            if k:
+                pen.line(line[: 2 * (k + 1)], fill=_TRACE, width=2 * FINE, joint="curve")
+
+        return _frame
 
     def frames(self) -> Iterator[Any]:
         """The pictures, as ``PIL.Image`` each."""
@@ -114,7 +134,7 @@ class Film:
         for k, time in enumerate(self.times):
             image = Image.new("RGB", (WIDTH * FINE, HEIGHT * FINE), "white")
             pen = ImageDraw.Draw(image)
-            self._stage.draw(pen, k)
+            self._draw(pen, k)
             pace = f"   {self.pace} x" if self.pace > 1 else ""
             pen.text((10 * FINE, 8 * FINE), f"t = {time:.2f} s   {self._segment(time)}{pace}", fill=_INK, font=font)
             yield image.reduce(FINE)
@@ -148,32 +168,6 @@ class Film:
                 reason = done.stderr.decode(errors="replace").strip().splitlines() or ["no reason given"]
                 raise OutputError(f"ffmpeg made no film: {reason[-1]}", remedy="--gif needs no ffmpeg")
             return path.read_bytes()
-
-
-@dataclass(frozen=True, eq=False)
-class _Stage:
-    """Where everything of a film is drawn: the trace of the hand, and the way that is wanted of it."""
-
-    scenes: tuple[Scene, ...]
-    view: View
-    scale: float
-    middle: Array
-    sizes: Sizes
-    trace: Array
-    wanted: Array
-
-    def draw(self, pen: Any, k: int) -> None:
-        """One frame."""
-        right, up = self.middle * self.scale
-        page = FINE * np.array(((1.0, 0.0, WIDTH / 2 - right), (0.0, -1.0, HEIGHT / 2 + up)))
-        lines = (self.trace, self.wanted)
-        line, wanted = ((way * self.scale @ page[:, :2].T + page[:, 2]).ravel().tolist() for way in lines)
-        pen.line(wanted, fill=_GHOST, width=2 * FINE)
-        faces, _ = solid_faces(self.scenes[k], self.scale, self.sizes)
-        for corners, color, solid in seen(faces, self.view, page):
-            pen.polygon(corners, fill=_rgb(color), outline=_rgb(OUTLINE) if solid.edge else None)
-        if k:
-            pen.line(line[: 2 * (k + 1)], fill=_TRACE, width=2 * FINE, joint="curve")
 
 
 @cache

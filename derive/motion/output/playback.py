@@ -30,25 +30,12 @@ from derive.plans.profile import AnyPiece, Curve
 from derive.targets.kernel import JAVASCRIPT
 
 # What the page calls the operations of formulas.
-OPERATIONS: dict[type[Expr], str] = {
-    Add: "add",
-    Mul: "multiply",
-    Pow: "power",
-    sin: "sin",
-    cos: "cos",
-    tan: "tan",
-    sign: "sign",
-    Abs: "abs",
-    atan2: "atan2",
-    atan: "atan",
-}
+OPERATIONS: dict[type[Expr], str] = {Add: "add", Mul: "multiply", Pow: "power", Abs: "abs"}
+OPERATIONS |= {function: function.__name__ for function in (sin, cos, tan, sign, atan2, atan)}
 SAMPLES = 1001  # times at which the ranges of the joints are looked for
+# Of a motion on the page, about 1.5 megabytes, half of them where a simulation has the other half. Of a longer
+# simulation every second row, every third, ...; of a longer motion as many places.
 MOST_NUMBERS = 80_000
-"""Of a motion on the page, about 1.5 megabytes, half of them where a simulation has the other half.
-
-Of a longer simulation every second row, every third, ...; of a longer motion as many places.
-"""
-
 DIGITS = 12  # significant ones of the numbers of a simulation
 
 
@@ -124,7 +111,6 @@ def _base_of(
 
 
 def _resampled(motion: Motion, places: int) -> tuple[tuple[PlayedPiece, ...], ...]:
-    """Cubic polynomials by positions and velocities at even times."""
     times = np.linspace(0.0, motion.duration, places)
     states = np.stack(motion(times)[:2], axis=2).tolist()
     return tuple(
@@ -137,7 +123,6 @@ def _resampled(motion: Motion, places: int) -> tuple[tuple[PlayedPiece, ...], ..
 
 
 def _pairs(low: Array, high: Array) -> tuple[tuple[float | None, float | None], ...]:
-    """Limits of the joints, None for those that are infinite."""
     ends = [[value if np.isfinite(value) else None for value in bound.tolist()] for bound in (low, high)]
     return tuple(zip(*ends, strict=True))
 

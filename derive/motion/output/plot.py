@@ -106,7 +106,11 @@ def _arrange(panels: Any, height: float, below: float) -> None:
     figure.subplots_adjust(bottom=below / height, top=1 - LINE / height, hspace=GAP * rows / (height - below - LINE))
     lefts = []
     for column in panels.T:
-        numbers = [text for axes in column for text in _numbers_of(axes.yaxis)]
+        numbers = [""]  # beside the ticks that are seen
+        for axis in (axes.yaxis for axes in column):
+            low, high = sorted(axis.get_view_interval())
+            places = [place for place in axis.get_majorticklocs() if low <= place <= high]
+            numbers += axis.get_major_formatter().format_ticks(places)
         lefts.append(AXIS + DIGIT * max(map(len, numbers)))
     width = (WIDTH - sum(lefts)) / columns - GAP
     for k, column in enumerate(panels.T):
@@ -114,13 +118,6 @@ def _arrange(panels: Any, height: float, below: float) -> None:
         for axes in column:
             place = axes.get_position()
             axes.set_position((left / WIDTH, place.y0, width / WIDTH, place.height))
-
-
-def _numbers_of(axis: Any) -> list[str]:
-    """The numbers beside the ticks of an axis that are seen."""
-    low, high = sorted(axis.get_view_interval())
-    places = [place for place in axis.get_majorticklocs() if low <= place <= high]
-    return list(axis.get_major_formatter().format_ticks(places)) or [""]
 
 
 def _wanted(motion: Motion) -> tuple[Array, list[Array]]:
@@ -234,7 +231,6 @@ def _wanted_peaks(motion: Motion, row: int, j: int) -> Mark:
 
 
 def _peaks(motion: Motion, row: int, joints: Sequence[int], curves: Curves, *, happened: bool) -> list[Mark]:
-    """The largest magnitudes of curves that are not constant."""
     times, values = curves
     marks = []
     for j in joints if row else ():
@@ -246,7 +242,6 @@ def _peaks(motion: Motion, row: int, joints: Sequence[int], curves: Curves, *, h
 
 
 def _name_points(axes: Any, motion: Motion) -> None:
-    """The names of the points above the times at which they are reached."""
     segments = motion.trajectory.segments
     if motion.plan.curves:
         return

@@ -34,19 +34,15 @@ def table(motion: Motion) -> list[tuple[str, ...]]:
 
 
 def _row(robot: Robot, peaks: SegmentPeaks) -> tuple[str, ...]:
-    cells = (
-        peaks.segment.name,
-        f"{_number(peaks.segment.duration)} s",
-        _largest(robot, peaks.speeds, "s"),
-        _largest(robot, peaks.accelerations, "s^2"),
-    )
+    most = _largest(robot, peaks.speeds, "s"), _largest(robot, peaks.accelerations, "s^2")
+    cells = (peaks.segment.name, f"{_number(peaks.segment.duration)} s", *most)
     if not peaks.loads:
         return cells
     at = max(range(robot.n), key=lambda j: abs(peaks.loads[j].peak))
     load = peaks.loads[at]
     given = (*peaks.loads, peaks.base) if peaks.base else peaks.loads
-    most = sum(abs(other.power) for other in given) * float(peaks.segment.duration)
-    works = [_joules(work, most) for work in (peaks.work, *(other.work for other in given[robot.n :]))]
+    moved = sum(abs(other.power) for other in given) * float(peaks.segment.duration)
+    works = [_joules(work, moved) for work in (peaks.work, *(other.work for other in given[robot.n :]))]
     return (*cells, _torque(robot, at, load.peak, load.time), *works)
 
 
@@ -110,7 +106,6 @@ def given_in(run: Run) -> list[str]:
 
 
 def _worst(robot: Robot, errors: Array, times: Array) -> str:
-    """The largest errors of angles and of slides."""
     said = []
     for revolute, unit in ((True, "rad"), (False, "m")):
         joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute]
@@ -159,14 +154,10 @@ def violations(motion: Motion, run: Run | None = None) -> list[str]:
     for found in motion.violations if run is None else motion.violations_of(run):
         joint = motion.plan.robot.joints[found.joint]
         length, force = ("rad", "N m") if joint.is_revolute else ("m", "N")
-        unit = {"position": length, "speed": f"{length}/s", "acceleration": f"{length}/s^2", "torque": force}[
-            found.what
-        ]
-        said = f"{found.what} {found.value:.6g} {unit} at {found.time:.6g} s"
-        simulated = "" if run is None else "simulated "
-        lines.append(
-            f"{simulated}{joint.variable}: {said} exceeds the limit {found.limit:.6g} by {found.excess:.3g} {unit}"
-        )
+        units = {"position": length, "speed": f"{length}/s", "acceleration": f"{length}/s^2", "torque": force}
+        unit, who = units[found.what], joint.variable if run is None else f"simulated {joint.variable}"
+        said = f"{who}: {found.what} {found.value:.6g} {unit} at {found.time:.6g} s"
+        lines.append(f"{said} exceeds the limit {found.limit:.6g} by {found.excess:.3g} {unit}")
     return lines
 
 

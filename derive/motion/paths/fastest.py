@@ -60,10 +60,12 @@ class FastestMotion:
 
     def solve(self) -> Nodes:
         """The motion from rest to rest."""
+        # Coefficients at both ends of every interval. An arm that needs more than its torques to stand has no motion.
         ends = self._ends()
         if max(ends[0].c[0].max(), ends[1].c[-1].max()) > 1:
             raise self._refused(ends)
         margins = np.zeros(ends[0].a.shape)
+        # First without viscous friction, then with its tangent at the x found before, until x settles (Newton).
         x = self._largest(ends, margins, None)
         for _ in range(ROUNDS):
             before, x = x, self._largest(ends, margins, x)
@@ -80,7 +82,7 @@ class FastestMotion:
         return self._within(nodes, ends)
 
     def _within(self, nodes: Nodes, ends: tuple[Rows, Rows]) -> Nodes:
-        """As much slower as it has to be."""
+        # In a time longer by a factor speeds fall by it, accelerations by its square: doubled until all bounds hold.
         slower, more = nodes, SPARE
         while (excess := float(self._excess(slower).max())) > 0:
             more = max(2 * more, excess / 4)
@@ -92,6 +94,7 @@ class FastestMotion:
     def _magnitudes(self, q: Array, qd: Array, qdd: Array, steps: Indices) -> Array:
         """Speeds squared, accelerations and torques by their bounds, (..., rows), both signs of the latter."""
         speed, acceleration, torque = self.bounds
+        # Speeds are squared, since qd^2 = q'^2 x is linear in x where |qd| is not.
         parts = [(qd / speed)[..., np.isfinite(speed)] ** 2]
         signed = (qdd / acceleration)[..., np.isfinite(acceleration)]
         parts += [signed, -signed]
@@ -103,12 +106,15 @@ class FastestMotion:
     def _rows(self, place: float) -> Rows:
         """The coefficients near one end of each interval, from the torques at few velocities and accelerations."""
         a, b = self.grid[:-1], self.grid[1:]
+        # q, q' and q'' by s near an end of each interval.
         q, slope, bend = self.path(a + place * (b - a))
         zero = np.zeros_like(q)
 
         def _at(qd: Array, qdd: Array) -> Array:
             return self._magnitudes(q, qd, qdd, self.steps)
 
+        # tau(qd = v q', qdd = v^2 q'') = g + v^2 (B q'' + C q') + v D q' + f sign(v q'), asked at v = 0, 1, -1 and 2:
+        # the even part at 1 less g has v^2, the odd part D q' + f sign(q'), of which twice the speed tells D from f.
         still, moved = _at(zero, zero), _at(slope, bend)
         back, twice = _at(-slope, bend), _at(2 * slope, 4 * bend)
         even, odd = (moved + back) / 2 - still, (moved - back) / 2
@@ -122,6 +128,7 @@ class FastestMotion:
         between those of both sides.
         """
         ends = self._rows(INSIDE), self._rows(1 - INSIDE)
+        # Between two intervals, the larger of the dry frictions of both sides.
         none = np.zeros((1, ends[0].dry.shape[1]))
         first = np.maximum(ends[0].dry, np.concatenate([none, ends[1].dry[:-1]]))
         second = np.maximum(ends[1].dry, np.concatenate([ends[0].dry[1:], none]))
@@ -152,6 +159,7 @@ class FastestMotion:
         first, second = ends
         step = np.diff(self.grid)[:, None]
         scale = max(np.abs(rows.a).max() for rows in ends)
+        # At the second end of an interval x is x_0 + 2 u ds, so that b x there is b x_0 + 2 ds b u: shifted into a.
         a, b, c = [], [], []
         for rows, shift, nodes in ((first, 0.0, slice(None, -1)), (second, 2 * step, slice(1, None))):
             slope, root = _tangent(near[nodes]) if near is not None else (0.0, 0.0)
@@ -159,6 +167,7 @@ class FastestMotion:
             a.append(rows.a + shift * factor)
             b.append(factor)
             c.append(rows.c + rows.dry + rows.v * root + margins)
+        # Both ends are bounds of the first node of their interval; the last node has those of the node before.
         rest = [np.concatenate(part, axis=1) for part in (a, b, c)]
         a_all, b_all, c_all = (np.vstack([part, part[-1:]]) for part in rest)
         found = _by_toppra(self.grid, a_all / scale, b_all / scale, c_all)
@@ -168,12 +177,14 @@ class FastestMotion:
 
     def _nodes(self, x: Array) -> Nodes:
         """The motion of an x."""
+        # With u constant ds/dt is linear in time: an interval takes 2 ds/(sqrt(x_0) + sqrt(x_1)), and u = dx/(2 ds).
         rates, steps = np.sqrt(x), np.diff(self.grid)
         times = np.append(0.0, np.cumsum(2 * steps / (rates[:-1] + rates[1:])))
         pull = (np.diff(x) / (2 * steps))[:, None]
         q, slope, bend = self.path(self.grid)
         ends = np.empty((len(steps), 2, VALUES, q.shape[1]))
         for end, nodes in enumerate((slice(None, -1), slice(1, None))):
+            # qd = q' sqrt(x), qdd = q' u + q'' x, u from the interval itself: accelerations jump at nodes.
             ends[:, end, 0], ends[:, end, 1] = q[nodes], slope[nodes] * rates[nodes, None]
             ends[:, end, 2] = slope[nodes] * pull + bend[nodes] * x[nodes, None]
         return Nodes(times, ends)
@@ -182,6 +193,7 @@ class FastestMotion:
         """By how much each bound is exceeded in each interval, relative to it, with what may lie between samples."""
         places = np.concatenate([[0.0], np.linspace(INSIDE, 1 - INSIDE, SAMPLES + 1), [1.0]])
         found = self._magnitudes(*nodes.inside(places), self.steps[:, None])
+        # A parabola through three samples rises above them by an eighth of their second difference at most.
         between = np.abs(np.diff(found[:, 1:-1], 2, axis=1)).max(axis=1) / 8
         return np.asarray(found.max(axis=1) + np.minimum(between, CURVED) + SPARE - 1)
 
@@ -210,6 +222,7 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
     _, rates, _ = found.compute_parameterization(0, 0)
     if rates is None or not np.isfinite(rates).all():
         return None
+    # An interval at whose both ends the rate is zero would take for ever.
     stands = rates[:-1] + rates[1:] == 0
     return None if stands.any() else np.asarray(rates, dtype=float) ** 2
 

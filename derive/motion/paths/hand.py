@@ -51,11 +51,8 @@ class Hand:
         """The largest speeds, accelerations and torques of the plan."""
         plan = self._plan
         torque = plan.torque if plan.robot.has_dynamics and plan.base is None else (None,) * plan.robot.n
-        bounds = [
-            tuple(None if cell is None else self.exact(cell) for cell in most)
-            for most in (plan.speed, plan.acceleration, torque)
-        ]
-        return Limits(*bounds)
+        cells = (plan.speed, plan.acceleration, torque)
+        return Limits(*(tuple(None if cell is None else self.exact(cell) for cell in most) for most in cells))
 
     def exact(self, value: Expression) -> Expr:
         """A cell with the numbers of its symbols."""
@@ -94,7 +91,6 @@ class Hand:
 
     @cached_property
     def _names(self) -> tuple[str, ...]:
-        """Of the solutions, where there are several."""
         from derive.inverse.closed.solve import solve
         from derive.inverse.words.postures import postures
 
@@ -117,13 +113,13 @@ class Hand:
         return found
 
     def _pose(self, point: Point) -> Array:
-        """Where the end effector is at a point, (4, 4)."""
         if point.pose is None:
             return self._functions("forward_kinematics", np.array(self._exact(point.q or ()), dtype=float))
         pose = np.eye(4)
         pose[:3, 3] = [evaluate(cell, self._values) for cell in point.pose.position]
         if point.pose.angles is not None:
             a, b, c = (evaluate(cell, self._values) for cell in point.pose.angles)
+            # R = Rz(a) Ry(b) Rz(c), or Rz(yaw) Ry(pitch) Rx(roll).
             turns = ((2, a), (1, b), (2, c)) if point.pose.is_zyz else ((2, c), (1, b), (0, a))
             for axis, angle in turns:
                 pose[:3, :3] = pose[:3, :3] @ rotation_of(angle * np.eye(3)[axis])
@@ -152,13 +148,16 @@ class Hand:
     def _followed(self, step: Step, way: Way, q: Array, start: float, unit: Trajectory) -> Joints:
         """The pieces of each joint, with places where the acceleration along the way jumps, and enough in between."""
         follower, duration = self._follower(step), float(unit.duration)
+        # Where sdd jumps, as of trapezoids, a node stands; between, places at even times.
         jumps = [float(piece.start) for piece in unit.segments[0].joints[0][1:]]
         for count in NODES:
             edges = pairwise([0.0, *jumps, duration])
             parts = [np.linspace(a, b, max(2, round(count * (b - a) / duration)) + 1)[:-1] for a, b in edges]
             local = np.append(np.concatenate(parts), duration)
             s, sd, after = (value[:, 0] for value in unit(local))
+            # sdd just before each jump; after it as the profile says.
             before = np.where(np.isin(local, jumps), unit(np.nextafter(local, -np.inf))[2][:, 0], after)
+            # Twice as many nodes until the hand is on its way halfway between them.
             joints = follower.pieces(way, q, start + local, (s, sd, before, after))
             if follower.farthest(way, joints, unit((local[:-1] + local[1:]) / 2)[0][:, 0]) <= NEAR:
                 break
@@ -220,10 +219,12 @@ class Hand:
         tracks = [[piece for piece in track if isinstance(piece, Piece)] for track in joints]
         rows = [[*(float(piece.values[0][0]) for piece in track), float(track[-1].values[1][0])] for track in tracks]
         q, point, follower = np.array(rows).T, self._plan.points[name], self._follower(step)
+        # A point of an arc is passed at the node that is nearest to it.
         off = self._functions("forward_kinematics", q)[:, :3, 3] - self._pose(point)[:3, 3]
         found = self._branch_at(q[-1 if name == step.to else int((off**2).sum(axis=1).argmin())])
         if found in self.branches[name]:
             return
+        # An arm changes its branch in singular configurations alone: the message says which one was nearest.
         nearest = int(np.argmin([follower.regularity(row) for row in q]))
         factor = follower.factor(q[nearest])
         said = "outside its limits" if found is None else f"on branch {quoted(self._names[found], 80)}"
@@ -240,6 +241,7 @@ class Hand:
         pose = self._functions("forward_kinematics", q)
         turns = [joint.is_revolute for joint in self._plan.robot.joints]
         for k in range(len(self._names)):
+            # Angles that differ by whole turns are one: sin(off/2) is zero.
             off = self._functions.nearest(pose, q, (k,)) - q
             if np.abs(np.where(turns, np.sin(off / 2), off)).max() <= ARRIVED:
                 return k
@@ -258,6 +260,7 @@ class Hand:
             joints, knots = self.follow(step, corners[0], ZERO, UNIFORM), np.array([0.0, 1.0])
             if joints == _standing(corners[0], ZERO, ONE):
                 return [joints]
+            # A line or an arc as a path q(s): its motion at constant speed in one second.
             path = one_second(joints)
         elif len(run) == 1 and corners[0] == corners[1]:
             return [_standing(corners[0], ZERO, ONE)]
@@ -266,6 +269,7 @@ class Hand:
             knots = self._knots(run, numbers)
             path = smooth_path(knots, numbers)
         grid = grid_of(path, knots)
+        # Which step, and so which payload, each interval of the grid belongs to.
         steps = np.asarray(first + np.searchsorted(knots[1:], grid[:-1], side="right"))
         try:
             nodes = FastestMotion(path, grid, steps, self.limits.numbers(), self._torques).solve()
@@ -278,6 +282,7 @@ class Hand:
     def _knots(self, run: Sequence[Step], corners: Array) -> Array:
         """s at each point of a path, by the length of the chords, from 0 to 1."""
         speed = self.limits.numbers()[0]
+        # Chords count each joint by the time that it needs at its largest speed, where it has one.
         chords = np.linalg.norm(np.diff(corners, axis=0) / np.where(np.isfinite(speed), speed, 1.0), axis=1)
         for step, chord in zip(run, chords, strict=True):
             if chord == 0:
@@ -326,5 +331,4 @@ def _size(value: Expr, known: Mapping[Expr, Expr]) -> float:
 
 
 def _standing(corner: Corner, start: Expr, duration: Expr) -> Joints:
-    """Joints at rest."""
     return tuple((Piece(start, duration, ((q, ZERO, ZERO), (q, ZERO, ZERO))),) for q in corner)

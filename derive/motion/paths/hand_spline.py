@@ -54,6 +54,7 @@ def _nearest(vector: Array, before: Array) -> Array:
 
 def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
     """Angular velocity omega = V w' and acceleration V w'' + V' w', (3,) each, by the rotation vector w [rad]."""
+    # With x = |w|^2: V = 1 + a w^ + b w^ w^ and V' by the product rule, a' = (da/dx) x', x' = 2 w.w'.
     x, slope = float(w @ w), 2 * float(w @ rate)  # the square of the angle, and its rate
     cross, turning = cross_matrix(w), cross_matrix(rate)
     square, squared = cross @ cross, turning @ cross + cross @ turning
@@ -65,6 +66,7 @@ def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
 
 def _series(x: float) -> tuple[tuple[float, float], tuple[float, float]]:
     """a and b as functions of the square of the angle, and their derivatives by it."""
+    # a = sum (-x)^k / (2k + 2)!, b = sum (-x)^k / (2k + 3)!: no division by an angle that is zero.
     values, slopes = [], []
     for least in (2, 3):
         terms = [(-1) ** k / factorial(2 * k + least) for k in range(TERMS)]

@@ -15,10 +15,8 @@ from derive.motion.paths.singular import usual_rank
 from derive.motion.torques.functions import Functions
 from derive.plans.hermite import Piece
 
+# Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them.
 NODES = (64, 128, 256, 512)
-"""Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them;
-between places it moves by polynomials of degree five."""
-
 NEAR = 1e-9  # largest distance of the end effector from its way between these [m or rad]
 CLOSED = 1e-12  # error of a pose that is reached, relative to the arm's size
 ITERATIONS = 20  # Newton steps from one place to the next
@@ -29,11 +27,13 @@ ROWS = {"x": (0,), "y": (1,), "z": (2,), "phi": (5,), "orientation": (3, 4, 5)}
 
 def rotation_vector(rotation: Array) -> Array:
     """The axis of a rotation times its angle, from 0 to pi."""
+    # R - R^T = 2 sin(phi) a^, trace R = 1 + 2 cos(phi) (Siciliano et al., 2.5).
     skew = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
     sine, cosine = np.linalg.norm(skew) / 2, (np.trace(rotation) - 1) / 2
     angle = np.arctan2(sine, cosine)
     if sine > 1e-6:
         return np.asarray(skew * (angle / (2 * sine)))
+    # Next to no rotation sin(phi) = phi.
     if cosine > 0:
         return np.asarray(skew / 2)
     square = (rotation + np.eye(3)) / 2  # half a turn: R = 2 a a^T - 1
@@ -60,8 +60,9 @@ class Way:
     """A way of the end effector by its fraction s from 0 to 1."""
 
     place: Callable[[float], tuple[Array, Array, Array]]  # position at s, and its first and second derivative
-    # Rotation at s (3, 3), and in the world frame its angular velocity and acceleration by s (3,) [rad].
-    turned: Callable[[float], tuple[Array, Array, Array]]
+    turned: Callable[
+        [float], tuple[Array, Array, Array]
+    ]  # rotation (3, 3), and in the world omega and omega' by s (3,)
 
     @classmethod
     def line(cls, a: Array, b: Array) -> Way:
@@ -74,6 +75,7 @@ class Way:
     def arc(cls, a: Array, through: Array, b: Array) -> Way:
         """The arc of the circle through three positions; the orientation of the middle pose does not count."""
         p, m, q = a[:3, 3], through[:3, 3] - a[:3, 3], b[:3, 3] - a[:3, 3]
+        # The centre of the circle through 0, m, q: c = ((m.m) q - (q.q) m) x n / (2 n.n), n = m x q.
         normal = np.cross(m, q)
         square = float(normal @ normal)
         if square <= 1e-18 * float(m @ m) * float(q @ q) or square == 0:
@@ -81,6 +83,7 @@ class Way:
         to_centre = np.cross((m @ m) * q - (q @ q) * m, normal) / (2 * square)
         centre, radius = p + to_centre, -to_centre
         normal = normal / np.sqrt(square)
+        # p(s) = c + r cos(s phi) + (n x r) sin(s phi), from r towards the middle point; n makes phi positive.
         side = np.cross(normal, radius)
         end = b[:3, 3] - centre
         angle = float(np.arctan2(end @ side, end @ radius)) % (2 * np.pi)
@@ -117,37 +120,30 @@ class Follower:
     def pieces(
         self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array, Array]
     ) -> tuple[tuple[Piece, ...], ...]:
-        """The pieces of each joint.
-
-        Args:
-            q: Joint variables at its start, (n,).
-            times: When the end effector is at the nodes [s], (nodes,).
-            fractions: s, its derivative by time, and the second one before and after each node, (nodes,) each.
-        """
+        """The pieces of each joint from q, (n,), by times [s] and s, sd, sdd before and after each node, (nodes,)."""
         befores: list[tuple[Array, ...]] = []
         afters: list[tuple[Array, ...]] = []
         for t, s, sd, before, after in zip(times, *fractions, strict=True):
             passed = float(t - times[0])
+            # The configuration on the way nearest to that of the node before, by Newton's method.
             q = self._put(way.pose(float(s)), q, passed)
+            # nu = V sd, nu' = V sdd + V' sd^2: velocity and bend of the way by its fraction, of place and rotation.
             (_, *rates), (_, *spins) = way.place(float(s)), way.turned(float(s))
             twist, bend = (np.concatenate(parts) for parts in zip(rates, spins, strict=True))
             jacobian = self._regular(q, passed)
+            # J qd = nu; J qdd = nu' - J' qd, before and after a node at which sdd jumps (Siciliano et al., 3.7).
             qd = self._solve(jacobian, twist * sd, passed)
             drift = self.functions("jacobian_dot", q, qd) @ qd
             for sdd, states in ((before, befores), (after, afters)):
                 states.append((q, qd, self._solve(jacobian, twist * sdd + bend * sd**2 - drift, passed)))
+        # Polynomials of degree five by position, velocity and acceleration at both ends of each interval.
         when = [Float(t) for t in times]
 
-        def _ends(states: list[tuple[Array, ...]], j: int) -> list[tuple[Float, ...]]:
-            return [tuple(Float(value[j]) for value in state) for state in states]
+        def _piece(k: int, j: int) -> Piece:
+            first, second = (tuple(Float(value[j]) for value in state) for state in (afters[k], befores[k + 1]))
+            return Piece(when[k], when[k + 1] - when[k], (first, second))
 
-        return tuple(
-            tuple(
-                Piece(when[k], when[k + 1] - when[k], (first, second))
-                for k, (first, second) in enumerate(zip(_ends(afters[:-1], j), _ends(befores[1:], j), strict=True))
-            )
-            for j in range(q.size)
-        )
+        return tuple(tuple(_piece(k, j) for k in range(len(when) - 1)) for j in range(q.size))
 
     def farthest(self, way: Way, pieces: Sequence[Sequence[Piece]], s: Array) -> float:
         """How far the end effector is from its way between the nodes [m or rad]."""
@@ -171,6 +167,7 @@ class Follower:
             wanted = self._off(pose, q)
             if np.abs(wanted).max() <= CLOSED * (1 + np.abs(pose[:3, 3]).max()):
                 return q
+            # Newton: q + J^+ e, the least step where the arm has more joints than the task has rows.
             jacobian = self.functions("jacobian", q)[list(self.rows)]
             q = q + np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
         raise self._error(f"the arm does not reach the way {after:.4g} s after its start")
@@ -181,6 +178,7 @@ class Follower:
 
     def regularity(self, q: Array) -> float:
         """The smallest singular value of J in what the task asks for, relative to the largest."""
+        # Of rows that are never independent the last singular values are zero everywhere: the usual rank counts.
         values = np.linalg.svd(self.functions("jacobian", q)[list(self.rows)], compute_uv=False)
         return float(values[self._rank - 1] / values[0]) if self._rank else 1.0
 

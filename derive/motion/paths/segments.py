@@ -52,7 +52,6 @@ def trajectory_of(plan: Plan, hand: Hand) -> Trajectory:
 
 
 def _runs(steps: Sequence[Step]) -> list[list[Step]]:
-    """Steps up to the next stop, or to the next profile."""
     runs: list[list[Step]] = []
     for step in steps:
         before = runs[-1][-1] if runs else step
@@ -67,7 +66,6 @@ Timed = tuple[list[Expr], list[Joints]]  # when each of some segments begins, an
 
 
 def _run(hand: Hand, run: Sequence[Step], first: int, corners: Sequence[Corner], start: Expr) -> Timed:
-    """The segments of steps between two stops."""
     step = run[0]
     if step.profile is Profile.FASTEST:
         found = hand.fastest(run, first, corners)

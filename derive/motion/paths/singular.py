@@ -22,14 +22,17 @@ PROBES = 8  # configurations at which the rank of J is looked at
 
 def usual_rank(functions: Functions, rows: Sequence[int]) -> int:
     """In how many directions the end effector moves where the arm is not singular."""
-    places = np.random.default_rng(0).uniform(-1, 1, (PROBES, functions.n))
-    return max(int(np.linalg.matrix_rank(functions("jacobian", q)[list(rows)], tol=1e-9)) for q in places)
+    return max(int(np.linalg.matrix_rank(jacobian[list(rows)], tol=1e-9)) for jacobian in _jacobians(functions))
 
 
 def all_directions(functions: Functions) -> int:
     """How many directions the twists of the end effector have over all configurations."""
-    places = np.random.default_rng(0).uniform(-1, 1, (PROBES, functions.n))
-    return int(np.linalg.matrix_rank(np.hstack([functions("jacobian", q) for q in places]), tol=1e-9))
+    return int(np.linalg.matrix_rank(np.hstack(_jacobians(functions)), tol=1e-9))
+
+
+def _jacobians(functions: Functions) -> list[Array]:
+    """J at random configurations."""
+    return [functions("jacobian", q) for q in np.random.default_rng(0).uniform(-1, 1, (PROBES, functions.n))]
 
 
 def vanishing_factor(robot: Robot, values: Mapping[str, float], q: Array) -> str:
@@ -42,6 +45,7 @@ def vanishing_factor(robot: Robot, values: Mapping[str, float], q: Array) -> str
         return ""
     numbers = {Symbol(name): value for name, value in values.items()}
     variables = [Symbol(joint.variable) for joint in robot.joints]
+    # The size of a factor counts relative to its largest one at random configurations.
     places = [q, *np.random.default_rng(0).uniform(-3, 3, (PROBES, len(q)))]
 
     def _size(family: tuple[Condition, ...]) -> float:

@@ -56,6 +56,7 @@ class Nodes:
     def inside(self, u: Array) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration at the same places of each interval."""
         count, n = self.ends.shape[0], self.ends.shape[-1]
+        # All intervals at all places in one call for each joint and order.
         lengths = np.repeat(np.diff(self.times), u.size)
         places = np.tile(u, count)
         found = np.empty((VALUES, count * u.size, n))
@@ -90,6 +91,7 @@ class Nodes:
 def grid_of(path: Trajectory, knots: Array) -> Array:
     """Values of s at which a motion is computed: closer at both ends, where it is slow."""
     grid: Array = (1 - np.cos(np.linspace(0, np.pi, INTERVALS * (len(knots) - 1) + 1))) / 2
+    # A joint that turns back between two places gets one of its own there, by bisection of the sign of q'.
     slopes = path(grid)[1]
     slopes[:, np.abs(slopes).max(axis=0) < NOISE * np.abs(slopes).max()] = 0
     fixed = list(knots[1:-1])
@@ -100,6 +102,7 @@ def grid_of(path: Trajectory, knots: Array) -> Array:
             low, high = (middle, high) if path(middle)[1][j] * slopes[i, j] > 0 else (low, middle)
         if not fixed or np.abs(np.array(fixed) - low).min() > NOISE:
             fixed.append(low)
+    # Points of the path and turns take the places of the grid that are nearest to them.
     inner = grid[1:-1]
     nearest = {int(np.abs(inner - place).argmin()) for place in fixed}
     kept = np.delete(inner, sorted(nearest))

@@ -29,8 +29,7 @@ class Run:
     lost: Array  # to friction up to then [J], (samples,)
     divergence: Divergence | None  # where it was given up, with the samples up to then; None where the end was reached
     pushed: Array = field(default_factory=lambda: np.zeros(1))  # work of the disturbances up to then [J], (samples,)
-    # Work up to then of the force and moment by which a moving base holds the arm [J], (samples,).
-    base: Array = field(default_factory=lambda: np.zeros(1))
+    base: Array = field(default_factory=lambda: np.zeros(1))  # work of a moving base on the arm up to then [J]
 
     @property
     def reached(self) -> bool:
@@ -62,14 +61,10 @@ def simulate(
     sticks: bool,
     jumps: Sequence[float] = (),
 ) -> Run:
-    """A motion.
+    """A motion from positions and velocities at the first of ascending times [s].
 
-    Args:
-        start: Positions and velocities at the first time, (n,) each.
-        times: Times of the samples [s], ascending.
-        period: Time between two looks of a controller that holds its torques in between [s]; None for a continuous one,
-            infinite where nothing is controlled.
-        jumps: Times at which what a continuous controller wants jumps; no integration goes across them [s].
+    A controller holds its torques between two looks, a period [s] apart; None for a continuous one, whose integration
+    does not go across times at which what it wants jumps [s], infinite where nothing is controlled.
     """
     n = start[0].size
     begins = [stage.start for stage in stages]
@@ -90,6 +85,7 @@ def simulate(
         if looks:
             held = stage.law(a, state[:n], state[n : 2 * n])
         law = _motors(stage.law, held, b, is_sampled=period is not None)
+        # Samples after a up to b, and b itself, from which the next integration starts.
         inside = times[slice(*np.searchsorted(times, (a, b), side="right"))]
         wanted = inside if inside.size and inside[-1] == b else np.append(inside, b)
         if stage.plant.held:
@@ -99,6 +95,7 @@ def simulate(
             rows, divergence = step(stage.plant, law, state, (a, b), wanted)
         kept = rows[: inside.size]
         tau = [law(float(t), row[:n], row[n : 2 * n]) for t, row in zip(inside, kept, strict=False)]
+        # The work of a constant push is push . (q - q_a).
         pushes = pushed[-1] + (rows[:, :n] - state[:n]) @ stage.plant.push
         part = inside[: len(kept)], kept, np.array(tau).reshape(-1, n), stage.plant, brought, pushes[: len(kept)]
         parts.append(_Stretch(*part))

@@ -28,8 +28,7 @@ from derive.robot.expression import ZERO
 RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}
 MOST_LOOKS = 1_000_000  # of a sampled controller
 CALLS_PER_LOOK = 30.0  # calls from one look of a sampled controller to the next, about
-# Position, velocity and acceleration that are wanted at a time.
-Reference = Callable[[float], tuple[Array, Array, Array]]
+Reference = Callable[[float], tuple[Array, Array, Array]]  # position, velocity and acceleration wanted at a time
 # Generated functions of each law.
 NEEDS: dict[str, frozenset[str]] = {
     "none": frozenset(),
@@ -47,23 +46,16 @@ class Controller:
     kp: Array  # gains of the position, (n,)
     kd: Array  # gains of the velocity, (n,)
     reference: Reference  # what is wanted
-    # The model that the controller knows, without dry friction; None where the law needs none.
-    functions: Functions | None
-    # What that model says that a base that moves adds; None where it stands.
-    inertial: Callable[[float, Array, Array], Array] | None = None
+    functions: Functions | None  # the model that it knows, without dry friction; None where the law needs none
+    inertial: Callable[[float, Array, Array], Array] | None = None  # what a base adds that moves; None where it stands
 
     def __call__(self, t: float, q: Array, qd: Array) -> Array:
-        """Torques of the motors.
-
-            pd               tau = Kp e + Kd de/dt
-            pd-gravity       tau = Kp e + Kd de/dt + g(q)
-            computed-torque  tau = B(q) (qdd_d + Kd de/dt + Kp e) + C(q, qd) qd + g(q)
-
-        Returns:
-            tau, (n,) [N m or N].
-        """
+        """Torques of the motors, (n,) [N m or N]."""
         if self.law == "none":
             return np.zeros(q.size)
+        # pd               tau = Kp e + Kd de/dt
+        # pd-gravity       tau = Kp e + Kd de/dt + g(q)
+        # computed-torque  tau = B(q) (qdd_d + Kd de/dt + Kp e) + C(q, qd) qd + g(q)
         wanted, velocity, acceleration = self.reference(t)
         tau: Array = self.kp * (wanted - q) + self.kd * (velocity - qd)
         if self.functions is None:
@@ -98,6 +90,7 @@ def stages_of(
     disturbances and of what stands under ``plant``.
     """
     robot, control = plan.robot, plan.control
+    # Numbers that the plant has otherwise stay symbols; dry friction is the simulation's, not the functions'.
     numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
     bare = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), parameters=numbers)
     loaded = plan.plant_payload or any(step.payload for step in plan.steps)
@@ -117,6 +110,7 @@ def stages_of(
     arm = link.robot if link else bare
     slides = not coulomb.any()
     keeps = (period or control.law == "none") and (slides or (period and plan.friction == "smooth"))
+    # Steps in C for torques that are held, where dry friction is smooth or there is none.
     held = held_arm(arm, known, expected) if keeps and added is None else None
     functions = Functions(arm, needed, known, calls=expected / (CALLS_PER_LOOK if held and calls is None else 1))
     kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
@@ -131,7 +125,8 @@ def stages_of(
 
     stages = []
     for start in _changes(plan, trajectory, values):
-        carried = _carried(plan, trajectory, start)
+        pairs = zip(plan.steps, trajectory.segments, strict=False)
+        carried = [None, *(step.payload for step, segment in pairs if float(segment.start) <= start)][-1]
         push = np.zeros(robot.n)
         for each in plan.disturbances:
             if evaluate(each.start, values) <= start < evaluate(each.end, values):
@@ -160,7 +155,6 @@ def period_of(plan: Plan, values: Mapping[str, float], duration: float) -> float
 
 
 def _changes(plan: Plan, trajectory: Trajectory, values: Mapping[str, float]) -> list[float]:
-    """When the load or a disturbance changes, the start of the motion first."""
     end, found = float(trajectory.duration), {0.0}
     for before, step, segment in zip([None, *plan.steps], plan.steps, trajectory.segments, strict=False):
         if before is not None and before.payload != step.payload:
@@ -168,12 +162,3 @@ def _changes(plan: Plan, trajectory: Trajectory, values: Mapping[str, float]) ->
     for each in plan.disturbances:
         found |= {evaluate(each.start, values), evaluate(each.end, values)}
     return sorted(t for t in found if 0 <= t < end)
-
-
-def _carried(plan: Plan, trajectory: Trajectory, time: float) -> Payload | None:
-    """What the path says that the tool carries from a time on."""
-    found = None
-    for step, segment in zip(plan.steps, trajectory.segments, strict=False):
-        if float(segment.start) <= time:
-            found = step.payload
-    return found

@@ -14,10 +14,7 @@ from derive.motion.torques.functions import Functions
 
 TOLERANCE = 2e-11  # relative and absolute error of a step
 STICTION_SPEED = 1e-4  # speed at which smooth friction has three quarters of its value [rad/s or m/s]: f tanh(qd/1e-4)
-STIFF = 5000.0
-"""Rate of decay from which on an implicit solver takes fewer steps than an explicit one [1/s]; light links under large
-gains have it."""
-
+STIFF = 5000.0  # decay from which on implicit solvers take fewer steps [1/s], as of light links under large gains
 SHORT = 0.1  # time in which no solver takes many steps [s]
 ASIDE = 1e-6  # by how much a state is moved to see how its rates change
 DIVERGED = 1e4  # speed beyond which a simulation is given up [rad/s or m/s]
@@ -34,10 +31,8 @@ class Plant:
     viscous: Array  # coefficients of friction by velocity, which the functions hold
     coulomb: Array  # coefficients of dry friction, which they do not
     push: Array  # what acts on the joints besides motors and friction [N m or N]
-    # Its steps in C while the motors hold their torques; None where that is not worth a compiler.
-    held: Held | None = None
-    # What the motion of the base adds to the torques, and its work; None where it stands.
-    base: BaseTorques | None = None
+    held: Held | None = None  # its steps in C under held torques; None where that is not worth a compiler
+    base: BaseTorques | None = None  # what the motion of the base adds to the torques; None where it stands
 
     def felt(self, driven: Array, t: float, q: Array, qd: Array) -> Array:
         """What accelerates joints that motors and pushes drive: less what the motion of the base takes [N m or N]."""
@@ -72,13 +67,9 @@ class Divergence:
         return int(np.abs(self.qd).argmax())
 
 
+# States at the times that are wanted, and where it ended earlier. A state holds positions, velocities, the work of
+# motors and pushes, what friction took, and the work of a base that moves.
 Steps = tuple[Array, Divergence | None]
-"""States at the times that are wanted, and where it ended earlier.
-
-A state holds positions, velocities, the work of motors and pushes, what friction took, and the work of a base that
-moves, in one vector.
-"""
-
 # Steps of an arm, from torques of the motors, a state, start and end, to the times that are wanted.
 Held = Callable[[Plant, Array, Array, tuple[float, float], Array], Steps]
 Change = tuple[float, Array]  # time and state at which something else begins
@@ -106,6 +97,7 @@ def integrated(
         return DIVERGED - float(np.abs(state[n : 2 * n]).max())
 
     _bounded.terminal = True  # type: ignore[attr-defined]
+    # Speeds beyond all sense end a simulation, and so does a change, of which the caller begins anew.
     events: list[Callable[[float, Array], float]] = [_bounded]
     if margin is not None:
 
@@ -120,6 +112,7 @@ def integrated(
     got = np.array(found.y).T.reshape(-1, state.size)
     if len(got) == len(times):
         return got, None, None
+    # The caller goes on from a change; a solver that gave up by itself counts as divergence where it stopped.
     if margin is not None and len(found.t_events[1]):
         return got, (float(found.t_events[1][0]), found.y_events[1][0]), None
     if len(found.t_events[0]):
@@ -139,6 +132,7 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
         q, qd = state[:n], state[n : 2 * n]
         if not qd @ qd < 4 * n * DIVERGED**2:
             return frozen
+        # B qdd = tau + push - C qd - g - viscous qd - f tanh(qd/v0), and the powers of the ledger beside.
         driven = law(t, q, qd) + plant.push
         slip = dry * np.tanh(qd / STICTION_SPEED) if rough else nothing
         rates = np.empty_like(state)
@@ -162,6 +156,7 @@ def _fastest_decay(rates: Callable[[float, Array], Array], t: float, state: Arra
     """The largest eigenvalue of the linear motion about a state, in magnitude [1/s]."""
     count = (state.size - 2) // 2 * 2
     columns = []
+    # Columns of d(qd, qdd)/d(q, qd) by central differences.
     for k in range(count):
         aside = np.zeros_like(state)
         aside[k] = ASIDE

@@ -37,11 +37,15 @@ class Contact:
         dry = plant.coulomb
         way, open_ = np.where(dry > 0, np.sign(qd), 0.0), (dry > 0) & (qd == 0)
         if open_.any():
+            # Accelerations without the friction of joints at rest, and the friction that would hold these: a joint
+            # that needs all it has slips against it.
             free = plant.functions(
                 "forward_dynamics", q, qd, plant.felt(law(t, q, qd) + plant.push, t, q, qd) - dry * way
             )
             held = _complementary(_mobility(plant, q), free, np.where(open_, dry, 0.0))[1]
             way = np.where(open_ & (np.abs(held) >= dry), np.sign(held), way)
+        # Confirmed by the equations of motion: a joint that stands with more than its friction breaks away, one that
+        # should slip and is not accelerated its way stands.
         for _ in range(4 * dry.size):
             contact = cls(plant, law, way)
             _, qdd, friction = contact.forces(t, q, qd)
@@ -79,6 +83,8 @@ class Contact:
         friction = self.slip
         qdd = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - friction)
         if self.any_stands:
+            # Rows and columns of joints that stand are those of a unit matrix: B_ss qdd_s = pull_s, qdd = 0 elsewhere.
+            # What holds them is their row of pull - B qdd.
             inertia, (both, alone) = plant.functions("inertia_matrix", q), self._apart
             pull = inertia @ qdd
             qdd = np.asarray(np.linalg.solve(inertia * both + alone, np.where(self.stands, 0.0, pull)), dtype=float)
@@ -99,6 +105,7 @@ class Contact:
         """Above zero as long as what slips goes on and what stands is held."""
         n, dry = self.way.size, self.plant.coulomb
         qd = state[n : 2 * n]
+        # A slipping joint has speed its way; a standing one some of its friction to spare. The solver stops at zero.
         found = np.where(self.way != 0, self.way * qd + RESTS, np.inf)
         if self.any_stands:
             friction = self.forces(t, state[:n], qd)[2]
@@ -124,6 +131,7 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
     changes: list[float] = []
     divergence = None
     while len(rows) < len(times) and divergence is None:
+        # Which joints slip from here on; where changes have no end (Zeno), time steps lead across.
         contact = Contact.at(plant, law, t, state[:n], state[n : 2 * n])
         if contact is None or (len(changes) >= BUSY and t - changes[-BUSY] < MOMENT):
             changes.clear()
@@ -133,6 +141,7 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
                 t, state = end, found[0]
                 rows += [state] if end == times[len(rows)] else []
             continue
+        # Smooth motion up to the next change, at which the margin crosses zero.
         wanted = times[len(rows) :]
         span, method = (t, span[1]), solver(contact.rates, state, (t, span[1]))
         got, change, divergence = integrated(contact.rates, state, span, wanted, method, contact.margin, LONGEST)
@@ -158,8 +167,10 @@ def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], tim
         h = float(wanted - t) / steps
         for _ in range(steps):
             driven = law(t, q, qd) + plant.push
+            # The velocity without friction, then the impulses of friction that agree with the velocity after the step.
             free = qd + h * plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd))
             after, impulse = _complementary(_mobility(plant, q), free, h * plant.coulomb)
+            # Work by the mean velocity of the step, which is exact for impulses in it.
             rates = (qd + after) / 2, (after - qd) / h
             done = done + h * np.array(plant.ledger(driven, impulse / h, t, q, rates))
             q, qd, t = q + h * after, after, t + h
@@ -184,6 +195,7 @@ def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Ar
     for _ in range(SWEEPS):
         largest = 0.0
         for j in joints:
+            # The friction that would stop joint j alone, cut to what it has; v -= B^-1 e_j dp.
             wanted = friction[j] + velocity[j] / rows[j][j]
             new = min(max(wanted, -bounds[j]), bounds[j])
             change = new - friction[j]
@@ -193,5 +205,6 @@ def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Ar
                     velocity[i] -= row[j] * change
         if largest <= enough:
             break
+    # A joint whose friction is not used up stands exactly: its velocity is nothing but rounding.
     held = [bounds[j] and abs(friction[j]) < bounds[j] for j in range(len(bounds))]
     return np.array([0.0 if stands else v for stands, v in zip(held, velocity, strict=True)]), np.array(friction)

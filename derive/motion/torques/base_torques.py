@@ -53,18 +53,20 @@ class OnBase(Generic[S]):
     chain: Chain[S]  # the arm at its configuration
     motion: LinkMotion[S]  # of frame 0 in its own axes, its acceleration less gravity
     velocity: Vector[S]  # of the origin of frame 0, in the same axes
-    # Gravity in the same axes, and times the way from the origin of the world to that of frame 0.
-    weight: tuple[Vector[S], S]
+    weight: tuple[Vector[S], S]  # gravity in the same axes, and times the way to frame 0 from the world's origin
 
     @classmethod
     def of(cls, chain: Chain[S], base: Sequence[Frame[S]], gravity: Vector[S]) -> OnBase[S]:
         """From the transform of the base, its rate and its second derivative, and from gravity in the world."""
         pose, rate, bend = base
         fixed = chain.base
+        # Frame 0 stands in the base as `fixed`: its rotation in the world is R_w = R R_f, its rates R' R_f and R'' R_f.
         back = transpose(matmul(pose.rotation, fixed.rotation))
         spin, tensor = (matmul(back, matmul(each.rotation, fixed.rotation)) for each in (rate, bend))
+        # R_w^T R_w' = omega^; R_w^T R_w'' = alpha^ + omega^ omega^, whose off-diagonal entries give alpha.
         x, y, z = omega = (spin[2][1], spin[0][2], spin[1][0])
         alpha = (tensor[2][1] - y * z, tensor[0][2] - x * z, tensor[1][0] - x * y)
+        # o = p + R p_f and its derivatives: place, velocity and acceleration of the origin of frame 0 in the world.
         place, speed, push = (add(each.position, multiply(each.rotation, fixed.position)) for each in base)
         found, differences = angular_acceleration_tensor(omega, alpha)
         motion = LinkMotion(omega, alpha, found, multiply(back, subtract(push, gravity)), differences)
@@ -73,6 +75,7 @@ class OnBase(Generic[S]):
     def added(self, qd: Sequence[S]) -> list[S]:
         """What is added to the torques of the arm on a base that stands [N m or N]."""
         still = [self.chain.zero] * self.chain.n
+        # B qdd is the same in both recursions, so that qdd = 0 tells the difference.
         moving, standing = (inverse_dynamics(self.chain, qd, still, base=each) for each in (self.motion, None))
         return [a - b for a, b in zip(moving, standing, strict=True)]
 
@@ -84,6 +87,7 @@ class OnBase(Generic[S]):
     def energy(self, qd: Sequence[S], half: S) -> S:
         """Kinetic and potential energy in the world [J], without that of what is fixed to the base."""
         nothing, (gravity, drop) = self.chain.zero, self.weight
+        # Links fixed to the base move with it whatever the joints do: their energy is the base's own.
         ground = Body(nothing, self.chain.null, Symmetric(*[nothing] * 6))
         chain = replace(self.chain, gravity=gravity, drop=drop, ground=ground)
         return kinetic_energy(chain, qd, half, (self.velocity, self.motion.omega)) + potential_energy(chain)
@@ -128,6 +132,7 @@ class BaseTorques:
         domain = ArrayDomain(self.robot, tuple(np.moveaxis(q, -1, 0)), self.values)
         inside = np.clip(t, 0.0, self.duration)
         base = np.array([self.base(inside, order) for order in range(3)])
+        # Before its motion and after it a base stands.
         base[1:, inside != t] = 0.0
         frames = [_frame([list(row) for row in np.moveaxis(each[:, :3], 0, -1)]) for each in base]
         return OnBase.of(build_chain(self.robot, domain), frames, self._gravity(domain))

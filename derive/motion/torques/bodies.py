@@ -31,6 +31,7 @@ class CarriedBody:
         """What the tool carries."""
         tool = np.array([[evaluate(cell, values) for cell in row] for row in robot.tool])
         rotation, place = tool[:3, :3], tool[:3, 3]
+        # From the frame of the end effector to that of the last link: r = R r_e + p, I = R I_e R^T.
         com = rotation @ [evaluate(cell, values) for cell in payload.com] + place
         own = np.diag([evaluate(cell, values) for cell in payload.inertia])
         return cls(evaluate(payload.mass, values), com, rotation @ own @ rotation.T)
@@ -45,6 +46,7 @@ class CarriedBody:
 
     def about(self, point: Array) -> Array:
         """The inertia about a point in the frame of the last link [m] (Steiner), (3, 3) [kg m^2]."""
+        # I_point = I_com + m (r.r 1 - r r^T).
         r = self.com - point
         return self.inertia + self.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
@@ -56,6 +58,7 @@ class CarriedBody:
 
     def columns(self, n: int) -> dict[str, float]:
         """Its parameters as the columns of the regressor are named, the inertia about the origin of the frame."""
+        # Dynamics are linear in m, m r and the inertia about the origin of the frame (Siciliano et al., 7.2.2).
         parts = {"m": self.mass, **dict(zip(("mx", "my", "mz"), self.mass * self.com, strict=True))}
         inertia = self.about(np.zeros(3))
         parts |= {f"I{entry}": inertia[place] for entry, place in _ENTRIES.items()}

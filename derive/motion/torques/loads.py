@@ -45,12 +45,12 @@ def loads(
     times, weights = np.concatenate(places), np.concatenate(parts)
 
     def _both(at: Array) -> Array:
-        """Torques, then powers, (..., 2 n)."""
         torque, velocity = state(at)
         return np.concatenate([torque, torque * velocity], axis=-1)
 
     values = _both(times)
     tau, power = np.split(values, 2, axis=1)
+    # work = integral of tau qd dt, rms^2 = mean of tau^2.
     work = weights @ power * (end - start)
     rms = np.sqrt(weights @ tau**2)
     when = highest(lambda at: np.abs(_both(at)), times, np.abs(values))

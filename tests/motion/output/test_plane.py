@@ -29,7 +29,7 @@ def test_what_leaves_a_plane_is_seen_in_space(text: str) -> None:
 
 def test_the_film_of_a_planar_arm_keeps_lengths() -> None:
     film = Film(Motion.from_text(ROOT))
-    ends = film._stage.view.project(film._poses[:, [2, 3, -1]][..., :3, 3])[..., :2]
+    ends = film._view.project(film._poses[:, [2, 3, -1]][..., :3, 3])[..., :2]
     lengths = np.linalg.norm(np.diff(ends, axis=1), axis=-1)
     assert lengths == pytest.approx(np.tile([0.4, 0.3], (len(lengths), 1)), rel=1e-6)
 
