@@ -16,15 +16,7 @@ from derive.checking.inverse.check import check_inverse as compare_inverse
 from derive.checking.inverse.check import inverse_text, names_inverse
 from derive.checking.inverse.latex import gives_joints
 from derive.checking.latex.check import check_latex as compare_latex
-from derive.checking.report import (
-    Printout,
-    difference_text,
-    finding_lines,
-    report_lines,
-    right_text,
-    summary,
-    what,
-)
+from derive.checking.report import Printout, difference_text, finding_lines, report_lines, right_text, summary, what
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.api.robots import RobotLike, configuration, load, tell
+from derive.api.robots import RobotLike, load, tell
 from derive.errors import DeriveError, TargetError, listed
 from derive.handouts.fragment import fragment_text
 from derive.handouts.render import Addition, Format, handout_files, sheet_names
 from derive.publish.atomic_folder import refuse_taken, write_files
-from derive.robot.options.handout import Derivation, chosen_notation, chosen_pages, chosen_parts
-from derive.robot.options.style import Style, choice_named
+from derive.robot.options.handout import chosen_pages
+from derive.robot.options.style import Style
+from derive.robot.presentation import with_options
 from derive.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -189,45 +190,3 @@ def fragment(
     """
     shown = with_options(load(robot), parts, language, derivation, notation, q, style)
     return fragment_text(shown, shown.handout, name, width or "")
-
-
-def with_options(
-    robot: Robot,
-    parts: Iterable[str] | None = None,
-    language: str | None = None,
-    derivation: str | None = None,
-    notation: Mapping[str, str] | None = None,
-    q: Sequence[float | str] | None = None,
-    style: Style | str | Mapping[str, str] | None = None,
-) -> Robot:
-    """A robot with other options of its handout; see `handout`.
-
-    Args:
-        robot: The robot.
-        parts: Only these parts; None leaves those of the file, as None does below.
-        language: Code of the language.
-        derivation: ``result`` or ``steps``.
-        notation: Choices by name.
-        q: Joint values that are drawn and computed.
-        style: How expressions are grouped.
-
-    Returns:
-        The robot that differs in `handout`, `style` and `figure` only.
-
-    Raises:
-        QuantityError: An unknown part, notation, derivation or style.
-        DeriveError: Not one value per joint, or a value that is no number.
-    """
-    options, figure = robot.handout, robot.figure
-    if parts is not None:
-        options = replace(options, parts=chosen_parts(parts))
-    if language is not None:
-        options = replace(options, language=language)
-    if derivation is not None:
-        options = replace(options, derivation=choice_named(Derivation, derivation))
-    if notation is not None:
-        options = replace(options, notation=chosen_notation(notation, options.notation))
-    if q is not None:
-        figure = replace(figure, q=configuration(robot, q))
-    grouped = robot.style if style is None else Style.of(style)
-    return replace(robot, handout=options, figure=figure, style=grouped)

@@ -17,7 +17,6 @@ from derive.exchange.source import ChainSource, open_urdf, opened, relative
 from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
 from derive.model.identification.witness import NoSuchBodies
-from derive.publish.atomic_folder import write_files
 from derive.robot.load import is_robot_name, robot_file_bytes
 from derive.robot.robot import Robot
 
@@ -187,20 +186,3 @@ def _moved(package: str, from_folder: Path, to_folder: Path) -> str:
     """A folder, or ``NAME=DIR``, seen from another folder."""
     name, sign, folder = package.rpartition("=")
     return f"{name}{sign}{relative(from_folder / folder, to_folder)}"
-
-
-def write(arms: Mapping[Path, Imported], *, force: bool = False) -> list[Robot]:
-    """Write robot files, all or none.
-
-    Args:
-        arms: By path.
-        force: Whether to write over files that are there.
-
-    Returns:
-        The robots, as read from the files.
-
-    Raises:
-        OutputError: A file is there already, or the system refused to write.
-    """
-    write_files({path: arm.text.encode() for path, arm in arms.items()}, force=force)
-    return [Robot.from_text(arm.text, str(path)) for path, arm in arms.items()]

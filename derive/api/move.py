@@ -14,6 +14,7 @@ from derive.motion.motion import Motion
 from derive.motion.output.table import csv_bytes
 from derive.plans.catalogue import plan_names
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
+from derive.robot.presentation import with_options
 
 if TYPE_CHECKING:
     from derive.motion.output.code import VerifiedCode
@@ -168,8 +169,6 @@ def move(
         built_in = str(plan) in plan_names()
         tell(remark for remark in motion.plan.remarks if not (built_in and remark.is_of_bodies))
     if language is not None:
-        from derive.api.handout import with_options
-
         motion = Motion(replace(motion.plan, robot=with_options(motion.plan.robot, language=language)))
     run = motion.simulate() if simulate else None
     contents = {path: FORMS[form].contents(motion, run, endings[form]) for form, path in paths.items()}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from derive.api.robots import RobotLike, configuration, load
+from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError
 from derive.handouts.figure.arm import arm_drawing
 from derive.handouts.figure.workspace_plot import workspace_bytes
@@ -16,6 +16,7 @@ from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
+from derive.robot.cells import joint_values
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
 from derive.workspace.region import Measure
@@ -94,7 +95,7 @@ def plot(
 def _arm(robot: Robot, q: Sequence[float | str] | None, suffix: str, size: float) -> tuple[bytes, str]:
     """The figure of the arm, and what it shows."""
     poses = RobotPoses(robot)
-    drawn = (poses.configuration or poses.zero) if q is None else poses.numbers(configuration(robot, q))
+    drawn = (poses.configuration or poses.zero) if q is None else poses.numbers(joint_values(robot, q))
     pairs = zip(robot.joints, drawn, strict=True)
     values = ", ".join(
         f"{joint.variable} = {value:.4g} {'rad' if joint.is_revolute else 'm'}" for joint, value in pairs

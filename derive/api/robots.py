@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, Unpack
 
 from derive.errors import RobotFileWarning
-from derive.robot.cells import joint_values
 from derive.robot.description import Remark
-from derive.robot.expression import Expression
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot as PlainRobot
 
@@ -175,19 +173,3 @@ def load_all(robots: Iterable[RobotLike] | None) -> list[Robot]:
         UnknownRobotError: Neither a file nor a catalogue name.
     """
     return [load(robot) for robot in (catalogue() if robots is None else robots)]
-
-
-def configuration(robot: PlainRobot, q: Sequence[float | str]) -> tuple[Expression, ...]:
-    """Exact joint values from numbers or cells.
-
-    Args:
-        robot: The robot.
-        q: One number or cell such as ``"pi/2"`` per joint, in the units of the robot file (rad and m by default).
-
-    Returns:
-        The configuration [rad or m].
-
-    Raises:
-        DeriveError: Not one value per joint, or a value that is no number.
-    """
-    return joint_values(robot, [value if isinstance(value, str) else str(float(value)) for value in q])

@@ -94,8 +94,8 @@ def _pair(text: str) -> tuple[str, str]:
 
 def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Namespace) -> int:
     """Write the files, or print the only one, and the reports."""
-    from derive.api.importing import write
-    from derive.api.robots import tell
+    from derive.api.robots import Robot, tell
+    from derive.publish.atomic_folder import write_files
 
     if not arguments.all and arguments.out is None:
         (arm,) = arms.values()
@@ -106,7 +106,8 @@ def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Names
         if not arguments.quiet:
             print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
         return DONE
-    for robot in write(arms, force=arguments.force):
+    write_files({path: arm.text.encode() for path, arm in arms.items()}, force=arguments.force)
+    for robot in [Robot.from_text(arm.text, str(path)) for path, arm in arms.items()]:
         tell(remark for remark in robot.remarks if not remark.is_of_bodies)  # the report names these links
     if arguments.json:
         print_json({"robots": [{"file": str(path), **arm.as_dict()} for path, arm in arms.items()], "refused": refused})

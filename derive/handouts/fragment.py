@@ -3,14 +3,12 @@ r"""One part of a handout, or one quantity, for ``\input`` into a teacher's own 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
 from derive.handouts.assemble import context_of, section_of
 from derive.handouts.fragment_writer import fragment
-from derive.handouts.layout.quantity import Item, LaidOut
+from derive.handouts.layout.quantity import Item, LaidOut, Namer
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.inverse_formulas import formulas
@@ -82,35 +80,27 @@ def _quantity(context: Context, name: str) -> Section:
     return Section("", "", (formula(context, laid_out, row.function),))
 
 
-@dataclass(frozen=True, slots=True)
-class _Name:
-    """What a quantity is called."""
-
-    symbol: Box  # its symbol
-    entry: Callable[[int, int], Box]  # (row, column) -> name of an entry
-    # Whether its entries have no letter of their own, but the symbol in brackets with indices.
-    is_derived: bool = False
-
-
 def _by_value(context: Context, row: Quantity, indices: tuple[int, ...], entry: tuple[int, ...] | None) -> LaidOut:
     """Any other quantity, or an entry: by the value that the model has for it."""
     whole, name = row.value(context.entries.model, *indices), row.name
     value = whole if entry is None else pick(whole, entry, row.call)
-    called = _called(context, name, indices)
+    symbol, namer = _called(context, name, indices)
+    if namer is None and hasattr(value, "shape") and value.shape[1] == 1:
+        namer = component_namer(symbol)
+    namer = namer or entry_namer(symbol, "," if context.robot.n > 9 else "")
     if hasattr(value, "shape"):
         limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
-        namer = component_namer(called.symbol) if called.is_derived and value.shape[1] == 1 else called.entry
-        return context.layouter.lay_out(called.symbol, namer, of_matrix(value), limit=limit)
-    symbol = called.symbol
+        return context.layouter.lay_out(symbol, namer, of_matrix(value), limit=limit)
     if entry is not None and len(entry) == 2:  # a row and a column, as in T[0,2][1,4]
-        symbol = called.entry(*entry)
+        symbol = namer(*entry)
     elif entry is not None:  # the row of a vector
         symbol = script(Box(f"({symbol.tex})", symbol.width + 10.0), italic(str(entry[0])))
     item = Item(symbol, max(1, expanded_terms(value)), lambda: value)
     return context.layouter.entries([item], limit=context.policy.grouped_terms)
 
 
-def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
+def _called(context: Context, name: str, indices: tuple[int, ...]) -> tuple[Box, Namer | None]:
+    """What a quantity is called, and its entries; None where these are the symbol in brackets with indices."""
     symbols = context.symbols
     match name, indices:
         case "A", (i,):
@@ -120,13 +110,13 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
         case "T", (i,):
             symbol = script(bold("T"), italic(str(i)))
         case (("T" | "J" | "C" | "N"), ()):
-            return _Name(bold(name), partial(symbols.entry, "t" if name == "T" else name))
+            return bold(name), partial(symbols.entry, "t" if name == "T" else name)
         case "B", ():
-            return _Name(context.dynamics.inertia_symbol, context.dynamics.inertia_entry)
+            return context.dynamics.inertia_symbol, context.dynamics.inertia_entry
         case "g", ():
-            return _Name(bold("g"), lambda row, _: symbols.component("g", row))
+            return bold("g"), lambda row, _: symbols.component("g", row)
         case "tau", ():
-            return _Name(Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row))
+            return Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row)
         case "christoffel", (i, j, k):
             symbol = symbols.christoffel(i, j, k)
         case _:  # the symbol of the registry, with its index and the letter of the inertia matrix
@@ -134,4 +124,4 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
             if indices:
                 text = _INDEX.sub(f"{{{','.join(map(str, indices))}}}", text.replace("i,\\ldots", "i"))
             symbol = Box(text, _LETTER * len(_COMMAND.sub("", text)))
-    return _Name(symbol, entry_namer(symbol, "," if context.robot.n > 9 else ""), is_derived=True)
+    return symbol, None

@@ -44,14 +44,6 @@ _PAGES = re.compile(r"Output written on [^(]*\((\d+) page")
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
-    """An error of LaTeX."""
-
-    message: str  # what LaTeX says
-    line: int  # line of the input, counted from 1; 0 where LaTeX names none
-
-
-@dataclass(frozen=True, slots=True)
 class LatexLog:
     """The log of a run of pdflatex, of the last one where there were several."""
 
@@ -59,22 +51,22 @@ class LatexLog:
     status: int = 0  # exit status of the program
 
     @property
-    def faults(self) -> list[Fault]:
-        """All errors, in their order."""
+    def faults(self) -> list[tuple[str, int]]:
+        """What LaTeX says of each error, and the line of the input, from 1; 0 where LaTeX names none."""
         found = []
         for match in _FAULT.finditer(self.text):
             if match["message"]:
-                found.append(Fault(match["message"].strip(), int(match["line"])))
+                found.append((match["message"].strip(), int(match["line"])))
                 continue
             following = _FAULT.search(self.text, match.end())  # the plain form has its line further down
             place = _PLACE.search(self.text, match.end(), following.start() if following else len(self.text))
-            found.append(Fault(match["plain"].strip(), int(place[1]) if place else 0))
+            found.append((match["plain"].strip(), int(place[1]) if place else 0))
         return found
 
     @property
     def errors(self) -> list[str]:
         """What LaTeX says of each error."""
-        return [fault.message for fault in self.faults]
+        return [message for message, _ in self.faults]
 
     @property
     def pages(self) -> int:
@@ -145,8 +137,8 @@ def _refusal(text: str, log: LatexLog, kept: Path) -> LatexError:
     faults = log.faults
     if not faults:
         return LatexError("latexmk failed without a word of LaTeX", remedy=f"see {kept.with_name('output.txt')}")
-    message = faults[0].message.removeprefix("LaTeX Error: ").rstrip(".")
-    number = next((fault.line for fault in faults if fault.line), 0)
+    message = faults[0][0].removeprefix("LaTeX Error: ").rstrip(".")
+    number = next((line for _, line in faults if line), 0)
     remedy = f"it is kept as {kept}"
     if "not found" in message and ".sty'" in message:
         remedy = f"on Debian and Ubuntu: apt install {PACKAGES} texlive-fonts-recommended; {remedy}"

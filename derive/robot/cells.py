@@ -93,8 +93,9 @@ def _scaled(expression: Expression, unit: Expression, unitless: frozenset[str] =
     return add(*(multiply(number(c), term, unit if is_plain else number(1)) for c, term, is_plain in pairs))
 
 
-def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, ...]:
-    """The configuration [rad or m] that a user types beside the file, in the units of the file."""
+def joint_values(robot: Description, q: Sequence[float | str]) -> tuple[Expression, ...]:
+    """The configuration [rad or m] by numbers or cells that a user types beside the file, in the units of the file."""
+    texts = [value if isinstance(value, str) else str(float(value)) for value in q]
     if len(texts) != robot.n:
         variables = ", ".join(joint.variable for joint in robot.joints)
         raise DeriveError(

@@ -11,28 +11,11 @@ from dataclasses import dataclass
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
-# Mass, first moments, and the entries of the inertia tensor about the frame's origin.
+# Mass [kg], first moments [kg m], entries of the inertia tensor about the frame's origin [kg m^2].
 LINK_PARTS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
-# Rotor mass, rotor inertia about its axis, armature, viscous and Coulomb friction.
+# Rotor mass [kg], rotor inertia about its axis [kg m^2], armature [kg m^2 or kg], viscous friction [N m s or N s/m] and
+# Coulomb friction [N m or N].
 JOINT_PARTS = ("mm", "Im", "Ia", "b", "f")
-# What each part is, with its unit.
-MEANINGS = {
-    "m": "mass [kg]",
-    "mx": "first moment, x [kg m]",
-    "my": "first moment, y [kg m]",
-    "mz": "first moment, z [kg m]",
-    "Ixx": "inertia tensor about the frame's origin, xx [kg m^2]",
-    "Iyy": "inertia tensor about the frame's origin, yy [kg m^2]",
-    "Izz": "inertia tensor about the frame's origin, zz [kg m^2]",
-    "Ixy": "inertia tensor about the frame's origin, xy [kg m^2]",
-    "Ixz": "inertia tensor about the frame's origin, xz [kg m^2]",
-    "Iyz": "inertia tensor about the frame's origin, yz [kg m^2]",
-    "mm": "mass of the rotor [kg]",
-    "Im": "inertia of the rotor about its axis [kg m^2]",
-    "Ia": "armature [kg m^2 or kg]",
-    "b": "viscous friction [N m s or N s/m]",
-    "f": "Coulomb friction [N m or N]",
-}
 # Regressors are generated up to so many joints: their entries grow with the square, each of them a sum.
 REGRESSOR_JOINTS = 16
 

@@ -139,10 +139,7 @@ NOT_SYMBOLS: Final = frozenset({"nan", "inf", "infinity", "null", "none", "true"
 
 
 def parse_expression(
-    text: str,
-    location: Location,
-    functions: frozenset[str] = CELL_FUNCTIONS,
-    limits: Limits = CELL_LIMITS,
+    text: str, location: Location, functions: frozenset[str] = CELL_FUNCTIONS, limits: Limits = CELL_LIMITS
 ) -> Expression:
     """Parse one cell or formula."""
     return _Parser(text, location, functions, limits).parse()

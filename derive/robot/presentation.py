@@ -1,34 +1,63 @@
-"""Reads the blocks of a robot file that say what is wanted of it: style, handout, figure and inverse kinematics."""
+"""What is wanted of a robot: style, handout, figure and inverse kinematics, by blocks of its file or by a caller."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import fields
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields, replace
 from enum import StrEnum
 from typing import TypeVar
 
 from derive.errors import QuantityError, listed, near_miss, quoted
-from derive.robot.cells import Cells, check_symbol
-from derive.robot.description import Joint
+from derive.robot.cells import Cells, check_symbol, joint_values
+from derive.robot.description import Description, Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.options.handout import (
     PARTS,
     USUAL_PARTS,
+    Derivation,
     FigureOptions,
     HandoutOptions,
     NotationOptions,
+    chosen_notation,
     chosen_pages,
+    chosen_parts,
 )
 from derive.robot.options.inverse import POSE, InverseOptions, chosen_given, chosen_task
-from derive.robot.options.style import DEFAULT_STYLE, Style
+from derive.robot.options.style import DEFAULT_STYLE, Style, choice_named
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 
 # How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated.
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 
 Choice = TypeVar("Choice", bound=StrEnum)
+Some = TypeVar("Some", bound=Description)
+
+
+def with_options(
+    robot: Some,
+    parts: Iterable[str] | None = None,
+    language: str | None = None,
+    derivation: str | None = None,
+    notation: Mapping[str, str] | None = None,
+    q: Sequence[float | str] | None = None,
+    style: Style | str | Mapping[str, str] | None = None,
+) -> Some:
+    """A robot with other options of its handout, figure and style; None leaves those of the file."""
+    options, figure = robot.handout, robot.figure
+    if parts is not None:
+        options = replace(options, parts=chosen_parts(parts))
+    if language is not None:
+        options = replace(options, language=language)
+    if derivation is not None:
+        options = replace(options, derivation=choice_named(Derivation, derivation))
+    if notation is not None:
+        options = replace(options, notation=chosen_notation(notation, options.notation))
+    if q is not None:
+        figure = replace(figure, q=joint_values(robot, q))
+    grouped = robot.style if style is None else Style.of(style)
+    return replace(robot, handout=options, figure=figure, style=grouped)
 
 
 def read_style(document: Document) -> Style:
@@ -94,10 +123,7 @@ def _parts(document: Document) -> tuple[str, ...]:
 
 
 def read_figure(
-    document: Document,
-    cells: Cells,
-    joints: tuple[Joint, ...],
-    parameters: tuple[tuple[str, Expression], ...],
+    document: Document, cells: Cells, joints: tuple[Joint, ...], parameters: tuple[tuple[str, Expression], ...]
 ) -> FigureOptions:
     """The configuration that is drawn; it uses no symbol, so a parameter is not used by being drawn."""
     own = Cells(document, cells.units)

@@ -6,17 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from fractions import Fraction
 
-from derive.robot.description import (
-    IDENTITY,
-    INERTIA,
-    Convention,
-    Description,
-    FileUnits,
-    Inertia,
-    Joint,
-    Link,
-    Motor,
-)
+from derive.robot.description import IDENTITY, INERTIA, Convention, Description, FileUnits, Inertia, Joint, Link, Motor
 from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.options.handout import HandoutOptions, NotationOptions
 from derive.robot.options.inverse import InverseOptions

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from derive.api.handout import fragment, handout, with_options
+from derive.api.handout import fragment, handout
 from derive.api.robots import load
 from derive.errors import DeriveError, QuantityError, TargetError
+from derive.robot.presentation import with_options
 
 
 def test_a_handout_says_what_it_wrote(tmp_path: Path) -> None:

@@ -52,7 +52,7 @@ def test_when_one_file_fails_none_is_touched(plan: Path, tmp_path: Path, monkeyp
     def refuse(*_: object) -> bytes:
         raise OutputError("no film")
 
-    monkeypatch.setitem(module.FORMS, "gif", module.Form((".gif",), lambda: None, refuse))
+    monkeypatch.setitem(module.FORMS, "gif", module.FileForm((".gif",), lambda: None, refuse))
     with pytest.raises(OutputError, match="no film"):
         derive.move(plan, csv=tmp_path / "run.csv", gif=tmp_path / "a.gif", force=True)
     assert (tmp_path / "run.csv").read_text() == "mine"

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.api.robots import catalogue, configuration, load, load_all
+from derive.api.robots import catalogue, load, load_all
 from derive.errors import DeriveError, UnknownRobotError
+from derive.robot.cells import joint_values
 from derive.robot.expression import to_text
 from derive.robot.robot import Robot
 
@@ -43,11 +44,11 @@ def test_a_robot_of_the_api_equals_the_plain_one_of_the_same_data() -> None:
 
 def test_joint_values_are_in_the_units_of_the_file() -> None:
     arm = Robot.from_text(DEGREES + "  - {type: prismatic}\n")
-    assert [to_text(value) for value in configuration(arm, [90, "250"])] == ["pi/2", "1/4"]
+    assert [to_text(value) for value in joint_values(arm, [90, "250"])] == ["pi/2", "1/4"]
     with pytest.raises(DeriveError, match="pi in the value 'pi/2' of q1"):
-        configuration(arm, ["pi/2", 0])
+        joint_values(arm, ["pi/2", 0])
     with pytest.raises(DeriveError, match="1 joint values for 2 joints"):
-        configuration(arm, [0.5])
+        joint_values(arm, [0.5])
 
 
 def test_a_robot_shows_itself_as_its_table() -> None:

@@ -42,7 +42,7 @@ _SAME = 1e-6  # lines closer to each other than this part of the arm's size are 
 def branches_drawing(
     robot: Robot, frames: Sequence[Sequence[Sequence[Sequence[float]]]], names: Sequence[str], title: str
 ) -> Drawing | None:
-    """The drawing of an arm in several configurations; None where its links cover each other in all of them."""
+    """The drawing of an arm with frames (configurations, n + 2, 4, 4) [m]; None where its links cover each other."""
     scenes = [arm_scene(robot, own) for own in frames]
     lines = [_line(scene) for scene in scenes]
     size = max(scene.size for scene in scenes)

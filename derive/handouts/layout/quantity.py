@@ -90,14 +90,7 @@ class Layouter:
     terms_word: str = "terms"  # what terms are called in the language of the page
 
     def lay_out(
-        self,
-        symbol: Box,
-        name: Namer,
-        quantity: Entries,
-        *,
-        group: int = 0,
-        symmetric: bool = False,
-        limit: int = 0,
+        self, symbol: Box, name: Namer, quantity: Entries, *, group: int = 0, symmetric: bool = False, limit: int = 0
     ) -> LaidOut:
         """One matrix: in brackets if it fits, else entry by entry."""
         items = {

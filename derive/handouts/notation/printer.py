@@ -202,11 +202,7 @@ class LatexPrinter:
                 variables = tuple(sorted((term.name for term in terms), key=labels.index))
                 return [TexPiece(self.notation.abbreviation(name[0], variables, exponent), depth=depth)]
         if name == "Abs" and not exponent.tex:
-            return [
-                TexPiece(Box("\\lvert ", 5.0)),
-                *self._sum(argument, depth + 1),
-                TexPiece(Box(" \\rvert", 5.0)),
-            ]
+            return [TexPiece(Box("\\lvert ", 5.0)), *self._sum(argument, depth + 1), TexPiece(Box(" \\rvert", 5.0))]
         if name not in _FUNCTIONS and name not in _CIRCULAR:
             raise TargetError(f"no LaTeX for the function {name}", remedy="use sin, cos, tan, sqrt or atan2")
         head = script(operator(_FUNCTIONS.get(name, name)), sup=exponent)

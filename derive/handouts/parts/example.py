@@ -13,16 +13,7 @@ from fractions import Fraction
 
 from derive.errors import ExpressionError
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import (
-    EMPTY,
-    MINUS_WIDTH,
-    Box,
-    TexPiece,
-    concatenate,
-    italic,
-    magnitude,
-    script,
-)
+from derive.handouts.notation.pieces import EMPTY, MINUS_WIDTH, Box, TexPiece, concatenate, italic, magnitude, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula

@@ -142,7 +142,7 @@ class _InversePart:
         if found.count > 1 and found.is_explicit:
             yield self.context.answer(
                 "Three cases can occur: finitely many solutions; none, where a root is not real, for the pose lies "
-                "outside the workspace; infinitely many, where a joint below is free.",
+                "outside the workspace; infinitely many, where a joint below is free."
             )
 
     def conditions(self) -> Iterator[Block]:

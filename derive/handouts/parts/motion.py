@@ -66,7 +66,7 @@ def skew(context: Context) -> Iterator[Block]:
     letter, c = context.symbols.inertia_letter, context.symbols.christoffel
     yield textbook("skew_matrix", B=letter)
     yield context.answer(
-        "The derivatives of the inertia matrix are sums of Christoffel symbols; hence $\\mathbf{N}^T = -\\mathbf{N}$.",
+        "The derivatives of the inertia matrix are sums of Christoffel symbols; hence $\\mathbf{N}^T = -\\mathbf{N}$."
     )
     proof = textbook("skew_symmetry", b=letter.lower(), c_ijk=c("i", "j", "k").tex, c_jik=c("j", "i", "k").tex)
     yield replace(proof, is_answer=True)
@@ -83,7 +83,7 @@ def skew(context: Context) -> Iterator[Block]:
     if entries.is_skew(context.policy.compact_terms):
         yield context.answer(
             "Check: multiplied out, the entries of $\\mathbf{N} + \\mathbf{N}^T$ cancel one by one, so that "
-            "$\\mathbf{N} + \\mathbf{N}^T = \\mathbf{0}$.",
+            "$\\mathbf{N} + \\mathbf{N}^T = \\mathbf{0}$."
         )
 
 
@@ -112,7 +112,7 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     elif 2 * len(entries.triples) > context.policy.named_products * context.robot.n:
         yield context.answer(
             "Written out, even with the entries and symbols above, they are too long to print; `inverse_dynamics` "
-            "in `model_numpy.py` computes them.",
+            "in `model_numpy.py` computes them."
         )
     else:
         yield context.paragraph("With the entries and symbols above:")

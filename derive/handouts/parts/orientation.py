@@ -133,11 +133,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     if not _terms(context, (1, 3), (2, 3)):
         signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
-        angles: Angles = (
-            _atan2(*signed),
-            (TexPiece(concatenate(_RIGHT_ANGLE, inside)),),
-            (TexPiece(italic("0")),),
-        )
+        angles: Angles = (_atan2(*signed), (TexPiece(concatenate(_RIGHT_ANGLE, inside)),), (TexPiece(italic("0")),))
         yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz, task)
         yield context.answer(
             "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
@@ -179,12 +175,7 @@ def _rotations(axes: str, names: Sequence[Box]) -> str:
 
 
 def _angles(
-    context: Context,
-    names: Sequence[Box],
-    by_entries: Angles,
-    used: Sequence[Place],
-    quantity: Entries,
-    task: str,
+    context: Context, names: Sequence[Box], by_entries: Angles, used: Sequence[Place], quantity: Entries, task: str
 ) -> Iterator[Block]:
     """The angles by entries of T, then written out if those entries are short, which an exercise asks for."""
     is_short = _terms(context, *used) <= SHORT_ANGLES

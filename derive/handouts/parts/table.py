@@ -9,16 +9,7 @@ from itertools import chain
 import sympy
 
 from derive.handouts.layout.lines import Equation, equation_lines, pack
-from derive.handouts.notation.pieces import (
-    BRACKET_WIDTH,
-    Box,
-    Break,
-    TexPiece,
-    italic,
-    joined,
-    list_separator,
-    script,
-)
+from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, TexPiece, italic, joined, list_separator, script
 from derive.handouts.notation.printer import Cell
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Table

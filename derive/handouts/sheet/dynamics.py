@@ -89,12 +89,7 @@ class DynamicsLayout:
         """A quantity of one link or rotor, within a budget that leaves room for those of all the others."""
         held = concatenate(Box("(", 5.0), symbol, Box(")", 5.0))
         policy = replace(
-            self.layouter.policy,
-            flat_terms=40,
-            quantity_entries=4,
-            entry_lines=6,
-            quantity_lines=24,
-            landscape_total=0,
+            self.layouter.policy, flat_terms=40, quantity_entries=4, entry_lines=6, quantity_lines=24, landscape_total=0
         )
         layouter = replace(self.layouter, policy=policy)
         return layouter.lay_out(

@@ -154,6 +154,14 @@ _NAME, _BLOCK = "<name>", "<block>"
 FORMS = (_NAME, "<list>", _BLOCK)
 
 
+def _form_of_style(value: Any) -> str:
+    return _BLOCK if isinstance(value, dict) else _NAME
+
+
+def _form_of_task(value: Any) -> str:
+    return _BLOCK if isinstance(value, list) else _NAME
+
+
 class StyleRow(Strict):
     """How books differ: what is grouped first in each kind of quantity. What is left out is as in the set `name`."""
 
@@ -193,8 +201,7 @@ class InverseRow(Strict):
     """What inverse kinematics is asked for."""
 
     task: Annotated[
-        Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)],
-        Discriminator(lambda value: _BLOCK if isinstance(value, list) else _NAME),
+        Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], Discriminator(_form_of_task)
     ] = Field(default="pose", description="The whole pose, the position, or some rows of the pose.")
     given: list[Symbol] | None = Field(
         default=None, description="Joint variables that are arguments; default: the joints that are too many."
@@ -231,8 +238,7 @@ class RobotFile(Strict):
     )
     runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
     style: Annotated[
-        Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)],
-        Discriminator(lambda value: _BLOCK if isinstance(value, dict) else _NAME),
+        Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], Discriminator(_form_of_style)
     ] = Field(default=DEFAULT_STYLE, description="How printed expressions are grouped: a name, or a block of options.")
     contraction: Literal["aligned", "opposed"] = Field(
         default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
