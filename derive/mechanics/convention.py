@@ -200,12 +200,8 @@ class _Cells:
         terms = [([exponents[place] for place in self._order], factor) for exponents, factor in value.terms()]
         # Positive terms first, higher powers first.
         ordered = sorted(terms, key=lambda term: (term[1] < 0, [-exponent for exponent in term[0]]))
-        return tree.add(*(self._product(exponents, factor) for exponents, factor in ordered))
-
-    def _product(self, exponents: Sequence[int], factor: Fraction) -> Expression:
-        generators = (self.domain.generators[place].expression for place in self._order)
-        powers = (tree.power(base, exponent) for base, exponent in zip(generators, exponents, strict=True))
-        return tree.multiply(number(factor), *powers)
+        bases = [self.domain.generators[place].expression for place in self._order]
+        return tree.add(*(tree.multiply(number(factor), *map(tree.power, bases, powers)) for powers, factor in ordered))
 
 
 def _negated(cell: Expression) -> Expression:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from math import prod
 
-from derive.programs.tape.tape import Operations, Output, Tape
+from derive.programs.tape.tape import Operations, Tape
 from derive.robot.robot import Robot
 
 # The arguments that a function may take, in words; each has one entry per joint.
@@ -91,11 +91,6 @@ class Function:
     def arguments(self) -> tuple[str, ...]:
         """Its arguments, in order."""
         return self.interface.arguments
-
-    @property
-    def outputs(self) -> tuple[Output, ...]:
-        """The results, row by row."""
-        return self.tape.outputs
 
     @property
     def operations(self) -> Operations:
