@@ -20,7 +20,7 @@ from derive.programs.formulations.frame_choice import (
 )
 from derive.programs.formulations.parallel_axes import ParallelRun, Turn, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
-from derive.programs.tape.graph import Graph, Ref
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot.description import Matrix
