@@ -164,7 +164,7 @@ class Way:
 
     joints: int  # number of joints of the loop
     dropped: int  # index of the joint whose numbers are carried around
-    direction: int  # +1 towards the hand, -1 towards the base
+    direction: int  # +1 towards the end effector, -1 towards the base
     eliminated: int  # how many joints beside the dropped one are eliminated
     equations: int = 0  # number of equations
     constant: int = 0  # how many combinations do not hold the hidden joint
