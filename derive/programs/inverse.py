@@ -17,9 +17,9 @@ from derive.inverse.closed.branches import starts
 from derive.inverse.closed.conic import line_points
 from derive.inverse.closed.fields import BEYOND, MERGED, ZERO
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.nodes import Formula, Kind
+from derive.inverse.closed.nodes import NodeFormula, NodeKind
 from derive.inverse.closed.solve import Freedom, refusal, solve
-from derive.inverse.closed.walk import Leaf, Run, pose_of
+from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
 from derive.inverse.numeric.newton import Status
 from derive.inverse.words.postures import postures
 from derive.programs.formulations.choice import Formulation
@@ -163,7 +163,7 @@ class TapeField:
         """The common points of the unit circle and a conic."""
         return line_points(self, coefficients)
 
-    def general(self, formula: Formula, values: Mapping[str, Value]) -> Sequence[Any]:
+    def general(self, formula: NodeFormula, values: Mapping[str, Value]) -> Sequence[Any]:
         """Graphs with eigenvalue problems have no program (`derive.programs.inverse_search`)."""
         raise NotImplementedError
 
@@ -180,7 +180,7 @@ def solved(trace: Trace) -> Solved:
             return None, reason
         return search_function(trace, _without_formulas(trace.robot, reason))
     graph = solve(trace.robot)
-    if not graph.is_closed or any(node.kind is Kind.GENERAL for node in graph.nodes):
+    if not graph.is_closed or any(node.kind is NodeKind.GENERAL for node in graph.nodes):
         return search_function(trace, graph)
     return inverse_function(trace, graph), ""
 
@@ -199,7 +199,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     field = TapeField(domain)
     pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
     given = [domain.argument(GIVEN, i) for i in range(len(graph.given))]
-    run = Run(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
+    run = GraphWalk(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
     angles: list[Value] = []
     codes: list[Value] = []
     leaves = list(run.leaves())
@@ -254,7 +254,7 @@ def count_text(graph: SolutionGraph) -> str:
     return f"A reachable pose has {solutions}{proof} but where joints are free."
 
 
-def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:
+def _existing(run: GraphWalk[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:
     """Which branches exist, and which are to be checked: those that reach the pose, where roots may be extraneous.
 
     Where one of them has the pose to more digits, so have the others: a wrong choice of signs is almost right next to
@@ -277,7 +277,7 @@ def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> lis
     return [(mask & each, leaf.ill | rough) for mask, each, leaf in zip(found, right, leaves, strict=True)]
 
 
-def _error(run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
+def _error(run: GraphWalk[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
     """The largest error of the pose of cosines and sines that are nearly those of angles, as a length."""
     pose, entries = pose_of(run, leaf.joints), run.graph.places
     turns = [abs(pose.rotation[i][j] - run.pose[i][j]) for i, j in entries if j < 3]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.general.closure import Closure
 from derive.inverse.general.elimination import Elimination as ModelElimination
 from derive.inverse.general.rigid_motion import BESIDE
@@ -64,7 +64,7 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
     wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
     if free > wanted:
         return None, f"{graph.why_not}; the task fixes {wanted} of {free} joints, so the others are to be `given`"
-    payload = next((node.formulas[0].payload for node in graph.nodes if node.kind is Kind.GENERAL), None)
+    payload = next((node.formulas[0].payload for node in graph.nodes if node.kind is NodeKind.GENERAL), None)
     solution: GeneralSolution | None = payload.solution if payload else None
     places = tuple(sorted(graph.places))
     entries = next((known for known in (POSE, POSITION) if tuple(sorted(known)) == places), places)

@@ -1,11 +1,9 @@
 """`derive.possible`: a robot by name, and the text of a robot file that reads back."""
 
-from __future__ import annotations
-
 import pytest
 
 import derive
-from derive.api.possible import possible
+from derive.api.convert import possible
 
 pytest.importorskip("clarabel")
 

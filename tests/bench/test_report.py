@@ -1,7 +1,5 @@
 """Figures on pages come from the results."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """``derive handout`` as teachers use it: files, exercises, fragments, options over the file, and what it refuses."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path
@@ -9,14 +7,13 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import PENDULUM, Outcome, derive, is_one_message
-from tests.handouts.latex_runner import require_latex, run_latex
+from tests.handouts.latex_runner import overfull, require_latex, run_latex
 
 BARE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n%s\n\\end{document}\n"
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a robot file."""
     (tmp_path / "arm.yaml").write_text(PENDULUM)
     return tmp_path
 
@@ -36,7 +33,7 @@ def test_the_latex_file_is_written_by_default(folder: Path) -> None:
     assert outcome.stdout.startswith("pendulum.tex\n")
     log = run_latex((folder / "pendulum.tex").read_text(), folder)
     assert not log.errors
-    assert log.overfull <= 1
+    assert overfull(log) <= 1
 
 
 def test_a_pdf_comes_with_its_source_and_the_number_of_pages(folder: Path) -> None:
@@ -64,21 +61,6 @@ def test_a_web_page_is_one_file(folder: Path) -> None:
     assert outcome.status == 0, outcome.stderr
     assert names(folder) == {"pendulum.html"}
     assert "http-equiv" in (folder / "pendulum.html").read_text()
-
-
-def test_files_that_are_there_are_replaced_by_force_alone(folder: Path) -> None:
-    require_latex()
-    assert handout(folder, "--pdf").status == 0
-    for name, other in (("pendulum.tex", "pendulum.pdf"), ("pendulum.pdf", "pendulum.tex")):
-        (folder / name).write_text("my own notes")
-        (folder / other).unlink()
-        outcome = handout(folder, "--pdf")
-        assert outcome.status == 2
-        assert is_one_message(outcome.stderr)
-        assert name in outcome.stderr
-        assert (folder / name).read_text() == "my own notes"
-        assert handout(folder, "--pdf", "--force").status == 0
-    assert names(folder) == {"pendulum.tex", "pendulum.pdf"}
 
 
 def test_a_refusal_of_latex_leaves_what_was_there(folder: Path) -> None:

@@ -1,8 +1,7 @@
 """Runs pdflatex once and reads its log."""
 
-from __future__ import annotations
-
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -11,16 +10,28 @@ import pytest
 
 from derive.handouts.pdf import LatexLog
 
+_OVERFULL = re.compile(
+    r"^Overfull \\[hv]box \((?P<size>[0-9.]+)pt too (?:wide|high)\)(?:.*?lines? (?P<line>\d+))?", re.M
+)
+
+
+def overfull_boxes(log: LatexLog) -> list[tuple[float, int]]:
+    """What is too large for its place: by how much [pt], and the line where its paragraph begins, 0 for none."""
+    return [(float(match["size"]), int(match["line"] or 0)) for match in _OVERFULL.finditer(log.text)]
+
+
+def overfull(log: LatexLog) -> float:
+    """The worst overfull box [pt]; 0 if there is none."""
+    return max((size for size, _ in overfull_boxes(log)), default=0.0)
+
 
 def require_latex() -> None:
-    """Skips without pdflatex, except where it must be there."""
     if shutil.which("pdflatex") is None:
         assert os.environ.get("DERIVE_REQUIRE_LATEX") != "1", "pdflatex is required here and missing"
         pytest.skip("pdflatex is not installed")
 
 
 def run_latex(text: str, folder: Path) -> LatexLog:
-    """Compiles a document once."""
     require_latex()
     (folder / "sheet.tex").write_text(text, encoding="utf-8")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "sheet.tex"]

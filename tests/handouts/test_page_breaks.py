@@ -1,14 +1,12 @@
 """No page ends between a sentence and what it announces, and the last page of a sheet is not one matrix."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.sheet.document import Block, Document, Formula, Paragraph, Rows, Section, Table
+from derive.handouts.sheet.document import Block, Document, Paragraph, Rows, Section, SheetFormula, Table
 from derive.handouts.sheet.language import Text, languages
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.robot import Robot
@@ -23,10 +21,10 @@ SENTENCE = Paragraph(f"SENTENCE stands here. {LONG * 2}and what follows is annou
 MATRIX = "\\begin{bmatrix} 1 & 2 \\\\ 3 & 4 \\\\ 5 & 6 \\\\ 7 & 8 \\end{bmatrix}"
 CASES: dict[str, tuple[Block, ...]] = {
     "table": (SENTENCE, Table(("NEXT", "$x$"), (("1", "2"),) * 6)),
-    "table behind an empty result": (SENTENCE, Formula(()), Table(("NEXT", "$x$"), (("1", "2"),) * 6)),
+    "table behind an empty result": (SENTENCE, SheetFormula(()), Table(("NEXT", "$x$"), (("1", "2"),) * 6)),
     "long table": (SENTENCE, Table(("NEXT", "$x$"), (("1", "2"),) * 40, long=True)),
     "matrix": (SENTENCE, Rows((f"\\mathrm{{NEXT}} = {MATRIX}",))),
-    "abbreviations": (Formula((Rows(("\\mathrm{NEXT} = b",)),), named=("\\mathrm{SENTENCE} = a",)),),
+    "abbreviations": (SheetFormula((Rows(("\\mathrm{NEXT} = b",)),), named=("\\mathrm{SENTENCE} = a",)),),
     "last two": (
         Paragraph("First:"),
         Rows((f"\\mathrm{{SENTENCE}} = {MATRIX}",)),
@@ -40,14 +38,12 @@ QUICK = ("table behind an empty result", "last two")
 
 
 def pages(sheet: Document, words: Text, folder: Path) -> list[str]:
-    """The words of each page of the PDF."""
     assert run_latex(latex(sheet, words), folder).status == 0
     return [page.extract_text() for page in pypdf.PdfReader(folder / "sheet.pdf").pages]
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, marks=() if c in QUICK else pytest.mark.sweep) for c in CASES])
 def test_what_is_announced_is_on_the_page_of_its_sentence(case: str, tmp_path: Path) -> None:
-    """However far the page before is filled."""
     found = set()
     for rows in (30, 34, 38, 42):
         filling = Rows(tuple(f"a_{{{k}}} = b" for k in range(rows)))
@@ -60,7 +56,6 @@ def test_what_is_announced_is_on_the_page_of_its_sentence(case: str, tmp_path: P
 
 
 def assert_well_broken(name: str, language: str, folder: Path) -> None:
-    """No page of the sheet ends with a colon, and more than one matrix stands on the last one."""
     robot = Robot.load(name)
     context = context_of(robot, replace(robot.handout, language=language))
     text = pages(document(context), context.text, folder)

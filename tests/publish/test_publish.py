@@ -1,7 +1,5 @@
 """Publishing: what is replaced, what is kept, what is refused, and what is left behind when something fails."""
 
-from __future__ import annotations
-
 import errno
 import json
 import multiprocessing
@@ -17,25 +15,21 @@ from derive.publish.atomic_folder import heal, locked, publish
 
 
 def files(mark: str, *extra: str) -> dict[str, bytes]:
-    """The contents of a folder, recognisable by a mark."""
     names = ("a.py", *extra)
     manifest = {"generator": "derive", "robot": "arm", "files": dict.fromkeys(names, "")}
     return {**{name: mark.encode() for name in names}, "MANIFEST.json": json.dumps(manifest).encode()}
 
 
 def put(target: Path, mark: str, *extra: str) -> None:
-    """Publishes without a check."""
     publish(files(mark, *extra), target, "arm", lambda folder: None)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Every file of a folder."""
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 @pytest.fixture
 def target(tmp_path: Path) -> Path:
-    """Where to publish."""
     return tmp_path / "generated" / "arm"
 
 
@@ -53,14 +47,12 @@ def alone(target: Path) -> bool:
 
 
 def test_a_new_folder_holds_exactly_the_files(target: Path) -> None:
-    """Parents are made on the way."""
     put(target, "1")
     assert contents(target) == files("1")
     assert alone(target)
 
 
 def test_files_of_the_old_build_go(target: Path) -> None:
-    """A file that the manifest lists and the new build does not write is removed."""
     put(target, "1", "b.py")
     put(target, "2")
     assert contents(target) == files("2")
@@ -68,7 +60,6 @@ def test_files_of_the_old_build_go(target: Path) -> None:
 
 
 def test_files_of_the_user_stay(target: Path) -> None:
-    """What no build has written is carried over: files, folders and links."""
     put(target, "1")
     (target / "sheet.pdf").write_bytes(b"mine")
     (target / "plots" / "deep").mkdir(parents=True)
@@ -93,7 +84,6 @@ def test_python_caches_of_the_old_modules_go(target: Path) -> None:
 
 
 def test_the_check_sees_the_finished_folder_and_may_stop_the_build(target: Path) -> None:
-    """Then the old folder stays as it was."""
     put(target, "1")
 
     def check(folder: Path) -> None:
@@ -137,7 +127,6 @@ def test_a_write_that_fails_leaves_the_old_folder(target: Path) -> None:
 
 
 def test_folders_of_others_are_refused(target: Path) -> None:
-    """No manifest, a manifest of something else, another robot's manifest."""
     target.mkdir(parents=True)
     (target / "thesis.txt").write_text("two years of work")
     for manifest in (None, "[]", "{", '{"files": {}}', '{"generator": "derive", "files": {}, "robot": "leg"}'):
@@ -150,7 +139,6 @@ def test_folders_of_others_are_refused(target: Path) -> None:
 
 
 def test_links_and_files_in_the_place_of_the_folder_are_refused(target: Path, tmp_path: Path) -> None:
-    """Nothing is written through a link."""
     elsewhere = tmp_path / "elsewhere"
     put(elsewhere, "1")
     target.parent.mkdir()
@@ -166,7 +154,6 @@ def test_links_and_files_in_the_place_of_the_folder_are_refused(target: Path, tm
 
 
 def test_a_file_of_the_user_under_a_name_to_be_written_is_refused(target: Path) -> None:
-    """It would be overwritten otherwise."""
     put(target, "1")
     (target / "b.py").write_text("mine")
     with pytest.raises(OutputError, match=r"b\.py"):
@@ -176,7 +163,6 @@ def test_a_file_of_the_user_under_a_name_to_be_written_is_refused(target: Path) 
 
 
 def test_an_empty_folder_is_taken(target: Path) -> None:
-    """There is nothing in it to lose."""
     target.mkdir(parents=True)
     put(target, "1")
     assert contents(target) == files("1")
@@ -184,7 +170,6 @@ def test_an_empty_folder_is_taken(target: Path) -> None:
 
 
 def test_a_file_as_parent_is_refused(tmp_path: Path) -> None:
-    """One message instead of a traceback."""
     (tmp_path / "out").write_text("")
     with pytest.raises(OutputError):
         put(tmp_path / "out" / "arm", "1")
@@ -211,7 +196,6 @@ def test_temporary_folders_of_the_dead_are_removed_and_those_of_the_living_stay(
 
 
 def test_a_folder_left_between_two_renames_is_put_back(target: Path) -> None:
-    """By the next build of anything in the same place."""
     put(target, "1")
     backup = target.with_name(".derive-arm.old")
     target.rename(backup)
@@ -229,7 +213,6 @@ def _publish_often(target: Path, mark: str) -> None:
 
 
 def test_builds_at_once_leave_one_whole_folder(target: Path) -> None:
-    """Whoever comes last wins; readers never see a mixture."""
     context = multiprocessing.get_context("spawn")
     processes = [context.Process(target=_publish_often, args=(target, mark)) for mark in "123"]
     whole = [files(mark, f"{mark}.py") for mark in "123"]

@@ -1,7 +1,5 @@
 """A function in C: its parts take what they need and no more."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 
@@ -33,5 +31,4 @@ def test_an_argument_without_a_say_is_declared_and_not_loaded() -> None:
 
 
 def arrays(declaration: str) -> list[str]:
-    """Names of the pointers among some parameters."""
     return re.findall(r"\*(?:restrict )?(\w+)", declaration)

@@ -1,7 +1,5 @@
 """Inverse kinematics in C: limits, lengths, given joints and what may be left out, as the robot has them."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

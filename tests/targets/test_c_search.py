@@ -1,7 +1,5 @@
 """Arms without formulas in NumPy, C and CasADi: every solution, the same in both languages, and the reason if none."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

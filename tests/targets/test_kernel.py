@@ -1,7 +1,5 @@
 """Every printer gets every operation right: floats, recorded columns and CasADi, on one list of expressions."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable
@@ -89,7 +87,6 @@ POINTS = [(0.3, 0.7), (-1.2, 0.4), (2.5, -0.6), (-0.1, -3.0)]
 
 @pytest.fixture(scope="module")
 def values() -> dict[str, np.ndarray]:
-    """Values of all expressions at all points, by way of evaluation."""
     graph = Graph()
     x, y = (Value(graph, graph.input("q", i)) for i in range(2))
     program = small_program(graph, [build(x, y) for build, _ in EXPRESSIONS.values()])
@@ -103,7 +100,6 @@ def values() -> dict[str, np.ndarray]:
 
 
 def c_values(program: Program) -> dict[str, np.ndarray]:
-    """The same in C, one by one and as a batch."""
     model = c_model(TWO, program)
     ones = [model.call("gravity_vector", [np.array(point)], {}) for point in POINTS]
     return {"c": np.array(ones), "c batch": model.call("gravity_vector", [np.array(POINTS)], {})}

@@ -1,7 +1,5 @@
 """The C model as a callable: its header alone says what there is, and a source that is wrong is one message."""
 
-from __future__ import annotations
-
 import ctypes
 from pathlib import Path
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.words.branch_names import Shape, Vector, branch_names, placed
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import ArrayDomain
@@ -80,7 +80,7 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
         [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
         for row, place in zip(end.rotation, end.position, strict=True)
     ]
-    run: Run[Any, Any] = Run(graph, FloatField(known), rows, [q[k] for k in graph.given])
+    run: GraphWalk[Any, Any] = GraphWalk(graph, FloatField(known), rows, [q[k] for k in graph.given])
     branches = []
     with np.errstate(all="ignore"):  # where a branch does not exist its numbers are any
         for leaf in run.leaves():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -12,6 +11,7 @@ from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expa
 from derive.arrays import Array, Indices
 from derive.plans.hermite import Piece, power_coefficients
 from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.plans.segments import Peak
 
 _U = Symbol("u", real=True)
 
@@ -24,15 +24,6 @@ MORE = 1e-12  # what is larger between two times by less, relative to it, is not
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 _SAME = 1e-9  # values that differ by less, relative to themselves, are one; the earliest counts
 _NEAR = 0.8  # of the largest value: what a polynomial has to reach at these places for its extremes to be computed
-
-
-@dataclass(frozen=True, slots=True)
-class Peak:
-    """The largest magnitude of a derivative of one joint."""
-
-    value: Expr  # with its sign [rad/s, m/s, rad/s^2 or m/s^2]
-    time: Expr  # when [s]; the earliest of equal ones
-    is_exact: bool  # whether both are exact; a `Float` otherwise
 
 
 def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
@@ -89,13 +80,9 @@ def _derivatives(polynomials: list[Piece], lengths: Array, order: int) -> list[t
 
 
 def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
-    """Where functions of time are largest, each between two times.
+    """When functions of time (k, places) are largest, each between two times, and how large they are, (k,) each.
 
-    Args:
-        function: A row of times for each of them, (k, places), to their values there, (k, places).
-
-    Returns:
-        When, and how large, (k,) each; the latter is right to rounding where the function is smooth.
+    The latter is right to rounding where the function is smooth.
     """
     rows = np.arange(low.size)
     for _ in range(_ROUNDS):
@@ -107,15 +94,7 @@ def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tupl
 
 
 def highest(function: Callable[[Array], Array], times: Array, values: Array) -> Array:
-    """When each of several functions of time is largest, also between the times at which they are known.
-
-    Args:
-        times: At which they are known, ascending, (k,).
-        values: What they are then, (k, n).
-
-    Returns:
-        When, (n,); one of the times where it is not larger between them.
-    """
+    """When each function of time is largest, (n,), also between ascending times (k,) at which they are (k, n)."""
     at, joints = values.argmax(axis=0), np.arange(values.shape[1])
     low, high = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
     when, found = refined(lambda places: function(places)[joints, :, joints], low, high)

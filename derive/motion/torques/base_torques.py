@@ -30,8 +30,7 @@ from derive.mechanics.newton_euler import (
     torques_and_wrench,
 )
 from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, dot, matmul, multiply, subtract, transpose
-from derive.motion.torques.bodies import Body as CarriedBody
-from derive.motion.torques.bodies import OpenLink
+from derive.motion.torques.bodies import CarriedBody, OpenLink
 from derive.plans.moving_base import BaseCurve
 from derive.plans.points import Payload
 from derive.programs.tape.build import cut

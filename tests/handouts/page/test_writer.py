@@ -1,7 +1,5 @@
 """The web page: one file, everything escaped, every formula in it as LaTeX, with KaTeX and its fonts."""
 
-from __future__ import annotations
-
 import ast
 import re
 from html import unescape
@@ -11,7 +9,7 @@ import pytest
 
 from derive.handouts.page.viewer import Viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
-from derive.handouts.sheet.document import Formula, Rows, blocks_of
+from derive.handouts.sheet.document import Rows, SheetFormula, blocks_of
 from derive.handouts.sheet.language import Text
 from tests.handouts.page.page_documents import ENTRIES, TITLE, document
 
@@ -19,8 +17,6 @@ VOID = {"meta", "link", "br", "img", "input", "hr"}
 
 
 class Reader(HTMLParser):
-    """Elements, attributes and text of a page; fails where tags do not match."""
-
     def __init__(self, html: str) -> None:
         super().__init__()
         self.found: list[tuple[str, dict[str, str | None]]] = []
@@ -93,7 +89,7 @@ def test_every_formula_stands_in_the_page_as_its_latex(html: str) -> None:
 
 
 def lines_of(block: object) -> list[str]:
-    if isinstance(block, Formula):
+    if isinstance(block, SheetFormula):
         return [*block.named, *(line for rows in block.rows for line in rows.lines), *block.omitted]
     return list(block.lines) if isinstance(block, Rows) else []
 

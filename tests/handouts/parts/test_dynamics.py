@@ -1,7 +1,5 @@
 """The dynamics of the handout: what it prints is true, complete, in the chosen letter, and fits the page."""
 
-from __future__ import annotations
-
 import math
 import random
 import re
@@ -18,7 +16,7 @@ import pytest
 from derive.handouts.assemble import section_of
 from derive.handouts.parts.bodies import bodies
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handouts.sheet.document import Document, Paragraph, Rows, Section, SheetFormula, Steps, blocks_of
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.model.dynamic_entries import ModelEntries
@@ -31,7 +29,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import catalogue, robot_text
 
 Array = npt.NDArray[np.float64]
@@ -78,7 +76,7 @@ def random_arm(seed: int) -> Robot:
 def entries_of(section: Section | None) -> dict[str, str]:
     """Name of every printed entry -> its Python expression."""
     assert section is not None
-    formulas = [block for block in blocks_of(section) if isinstance(block, Formula)]
+    formulas = [block for block in blocks_of(section) if isinstance(block, SheetFormula)]
     return {entry.name: entry.python for block in formulas for entry in block.entries}
 
 
@@ -87,7 +85,9 @@ def omitted_of(section: Section) -> str:
     return "\n".join(
         line
         for block in blocks
-        for line in (block.omitted if isinstance(block, Formula) else block.lines if isinstance(block, Rows) else ())
+        for line in (
+            block.omitted if isinstance(block, SheetFormula) else block.lines if isinstance(block, Rows) else ()
+        )
     )
 
 
@@ -106,7 +106,6 @@ class Numbers:
             self.values |= {name(joint.variable): float(value) for joint, value in pairs}
 
     def value(self, python: str) -> float:
-        """What a reader's Python makes of a copied entry."""
         return float(eval(python, {"__builtins__": {}}, {**_FUNCTIONS, **self.values}))
 
 
@@ -126,7 +125,6 @@ EVERY = pytest.mark.parametrize("key", [*SHORT, *SEEDS])
 
 
 def assert_entries(numbers: Numbers, entries: Mapping[str, str], expected: Mapping[str, float]) -> None:
-    """Every printed entry has its value; at least its name is a known one."""
     scale = max(1.0, *map(abs, expected.values()))
     for name, python in entries.items():
         assert name in expected
@@ -220,7 +218,6 @@ def test_gravity_and_torques_are_those_of_the_oracle(key: str | int) -> None:
 
 
 def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
-    """The sentence stands where the entries cancel, and only there."""
     context = prepared("planar-2r-perugia")[0]
     section = section_of(context, "skew")
     assert section is not None
@@ -231,8 +228,6 @@ def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
 
 
 class Recursion:
-    """The printed equations in floats, with the printed constants."""
-
     def __init__(self, context: Context, numbers: Numbers) -> None:
         self.context, self.numbers = context, numbers
         entries = entries_of(section_of(replace(context, options=HandoutOptions()), "newton-euler"))
@@ -410,4 +405,4 @@ def test_the_pages_have_no_error_and_nothing_outside_the_margins(key: str | int,
     log = run_latex(latex(document_of(context), Text()), tmp_path)
     assert not log.errors
     assert log.status == 0
-    assert log.overfull <= WORST_OVERFULL
+    assert overfull(log) <= WORST_OVERFULL

@@ -1,7 +1,5 @@
 """A sheet within a number of pages: it fits, says what it lacks, and loses the least useful first."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +9,7 @@ from derive.handouts.assemble import context_of, document
 from derive.handouts.render import Format, handout_files
 from derive.handouts.sheet import budget
 from derive.handouts.sheet.budget import USEFULNESS, pages, within
-from derive.handouts.sheet.document import Document, Formula, Paragraph, Rows, Section, Steps, Table, blocks_of
+from derive.handouts.sheet.document import Document, Paragraph, Rows, Section, SheetFormula, Steps, Table, blocks_of
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.options.handout import PARTS, Derivation
@@ -20,11 +18,10 @@ from tests.handouts.latex_runner import require_latex, run_latex
 from tests.random_robots import swept_catalogue
 
 SHORT = Rows(("a = b",))
-LONG = Formula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",))
+LONG = SheetFormula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",))
 
 
 def sheet(**sections: tuple[object, ...]) -> Document:
-    """A document of parts named with underscores."""
     made = (Section(name.replace("_", "-"), name.title(), blocks) for name, blocks in sections.items())
     return Document("Bar", "", "bar", "en", "0", "0", "", tuple(made))  # type: ignore[arg-type]
 

@@ -1,7 +1,5 @@
 """All formulations of one function compute the same values: whichever is the cheapest, it is right."""
 
-from __future__ import annotations
-
 import random
 from functools import cache
 
@@ -40,7 +38,6 @@ FORMULATIONS = {
 
 @cache
 def trace_of(seed: int) -> Trace:
-    """A random arm of one to three joints."""
     return Trace(Robot.from_text(random_robot(random.Random(seed), 1 + seed % 3).text), Effort.QUICK)
 
 
@@ -56,7 +53,6 @@ def test_formulations_agree(name: str, seed: int) -> None:
 
 
 def test_most_functions_can_be_computed_in_several_ways() -> None:
-    """Else agreement would mean little."""
     several = {name for name, ways in FORMULATIONS.items() for seed in range(6) if len(list(ways(trace_of(seed)))) > 1}
     assert len(several) >= 8
 

@@ -1,7 +1,5 @@
 """The closed forms of regressors and base parameters, and the functions generated for identification."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -13,7 +11,7 @@ from derive.model.model import Model
 from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard_parameters
+from derive.robot.inertial_parameters import REGRESSOR_JOINTS, has_regressor, standard_parameters
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
@@ -63,7 +61,6 @@ def test_a_planar_arm_has_the_base_parameters_of_the_books() -> None:
 
 
 def identification_program(robot: Robot) -> Program:
-    """The functions for identification alone: the others take long to improve."""
     return build_program(robot, names=("regressor", "base_regressor", "base_parameters"))
 
 
@@ -88,8 +85,8 @@ def test_generated_functions_give_the_torques_and_what_the_formulas_say(seed: in
 
 
 def test_long_arms_have_no_generated_regressor() -> None:
-    rows = "\n".join("  - {type: revolute, a: 0.1, alpha: pi/2}" for _ in range(MAX_JOINTS + 1))
-    links = "\n".join("  - {mass: 1}" for _ in range(MAX_JOINTS + 1))
+    rows = "\n".join("  - {type: revolute, a: 0.1, alpha: pi/2}" for _ in range(REGRESSOR_JOINTS + 1))
+    links = "\n".join("  - {mass: 1}" for _ in range(REGRESSOR_JOINTS + 1))
     robot = Robot.from_text(f"name: long\ntitle: long\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n")
     assert not has_regressor(robot)
     assert identification_program(robot).functions == ()
