@@ -200,12 +200,8 @@ class _Cells:
         terms = [([exponents[place] for place in self._order], factor) for exponents, factor in value.terms()]
         # Positive terms first, higher powers first.
         ordered = sorted(terms, key=lambda term: (term[1] < 0, [-exponent for exponent in term[0]]))
-        return tree.add(*(self._product(exponents, factor) for exponents, factor in ordered))
-
-    def _product(self, exponents: Sequence[int], factor: Fraction) -> Expression:
-        generators = (self.domain.generators[place].expression for place in self._order)
-        powers = (tree.power(base, exponent) for base, exponent in zip(generators, exponents, strict=True))
-        return tree.multiply(number(factor), *powers)
+        bases = [self.domain.generators[place].expression for place in self._order]
+        return tree.add(*(tree.multiply(number(factor), *map(tree.power, bases, powers)) for powers, factor in ordered))
 
 
 def _negated(cell: Expression) -> Expression:
@@ -229,7 +225,7 @@ class _Body:
 
 
 def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
-    """The links in the frames of the other table, and what it says otherwise."""
+    """The links in the frames of the other table, and notes on what differs there."""
     to_modified = robot.convention is Convention.STANDARD
     rows = [Factor(joint.a, joint.alpha) for joint in robot.joints] if to_modified else moved
     rotors = {i: motor for _, motor, i in _motors(robot)}
@@ -263,7 +259,7 @@ def _link(link: Link, body: _Body, cells: _Cells) -> Link:
 def _made_up(
     body: _Body, robot: Robot, motor: Motor, i: int, behind: Frame[Polynomial], domain: PolynomialDomain
 ) -> tuple[_Body, str]:
-    """A link, in its joint frame, that is with the next rotor at its new place what it was with it at its old one.
+    """A link, in its joint frame, that has the same inertia together with the next rotor at its new place as before.
 
     Mass, first moment and second moments of both together stay: with the rotor's mass mu moved by delta, the centre of
     mass goes back by mu/m delta.
@@ -292,7 +288,7 @@ def _made_up(
 
 
 def _on_the_ground(robot: Robot) -> Iterator[str]:
-    """What is said otherwise of the rotor that the base carries."""
+    """A note on the rotor that the base carries, where the other convention places it elsewhere."""
     motor, d = (robot.links[0].motor if robot.links else None), robot.joints[0].d
     if motor is not None and not (_is_zero(robot, motor.mass) or _is_zero(robot, d)):
         way = "further" if robot.convention is Convention.STANDARD else "less far"

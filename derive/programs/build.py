@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
+from operator import methodcaller
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from derive.errors import QuantityError
@@ -51,16 +52,13 @@ def build_program(
     if inverse:
         work.append(_Inverse(trace))
     sizes = [piece.size for piece in work]
-    results = list(spread(_result, work, sizes) if spread else map(_result, work))
+    result: Callable[[_Traced | _Inverse], Function | Solved | None] = methodcaller("result")
+    results = list(spread(result, work, sizes) if spread else map(result, work))
     functions = tuple(result for result in results if isinstance(result, Function))
     found, reason = next((result for result in results if isinstance(result, tuple)), (None, ""))
     closed = found if isinstance(found, Inverse) else None
     search = found if isinstance(found, InverseSearch) else None
     return Program(functions, free_symbols(robot), closed, reason, search)
-
-
-def _result(piece: _Traced | _Inverse) -> Function | Solved | None:
-    return piece.function() if isinstance(piece, _Traced) else piece.solved()
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +68,7 @@ class _Inverse:
     trace: Trace
     size = 5_000  # as long as a search among so many operations: 0.3 s of the 1.7 s of a PUMA 560's program
 
-    def solved(self) -> Solved:
+    def result(self) -> Solved:
         """The program, or why there is none."""
         from derive.programs.inverse import solved  # forty modules, which a motion in joint variables does not need
 
@@ -108,7 +106,7 @@ class _Traced:
         graph, weight = self.trace.graph, 4 if self.row.search else 1
         return weight * sum(program_cost(graph, [v.ref for v in f.trace()]).nodes for f in self.formulations)
 
-    def function(self) -> Function | None:
+    def result(self) -> Function | None:
         """The function with its tape; None for an optional one without a value in any configuration."""
         row, choice = self.row, self.trace.choice
         try:

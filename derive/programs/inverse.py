@@ -238,7 +238,7 @@ def around(graph: SolutionGraph) -> Around:
 
 
 def _in_words(robot: Robot, graph: SolutionGraph) -> tuple[str, ...]:
-    """What is said of each branch; nothing where there is one, or none of which anything is said."""
+    """Words for the posture of each branch; nothing where there is one branch, or where a branch has no words."""
     names = postures(robot, graph).names if graph.slots > 1 else ()
     words = tuple(", ".join(part for part in name.split(", ") if not part.startswith("#")) for name in names)
     return words if all(words) else ()
@@ -255,7 +255,7 @@ def count_text(graph: SolutionGraph) -> str:
 
 
 def _existing(run: GraphWalk[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:
-    """Which solutions exist, and which are to be checked: those whose pose is asked for, if that may be another.
+    """Which branches exist, and which are to be checked: those that reach the pose, where roots may be extraneous.
 
     Where one of them has the pose to more digits, so have the others: a wrong choice of signs is almost right next to
     poses at which two choices are one. Those that have lost digits on the way are checked instead, and all where none

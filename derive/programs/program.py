@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from math import prod
 
-from derive.programs.tape.tape import Operations, Output, Tape
+from derive.programs.tape.tape import Operations, Tape
 from derive.robot.robot import Robot
 
 # The arguments that a function may take, in words; each has one entry per joint.
@@ -93,11 +93,6 @@ class Function:
         return self.interface.arguments
 
     @property
-    def outputs(self) -> tuple[Output, ...]:
-        """The results, row by row."""
-        return self.tape.outputs
-
-    @property
     def operations(self) -> Operations:
         """Operations per evaluation."""
         return self.tape.operations
@@ -169,7 +164,7 @@ class Way:
 
     joints: int  # number of joints of the loop
     dropped: int  # index of the joint whose numbers are carried around
-    direction: int  # +1 towards the hand, -1 towards the base
+    direction: int  # +1 towards the end effector, -1 towards the base
     eliminated: int  # how many joints beside the dropped one are eliminated
     equations: int = 0  # number of equations
     constant: int = 0  # how many combinations do not hold the hidden joint

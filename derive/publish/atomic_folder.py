@@ -48,7 +48,7 @@ R = TypeVar("R")
 
 
 class OvertakenError(DeriveError):
-    """The folder is another than it was when its successor was begun."""
+    """Another build has replaced the folder since this one began."""
 
 
 def publish(
@@ -160,7 +160,7 @@ def exchange(one: Path, other: Path) -> bool:
 
 @contextmanager
 def _system_errors(target: Path) -> Iterator[None]:
-    """Refusals of the system as ours."""
+    """Errors of the operating system become `OutputError`."""
     try:
         yield
     except OSError as error:

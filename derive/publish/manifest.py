@@ -60,13 +60,16 @@ def read_manifest(folder: Path) -> dict[str, Any] | None:
 
 def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
     """Libraries of a folder: compiled from its files, and of other bytes with every compiler."""
-    names = manifest.get("compiled", ())
-    return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
+    return _names(manifest, "compiled")
 
 
 def written_targets(folder: Path) -> tuple[str, ...]:
     """The targets that a folder holds."""
-    names = (read_manifest(folder) or {}).get("targets", ())
+    return _names(read_manifest(folder) or {}, "targets")
+
+
+def _names(manifest: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    names = manifest.get(key, ())
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
 
 

@@ -27,11 +27,10 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
     further = step.constant_count if step else 0
     function = c_function(inverse.function, parameters, further)
     hoisted = ["k"] if function.constant_count else []
-    names = list(inverse.function.widths)
-    inputs = [*names, *hoisted]
+    inputs = [*inverse.function.widths, *hoisted]
     limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
     joints, nearest = list(enumerate(robot.joints)), [POSE, NEAR, *hoisted]
-    rows = [f"{name} + {inverse.function.widths[name]} * row" for name in names if name != NEAR]
+    rows = [f"{name} + {width} * row" for name, width in inverse.function.widths.items() if name != NEAR]
     rows.append(f"{NEAR} ? {NEAR} + {inverse.joints} * row : NULL")
 
     def _declared(names: Iterable[str], qualifier: str, *, status: bool = True) -> str:

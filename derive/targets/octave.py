@@ -47,7 +47,9 @@ def render_octave(source: Source) -> dict[str, str]:
         "has_parameters": bool(program.parameters),
         "functions": functions,
         "inverse": inverse,
-        "without_inverse": _without_inverse(program),
+        "without_inverse": "its solutions come from eigenvalues or a search, which NumPy and C have"
+        if program.search
+        else matlab_comment(program.without_inverse),
     }
     texts = {f"{folder}/Contents.m": render("octave/Contents.m.jinja", **context)}
     texts[f"{folder}/model.m"] = render("octave/model.m.jinja", **context, constants=_constants(robot, program))
@@ -71,13 +73,6 @@ TARGET = Target(
     default=False,
     package=package_folder,
 )
-
-
-def _without_inverse(program: Program) -> str:
-    """Why there is no inverse kinematics; nothing where there is, or where nobody asked."""
-    if program.search:
-        return "its solutions come from eigenvalues or a search, which NumPy and C have"
-    return matlab_comment(program.without_inverse)
 
 
 def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ...]], ...]:
@@ -105,7 +100,9 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
     layers = [tape.nodes[output.node].layer for output in tape.outputs]
     operators = {node.op for node in tape.nodes}
     is_row = [layer is Layer.BODY and Op.SELECT not in operators for layer in layers]  # a choice may be a constant
-    results = [text if row else _spread(text) for text, row in zip(kernel.results, is_row, strict=True)]
+    # A result that is the same in all configurations becomes a row by adding zeros.
+    rows = zip(kernel.results, is_row, strict=True)
+    results = [text if row else "z" if text == "0.0" else f"{text} + z" for text, row in rows]
     places, extent = _column_major(function.shape)
     return {
         "name": function.name,
@@ -137,11 +134,6 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         "has_cases": not operators.isdisjoint(BRANCHING_NAMES),  # whether cases are told apart
         "has_zeros": not all(is_row),  # whether entries of the result are constants
     }
-
-
-def _spread(text: str) -> str:
-    """A result as a row, one number for each configuration, also where it is the same in all."""
-    return "z" if text == "0.0" else f"{text} + z"
 
 
 def _column_major(shape: Sequence[int]) -> tuple[list[int], tuple[int, ...]]:

@@ -38,7 +38,7 @@ def inverse_errors(
 ) -> Iterator[tuple[int, float]]:
     """What the inverse kinematics of one target does wrong."""
     listed = model.constants.get("GIVEN", ())
-    given = [k for k, joint in enumerate(robot.joints) if k in listed or joint.variable in listed]
+    given = [k for k, joint in enumerate(robot.joints) if {k, joint.label, joint.variable}.intersection(listed)]
     places = [(i - 1, j - 1) for row in robot.inverse.task for i, j in ROWS[row]]
     complete = bool(model.constants.get("COMPLETE", True))
     for samples in sets:

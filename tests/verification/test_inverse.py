@@ -60,6 +60,18 @@ def test_a_right_model_passes() -> None:
         assert worst < CLOSED / 10
 
 
+def test_given_joints_may_have_names() -> None:
+    text = "name: named\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
+    robot = Robot.from_text(
+        f"{text}  - {{type: revolute, a: 0.2, name: wrist}}\ninverse: {{task: [x, y], given: [q3]}}\n"
+    )
+    program = build_program(robot, Effort.QUICK, names={"forward_kinematics"}, inverse=True)
+    right = NumpyModel(numpy_model(robot, program))
+    ((poses, worst),) = inverse_errors(robot, right, sample_sets(robot, 12, np.random.default_rng(2)), "report it")
+    assert poses == 12
+    assert worst < CLOSED / 10
+
+
 def without_second(q: Array, status: Array) -> tuple[Array, Array]:
     q[:, 1], status[:, 1] = np.nan, 0
     return q, status

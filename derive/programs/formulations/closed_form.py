@@ -52,7 +52,8 @@ class ClosedForm:
     def values(self, function: str) -> list[Value] | None:
         """The outputs of a function, row by row, torques without friction; None where they are long."""
         try:
-            found = CLOSED_FORMS[function](self._domain, self._chain)
+            rates = [self._domain.rate(i) for i in range(self._robot.n)]
+            found = CLOSED_FORMS[function](self._domain, self._chain, rates)
         except (TooManyTerms, ExpressionError):
             return None
         if sum(len(entry) for entry in found) > POLICY.closed_form_terms:
@@ -61,30 +62,23 @@ class ClosedForm:
         return [writer.value(entry) for entry in found]
 
 
-def _coriolis(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Polynomial]:
-    rates = [domain.rate(i) for i in range(chain.n)]
-    return [entry for row in coriolis_matrix(chain, rates, domain.number(Fraction(1, 2))) for entry in row]
+Polynomials = Sequence[Polynomial]
 
-
-def _torques(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Polynomial]:
-    rates = [domain.rate(i) for i in range(chain.n)]
-    return inverse_dynamics(chain, rates, [domain.acceleration(i) for i in range(chain.n)])
-
-
-def _kinetic(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Polynomial]:
-    rates = [domain.rate(i) for i in range(chain.n)]
-    return [kinetic_energy(chain, rates, domain.number(Fraction(1, 2)))]
-
-
-# The functions that have one.
-CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial]], Sequence[Polynomial]]] = {
-    "inertia_matrix": lambda domain, chain: [entry for row in inertia_matrix(chain) for entry in row],
-    "coriolis_matrix": _coriolis,
-    "gravity_vector": lambda domain, chain: gravity_vector(chain),
-    "kinetic_energy": _kinetic,
-    "potential_energy": lambda domain, chain: [potential_energy(chain)],
-    "inverse_dynamics": _torques,
+# The functions that have one, from the chain and the joints' rates; a half and accelerations come from the domain.
+CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial], Polynomials], Polynomials]] = {
+    "inertia_matrix": lambda domain, chain, qd: [b for row in inertia_matrix(chain) for b in row],
+    "coriolis_matrix": lambda domain, chain, qd: [c for row in coriolis_matrix(chain, qd, _half(domain)) for c in row],
+    "gravity_vector": lambda domain, chain, qd: gravity_vector(chain),
+    "kinetic_energy": lambda domain, chain, qd: [kinetic_energy(chain, qd, _half(domain))],
+    "potential_energy": lambda domain, chain, qd: [potential_energy(chain)],
+    "inverse_dynamics": lambda domain, chain, qd: inverse_dynamics(
+        chain, qd, [domain.acceleration(i) for i in range(chain.n)]
+    ),
 }
+
+
+def _half(domain: PolynomialDomain) -> Polynomial:
+    return domain.number(Fraction(1, 2))
 
 
 class PolynomialTape:

@@ -20,7 +20,7 @@ from derive.programs.formulations.frame_choice import (
 )
 from derive.programs.formulations.parallel_axes import ParallelRun, Turn, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
-from derive.programs.tape.graph import Graph, Ref
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot.description import Matrix
@@ -128,14 +128,11 @@ class Trace:
         """The frame choices with which a recursion takes the fewest operations, as far as a short search finds them."""
         if self.effort is Effort.QUICK:
             return starting_choices(self.chain)[:1]
-
-        def _trial(chosen: FrameChoices) -> tuple[Ref, ...]:
-            return tuple([value.ref for value in values(chosen)])
-
         if name not in self._cheapest:
-            search = FrameChoiceSearch(self.chain, choices, _trial, self.choice.price)
-            starts = starts or starting_choices(self.chain)
-            self._cheapest[name] = search.best(starts, POLICY.frame_choice_finalists)
+            search = FrameChoiceSearch(
+                self.chain, choices, lambda chosen: tuple([value.ref for value in values(chosen)]), self.choice.price
+            )
+            self._cheapest[name] = search.best(starts or starting_choices(self.chain), POLICY.frame_choice_finalists)
         return self._cheapest[name]
 
     def arguments(self, kind: str) -> list[Value]:

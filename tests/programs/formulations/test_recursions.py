@@ -180,4 +180,4 @@ def test_many_joints_are_traced_in_time_and_without_recursion() -> None:
     joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
     program = build_program(Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n"))
     assert program["link_transforms"].operations.total < 4000
-    assert len(program["jacobian"].outputs) == 6 * 64
+    assert len(program["jacobian"].tape.outputs) == 6 * 64
