@@ -388,6 +388,11 @@ def seeds(count: int, usual: int, swept: int | None = None) -> list[Any]:
     return [pytest.param(seed + after * (seed >= usual), marks=marks[seed]) for seed in range(count)]
 
 
+def swept(*rows: Any) -> list[Any]:
+    """Cases of the sweep alone: one value each, or a tuple of several."""
+    return [pytest.param(*(row if isinstance(row, tuple) else (row,)), marks=pytest.mark.sweep) for row in rows]
+
+
 SWEPT = ("kuka-kr5", "puma560-corke", "scara-matlab", "stanford-deluca", "thumb")
 """Built-in robots of every kind, for sweeps that take long for each."""
 

@@ -1,12 +1,26 @@
-"""Corpus files: what is read, and what is refused with its place."""
+"""Files with expectations: frames, methods, solutions."""
 
 from __future__ import annotations
 
-import pytest
+import random
+from fractions import Fraction
+from pathlib import Path
 
-from derive.checking.files import corpus_from_bytes
+import numpy as np
+import pytest
+import sympy
+
+from derive.checking.comparison import check_file
+from derive.checking.files import check_path, corpus_from_bytes
+from derive.checking.formulas.findings import FileReport, Finding, Role, judge
 from derive.checking.formulas.printed import CorpusFile
-from derive.errors import DeriveError, Location
+from derive.checking.formulas.vector_formula import read_vector, value_of
+from derive.checking.frames_file import compose, point, rotation, translation
+from derive.checking.methods_file import ARMS, SETS, cases
+from derive.checking.solutions import POSE_NAMES
+from derive.errors import CheckError, DeriveError, ExpressionError, Location
+from derive.model.model import Model
+from derive.robot.robot import Robot
 
 ARM = """\
 robot:
@@ -36,10 +50,6 @@ def test_entries_matrices_and_corrections_are_read_with_their_places() -> None:
     assert second.status == "ok"
 
 
-def test_blocks_that_are_not_compared_are_named() -> None:
-    assert read("expected: []\nsingularities: [{of: J}]\n").unread == ("singularities",)
-
-
 @pytest.mark.parametrize(
     ("tail", "line", "message"),
     [
@@ -67,16 +77,245 @@ def test_blocks_that_are_not_compared_are_named() -> None:
 def test_what_cannot_be_read_is_refused_at_its_line(tail: str, line: int, message: str) -> None:
     with pytest.raises(DeriveError, match=message) as caught:
         read(tail)
-    assert caught.value.location is not None
     assert caught.value.location.line == line
 
 
-def test_a_formula_in_folded_text_is_placed_at_its_beginning() -> None:
+def test_a_formula_in_folded_text_is_placed_at_its_beginning_and_a_robot_file_alone_prints_nothing() -> None:
     with pytest.raises(DeriveError, match="ends too early") as caught:
         read('expected:\n  - quantity: p\n    entries:\n      "1": >-\n        a1*c1\n        +\n')
     assert caught.value.location == Location("notes.yaml", 10, 12)
-
-
-def test_a_robot_file_alone_prints_nothing() -> None:
     with pytest.raises(DeriveError, match="no block 'robot:'"):
         corpus_from_bytes(b"name: arm\nconvention: standard\njoints: [{type: revolute}]\n", "arm.yaml")
+    assert read("expected: []\nsingularities: [{of: J}]\n").unread == ("singularities",)
+
+
+FRAMES = """\
+items:
+  - id: turn
+    factors: ["Trans(l1, 0, 0)", "Rot(z, alpha)"]
+    matrix:
+      - [cos(alpha), -sin(alpha), 0, l1]
+      - [sin(alpha), cos(alpha), 0, 0]
+      - [0, 0, 1, 0]
+      - [0, 0, 0, 1]
+  - id: end
+    factors: ["Ref(turn)", "Vec(l2, 0, 0)"]
+    matrix: [["l1 + l2*cos(alpha)"], ["l2*sin(alpha)"], [0], [1]]
+"""
+EQUATION = "newton_euler_base:\n  - {id: x, joint: %s, result: %s, printed: '%s', status: ok}\n"
+
+
+def check(folder: Path, text: str) -> FileReport:
+    path = folder / "file.yaml"
+    path.write_text(text)
+    return check_path(str(path))[0]
+
+
+def test_products_of_frames_are_compared_entry_by_entry_and_a_slip_is_repaired(tmp_path: Path) -> None:
+    report = check(tmp_path, FRAMES)
+    assert report.passed
+    assert len(report.findings) == 20
+    (wrong,) = check(tmp_path, FRAMES.replace('["l2*sin(alpha)"]', '["-l2*sin(alpha)"]')).wrong
+    repair = judge(wrong).repair
+    assert wrong.entry == "end[2,1]"
+    assert repair.text == "sign: l2*sin(alpha) instead of -l2*sin(alpha)"
+
+
+@pytest.mark.parametrize(
+    ("found", "instead", "message"),
+    [
+        ("Trans(l1, 0, 0)", "Move(l1)", "factor 'Move"),
+        ("Trans(l1, 0, 0)", "Trans(l1, 0)", "take 3"),
+        ("Rot(z, alpha)", "Rot(w, alpha)", "axis 'w'"),
+        ("Rot(z, alpha)", "Rot(z)", "Rot with 1"),
+        ("Ref(turn)", "Ref(later)", "earlier item"),
+        ("Rot(z, alpha)", "Rot(z, __import__)", "unexpected character"),
+        ('["l2*sin(alpha)"], ', "", "another shape"),
+    ],
+)
+def test_frames_that_cannot_be_read_are_refused(tmp_path: Path, found: str, instead: str, message: str) -> None:
+    assert found in FRAMES
+    with pytest.raises(DeriveError, match=r"file\.yaml") as caught:
+        check(tmp_path, FRAMES.replace(found, instead))
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("joint", "result", "printed", "right"),
+    [
+        ("revolute", "w", "w_prev + z_prev*qd", True),
+        ("prismatic", "w", "w_prev + z_prev*qd", False),
+        ("any", "F", "m*a", True),
+        ("any", "N", "I @ wd + cross(w, I @ w)", True),
+        ("any", "N", "I @ wd - cross(w, I @ w)", False),
+        ("revolute", "tau", "n @ z_prev + b*qd", True),
+        ("any", "F", "m @ a", False),
+        ("any", "F", "m", False),
+    ],
+)
+def test_equations_hold_for_every_link_or_are_wrong(
+    tmp_path: Path, joint: str, result: str, printed: str, right: bool
+) -> None:
+    assert check(tmp_path, EQUATION % (joint, result, printed)).passed is right
+
+
+@pytest.mark.parametrize(
+    ("printed", "text"),
+    [
+        ("I @ wd - cross(w, I @ w)", "sign of -cross(w, I @ w)"),
+        ("I @ wd + cross(wd, I @ w)", "index: w instead of wd"),
+        ("I @ w + cross(wd, I @ w)", "2 changes: index: wd instead of w; index: w instead of wd"),
+    ],
+)
+def test_the_change_that_repairs_an_equation_is_named(tmp_path: Path, printed: str, text: str) -> None:
+    (wrong,) = check(tmp_path, EQUATION % ("any", "N", printed)).wrong
+    assert wrong.repair.text == text
+
+
+@pytest.mark.parametrize(
+    ("printed", "message"),
+    [
+        ("m*acc", "unknown name 'acc'"),
+        ("m*", "vector equation"),
+        ("__import__(w)", "vector equation"),
+        ("cross(w)", "vector equation"),
+        ("(" * 300 + "w", "vector equation"),
+        ("+".join(["w"] * 300), "too long"),
+    ],
+)
+def test_equations_that_cannot_be_read_are_refused(tmp_path: Path, printed: str, message: str) -> None:
+    with pytest.raises(CheckError) as caught:
+        check(tmp_path, EQUATION % ("any", "F", printed))
+    assert message in str(caught.value)
+    assert caught.value.location.line == 2
+
+
+def test_a_file_of_another_kind_is_refused_as_before(tmp_path: Path) -> None:
+    with pytest.raises(DeriveError, match=r"file\.yaml"):
+        check(tmp_path, "something: else\n")
+
+
+ALPHA, BETA, X, Y, Z = sympy.symbols("alpha beta x y z")
+
+
+@pytest.mark.parametrize(("axis", "start", "end"), [("x", "y", "z"), ("y", "z", "x"), ("z", "x", "y")])
+def test_a_quarter_turn_takes_one_axis_to_the_next(axis: str, start: str, end: str) -> None:
+    unit = {name: point(*(int(other == name) for other in "xyz")) for name in "xyz"}
+    quarter = rotation(axis, sympy.pi / 2)
+    assert compose(quarter, unit[start]) == unit[end]
+    assert compose(quarter, unit[axis]) == unit[axis]
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_turns_about_one_axis_add_up_and_opposite_ones_cancel(axis: str) -> None:
+    together = compose(rotation(axis, ALPHA), rotation(axis, BETA))
+    assert together == sympy.expand_trig(rotation(axis, ALPHA + BETA))
+    assert compose(rotation(axis, ALPHA), rotation(axis, -ALPHA)) == sympy.eye(4)
+    assert compose(rotation(axis, 0.3), rotation(axis, Fraction(-3, 10))) == sympy.eye(4)
+
+
+def test_the_product_is_that_of_matrices_and_translations_commute() -> None:
+    rng = random.Random(5)
+    frames = []
+    for _ in range(5):
+        frames.append(rotation(rng.choice("xyz"), sympy.Rational(rng.randint(-30, 30), 10)))
+        frames.append(translation(*(rng.randint(-9, 9) for _ in range(3))))
+    expected = sympy.eye(4)
+    for frame in frames:
+        expected = expected * frame
+    assert sympy.Matrix(compose(*frames) - expected).evalf(30).norm() < 1e-25
+    together = compose(translation(X, Y, Z), translation(1, 2, 3))
+    assert together == translation(X + 1, Y + 2, Z + 3) == compose(translation(1, 2, 3), translation(X, Y, Z))
+
+
+def test_a_row_of_a_table_is_four_elementary_frames_and_special_angles_are_exact() -> None:
+    model = Model(Robot.load("dh-classical-deluca"))
+    theta, d, a, alpha = sympy.symbols("q1 d1 a1 alpha1")
+    row = compose(rotation("z", theta), translation(0, 0, d), translation(a, 0, 0), rotation("x", alpha))
+    assert row == model.A(1)
+    half = sympy.Rational(1, 2)
+    assert rotation("z", sympy.pi / 6)[1, 0] == half
+    assert compose(rotation("z", sympy.pi / 4), rotation("z", sympy.pi / 4)) == rotation("z", sympy.pi / 2)
+
+
+def test_what_is_no_frame_is_refused() -> None:
+    with pytest.raises(ExpressionError, match="axis 'w'"):
+        rotation("w", 0)
+    for value in ("alpha", object(), None, sympy.eye(2)):
+        with pytest.raises(ExpressionError):
+            rotation("z", value)
+    for frames in ((), (sympy.eye(3),), (point(0, 0, 0), sympy.eye(4))):
+        with pytest.raises(ExpressionError, match="frames of shapes"):
+            compose(*frames)
+
+
+@pytest.mark.parametrize("name", list(SETS))
+def test_every_link_of_every_arm_is_a_case_of_rotations_and_unit_axes(name: str) -> None:
+    joints = "".join(case.joint[0] for case in cases(name))
+    assert joints == "".join(types for types, _ in ARMS)
+    for case in cases(name):
+        for name_of_rotation in ("Rp", "Rn", "R0"):
+            assert np.allclose(case.values[name_of_rotation] @ case.values[name_of_rotation].T, np.eye(3))
+        assert np.linalg.norm(case.values["z_prev"]) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("name", list(SETS))
+@pytest.mark.parametrize(("result", "text"), [("F", "m*a"), ("N", "I @ wd + cross(w, I @ w)")])
+def test_newton_and_euler_hold_at_every_link(name: str, result: str, text: str) -> None:
+    equation = read_vector(text, Location("<test>"))
+    for case in cases(name):
+        assert np.allclose(value_of(equation, case.values), case.values[result], rtol=0, atol=1e-12)
+
+
+SOLVED = """\
+robot:
+  name: polar
+  convention: standard
+  joints: [{type: revolute, alpha: -pi/2}, {type: prismatic, theta: pi, alpha: pi/2}]
+inverse_kinematics:
+  formulas:
+"""
+"""The tip stands at (-q2 sin(q1), q2 cos(q1), 0)."""
+
+
+def findings(*formulas: str) -> tuple[Finding, ...]:
+    text = SOLVED + "".join(f"    - {{{formula}}}\n" for formula in formulas)
+    return check_file(corpus_from_bytes(text.encode(), "notes.yaml")).findings
+
+
+@pytest.mark.parametrize(
+    ("printed", "equal"),
+    [
+        ("atan2(-ox/q2, oy/q2)", True),
+        ("atan2(oy/q2, -ox/q2)", False),
+        ("atan2(-ox/q2, oy/q2) + 2*pi", True),
+        ("atan2(-ox/q2, oy/q2) + pi", False),
+    ],
+)
+def test_an_angle_is_right_up_to_full_turns(printed: str, equal: bool) -> None:
+    (found,) = findings(f'unknown: q1, value: q1, printed: "{printed}", angle: true')
+    assert found.role is Role.SOLUTION
+    assert found.verdict.equal is equal
+
+
+def test_a_wrong_formula_has_its_slip_named_and_its_correction_checked() -> None:
+    wrong, correction = findings(
+        'unknown: q2, value: q2**2, printed: "ox**2 - oy**2", correct: "ox**2 + oy**2", status: erratum'
+    )
+    assert (wrong.verdict.equal, wrong.erratum, wrong.role) == (False, True, Role.SOLUTION)
+    assert (correction.verdict.equal, correction.erratum, correction.role) == (True, False, Role.CORRECTION)
+    repair = judge(wrong).repair
+    assert "sign" in repair.text
+
+
+def test_a_printed_plus_minus_is_the_sign_of_the_unknown_and_a_name_that_is_no_entry_undecidable() -> None:
+    (found,) = findings('unknown: q2, value: q2, printed: "sgn*sqrt(ox**2 + oy**2)"')
+    assert found.verdict.equal
+    (found,) = findings('unknown: q2, value: q2, printed: "oo + ox"')
+    assert found.unknown is not None
+
+
+def test_a_block_without_formulas_is_refused() -> None:
+    assert len(POSE_NAMES) == 13
+    with pytest.raises(CheckError, match="either 'lines', 'latex' or 'formulas'"):
+        corpus_from_bytes((SOLVED.rsplit("  formulas", 1)[0] + "  note: none\n").encode(), "notes.yaml")

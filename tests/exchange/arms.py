@@ -1,23 +1,32 @@
-"""Robots of numbers to export: those of the catalogue, as they are or with links of random possible bodies."""
+"""Robots and URDFs for tests of exchange: of the catalogue, of random bodies, of random chains."""
 
 from __future__ import annotations
 
+import math
+import random
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
+import pytest
 
 from derive.exchange.numeric import with_numbers
-from derive.robot.description import Inertia, Link, Motor
+from derive.robot.description import Convention, Inertia, Link, Matrix, Motor
+from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, number
 from derive.robot.load import catalogue_names
-from derive.robot.names import limit_symbols, number_of, robot_symbols
+from derive.robot.names import free_symbols, limit_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
+from tests.exchange.urdfs import HALF, PI, J, body, urdf
 
 FEW = ("scara-matlab", "skeleton-modified", "stanford-deluca", "puma560-corke")
 """Slides, parallel axes, reversed variables, a base, both conventions."""
 
 EVERY = catalogue_names()
+
+SWEEP = [pytest.param(name, marks=[] if name in FEW else pytest.mark.sweep) for name in EVERY]
+"""The few in every run of the tests, the others in the sweep."""
 
 
 def decimal(value: float) -> Expression:
@@ -60,3 +69,158 @@ def dressed(name: str, *, rotors: bool = False, coulomb: bool = False) -> Robot:
     joints = tuple(replace(joint, limits=None) for joint in robot.joints)
     gravity = (decimal(0.3), decimal(-9.1), decimal(-2.7))
     return replace(robot, joints=joints, gravity=gravity, links=tuple(link() for _ in range(robot.n)))
+
+
+TABLES = {
+    "spatial": "[{type: revolute, d: 0.3, alpha: 0.7}, {type: prismatic, theta: 0.4, a: 0.2, alpha: pi/2}, "
+    "{type: revolute, a: 0.25, d: 0.1, alpha: -1.1}, {type: revolute, d: 0.1}]",
+    "planar": "[{type: revolute, a: 0.5}, {type: revolute, a: 0.4}, {type: revolute, a: 0.3}]",
+    "upright": "[{type: revolute, d: 0.3, a: 0.2, alpha: pi/2}, {type: revolute, a: 0.4}, {type: prismatic, a: 0.1}]",
+}
+
+
+def arm(name: str, convention: str = "standard") -> Robot:
+    """An arm of random bodies that exist."""
+    random = np.random.default_rng(len(name))
+    rows = TABLES[name].replace("type: revolute", "type: revolute, theta: Q").replace("prismatic", "prismatic, d: Q")
+    for i in range(1, rows.count("Q") + 1):
+        rows = rows.replace("Q", f"q{i}", 1)
+    lines = [f"name: {name}", f"convention: {convention}", f"joints: {rows}", "gravity: [0, 0, -9.81]", "links:"]
+    for _ in range(rows.count("type")):
+        points = random.integers(-20, 21, size=(6, 3)) / 100
+        away = points - points.mean(axis=0)
+        second = away.T @ away
+        tensor = np.trace(second) * np.eye(3) - second
+        cells = ", ".join(
+            f"{x}{y}: {tensor['xyz'.index(x), 'xyz'.index(y)]:.6f}" for x, y in ("xx", "yy", "zz", "xy", "xz", "yz")
+        )
+        lines.append(
+            f"  - {{mass: 6, com: [{', '.join(f'{c:.3f}' for c in points.mean(axis=0))}], "
+            f"inertia: {{{cells}}}, armature: 0.1}}"
+        )
+    return Robot.from_text("\n".join(lines) + "\n")
+
+
+def with_links(robot: Robot, *links: tuple[str, str, str]) -> Robot:
+    """The robot with other links: mass, com, tensor."""
+    made = []
+    for mass, com, tensor in links:
+        x, y, z = (number(Fraction(cell)) for cell in com.split())
+        made.append(
+            Link(number(Fraction(mass)), (x, y, z), Inertia(*(number(Fraction(cell)) for cell in tensor.split())))
+        )
+    return replace(robot, links=tuple(made))
+
+
+def random_arm(seed: int, *, motors: bool = False) -> Robot:
+    """An arm of 2 to 7 joints; the bodies are clouds of points, flat ones, rods and points, and published ones."""
+    random = np.random.default_rng(seed)
+    n = int(random.integers(2, 8))
+    rows, links = [], []
+    for i in range(1, n + 1):
+        slides = random.random() < 0.2
+        alpha = random.choice(["0", "pi/2", "-pi/2", "0.7", "-1.1"])
+        cells = f"d: {random.integers(0, 4) / 10}" if not slides else f"theta: {random.choice(['0', 'pi/2', '0.4'])}"
+        sign = random.choice(["", "-"])
+        moving = f"d: {sign}q{i}" if slides else f"theta: {sign}q{i}"
+        kind = "prismatic" if slides else "revolute"
+        rows.append(f"  - {{type: {kind}, {moving}, {cells}, a: {random.integers(0, 4) / 10}, alpha: {alpha}}}")
+        links.append(_link(random, motors))
+    convention = random.choice(["standard", "modified"])
+    head = [f"name: random-{seed}", f"convention: {convention}", "joints:", *rows, "gravity: [0, 0, -9.81]", "links:"]
+    return Robot.from_text("\n".join([*head, *links]) + "\n")
+
+
+def _link(random: np.random.Generator, motors: bool) -> str:
+    """A cloud of four to one points, so a body, a plate, a rod or a point; some tensors are off as published ones."""
+    count = int(random.choice([4, 4, 4, 4, 3, 2, 1]))
+    mass = round(float(random.uniform(0.2, 4)), 3)
+    points = random.normal(size=(count, 3)) * 0.1
+    away = points - points.mean(axis=0)
+    second = mass * away.T @ away / count
+    tensor = np.trace(second) * np.eye(3) - second
+    if random.random() < 0.35:  # what a torque does not notice, mostly
+        tensor = np.diag(np.diag(tensor)) + np.diag([*random.uniform(-0.4, 0.4, 1), *[0.0] * 2]) * tensor.max()
+    entries = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    digits = int(random.choice([4, 6, 9, 17]))
+    cells = ", ".join(f"{'xyz'[i]}{'xyz'[j]}: {tensor[i, j]:.{digits}g}" for i, j in entries)
+    com = ", ".join(f"{c:.4f}" for c in points.mean(axis=0))
+    rotor = (
+        f"{random.uniform(0, 0.3):.3f}, inertia: {random.uniform(1, 20) * 1e-5:.3g}, ratio: {random.integers(-90, 91)}"
+    )
+    more = f", motor: {{mass: {rotor}}}" if motors else f", armature: {random.uniform(0, 0.2):.3f}"
+    return f"  - {{mass: {mass}, com: [{com}], inertia: {{{cells}}}{more}}}"
+
+
+ANGLES = ("0", "0", HALF, f"-{HALF}", PI, "0.7853981633974483", "1.57", "1.5707", "-2.1", "0.003", "1.570796")
+LENGTHS = ("0", "0", "0", "0.3", "-0.25", "0.4318", "1e-10", "0.001")
+AXES = ("0 0 1", "0 0 1", "0 0 -1", "0 1 0", "-1 0 0", "1 1 0", "0.1 0.2 -2")
+TYPES = ("revolute", "revolute", "revolute", "prismatic", "continuous")
+
+
+def random_chain(seed: int) -> tuple[str, list[str]]:
+    """A URDF of one to seven joints that move, and their names in the order of the chain."""
+    source = random.Random(seed)
+
+    def triple(words: tuple[str, ...], most: float) -> str:
+        if source.random() < 0.15:
+            return " ".join(repr(round(source.uniform(-most, most), 6)) for _ in range(3))
+        return " ".join(source.choice(words) for _ in range(3))
+
+    joints = []
+    for _ in range(source.randint(1, 7)):
+        if source.random() < 0.3:
+            joints.append(J(triple(LENGTHS, 0.5), triple(ANGLES, 3.0), type="fixed", inertial=_body(source)))
+        kind, axis = source.choice(TYPES), source.choice(AXES)
+        limit = 'lower="-0.5" upper="0.8" effort="10" velocity="1"' if kind != "continuous" else ""
+        joints.append(J(triple(LENGTHS, 0.5), triple(ANGLES, 3.0), axis, kind, limit, _body(source)))
+    joints.append(J(triple(LENGTHS, 0.5), triple(ANGLES, 3.0), type="fixed"))
+    return urdf(joints), [f"j{k}" for k, joint in enumerate(joints, 1) if joint.type != "fixed"]
+
+
+def _body(source: random.Random) -> tuple[str, str, str, str] | None:
+    """A body, or none; its principal moments are those of some box."""
+    if source.random() < 0.3:
+        return None
+    a, b, c = (source.uniform(0.01, 0.3) ** 2 for _ in range(3))
+    centre = " ".join(f"{source.uniform(-0.2, 0.2):.4f}" for _ in range(3))
+    return body(f"{source.uniform(0.1, 5):.3f}", centre, "0.3 0 -1", f"{b + c!r} {a + c!r} {a + b!r} 0 0 0")
+
+
+Cells = list[tuple[float, ...]]
+
+
+def numbers(robot: Robot) -> dict[str, float]:
+    """A number for every name; random ones for those without."""
+    source = random.Random(1)
+    values = {name: evaluate(cell, {}) for name, cell in robot.parameters}
+    return {name: round(source.uniform(0.2, 0.9), 3) for name in sorted(free_symbols(robot))} | values
+
+
+def table_urdf(robot: Robot, values: Mapping[str, float]) -> str:
+    """The arm as a URDF: rows as pairs of joints, one of them fixed."""
+    joints = [_fixed(robot.base, values)]
+    for row in robot.joints:
+        theta, d, a, alpha = (repr(evaluate(cell, values)) for cell in (row.theta, row.d, row.a, row.alpha))
+        along_x = J(f"{a} 0 0", f"{alpha} 0 0", type="fixed")
+        kind = "revolute" if row.is_revolute else "prismatic"
+        along_z = J(f"0 0 {d}", f"0 0 {theta}", f"0 0 {row.sign}", kind)
+        joints += [along_z, along_x] if robot.convention is Convention.STANDARD else [along_x, along_z]
+    return urdf([*joints, _fixed(robot.tool, values)])
+
+
+def _fixed(matrix: Matrix, values: Mapping[str, float]) -> J:
+    m = np.array([[evaluate(cell, values) for cell in row] for row in matrix])
+    pitch = math.asin(max(-1.0, min(1.0, -m[2, 0])))
+    if abs(m[2, 0]) > 1 - 1e-12:
+        roll, yaw = 0.0, math.atan2(-m[0, 1], m[1, 1])
+    else:
+        roll, yaw = math.atan2(m[2, 1], m[2, 2]), math.atan2(m[1, 0], m[0, 0])
+    return J(" ".join(map(repr, m[:3, 3].tolist())), f"{roll!r} {pitch!r} {yaw!r}", type="fixed")
+
+
+def cells(robot: Robot, values: Mapping[str, float]) -> Cells:
+    """Rows of the table, base and tool in numbers."""
+    rows = [tuple(evaluate(getattr(row, key), values) for key in ("theta", "d", "a", "alpha")) for row in robot.joints]
+    frames = [tuple(evaluate(cell, values) for cell in row) for frame in (robot.base, robot.tool) for row in frame]
+    return rows + frames

@@ -18,10 +18,8 @@ from derive.robot.description import Convention
 from derive.robot.expression import Pi, multiply, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.arms import EVERY, FEW, dressed, numeric
+from tests.exchange.arms import SWEEP, dressed, numeric
 from tests.exchange.urdfs import J, Reading, urdf
-
-SWEEP = [pytest.param(name, marks=[] if name in FEW else pytest.mark.sweep) for name in EVERY]
 
 
 def back(text: str, convention: Convention) -> Imported:
@@ -59,13 +57,10 @@ links:
 """
 
 
-def test_links_come_back_without_the_noise_of_turning_them_there_and_back() -> None:
+def test_limits_come_back_and_links_without_the_noise_of_turning_them() -> None:
     """An entry of 1e-19 would stand in every equation."""
     robot = Robot.from_text(SLANTED)
     assert back(exported(robot, "urdf").text, robot.convention).robot.links == robot.links
-
-
-def test_limits_come_back_and_slides_without_any_stay_so() -> None:
     robot = dressed("stanford-deluca")
     ends = (multiply(number("-1/2"), Pi()), number(2))
     for places in ((), (1, 2)):
@@ -115,7 +110,7 @@ links:
 """
 
 
-def test_names_speeds_torques_and_the_convention_come_back_without_being_asked_for() -> None:
+def test_names_speeds_torques_and_the_convention_come_back_and_names_of_a_urdf_stay() -> None:
     robot = Robot.from_text(NAMED)
     text = exported(robot, "urdf").text
     found = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None)
@@ -124,6 +119,10 @@ def test_names_speeds_torques_and_the_convention_come_back_without_being_asked_f
     assert found.joints == tuple(joint.label for joint in robot.joints)
     assert "the table is the one that the URDF carries with it" in found.notes
     assert back(text, Convention.STANDARD).robot.convention is Convention.STANDARD
+    text = urdf([J(name="pan&#10;x"), J("0.3 0 0", "1.57 0 0", name="q2"), J("0 0 1", name="w" * 600)])
+    joints = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None).robot.joints
+    assert [joint.name for joint in joints] == ["pan\\nx", "", "w" * 500]
+    assert [joint.variable for joint in joints] == ["q1", "q2", "q3"]
 
 
 def test_every_format_has_the_names() -> None:
@@ -138,10 +137,3 @@ def test_every_format_has_the_names() -> None:
         assert "slide" in exported(robot, to).text
     assert "rigidBodyJoint('it''s a slide', 'prismatic')" in exported(robot, "rigidbodytree").text
     compile(exported(robot, "rtb").text, "rtb.py", "exec")
-
-
-def test_names_of_a_urdf_stay() -> None:
-    text = urdf([J(name="pan&#10;x"), J("0.3 0 0", "1.57 0 0", name="q2"), J("0 0 1", name="w" * 600)])
-    joints = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None).robot.joints
-    assert [joint.name for joint in joints] == ["pan\\nx", "", "w" * 500]
-    assert [joint.variable for joint in joints] == ["q1", "q2", "q3"]

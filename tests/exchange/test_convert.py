@@ -1,20 +1,23 @@
-"""Robot files in the other convention: there and back the same file, up to comments; every option and unit kept."""
+"""Robot files in the other convention, with the printed regrouping."""
 
 from __future__ import annotations
 
 import random
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import pytest
 
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.convert import convention_named, converted, moves
+from derive.exchange.derivation import derivation_text
+from derive.mechanics.convention import convert, has_equal_poses
 from derive.robot.description import Convention
+from derive.robot.expression import ONE
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 from tests.random_robots import robot_text as random_text
-from tests.random_robots import seeds
+from tests.random_robots import swept, swept_catalogue
 
 ARM = """\
 # Source: notes, page 3.
@@ -70,14 +73,14 @@ def test_there_and_back_is_the_same_file_for_every_built_in_robot(name: str) -> 
     assert without_comments(bare.text) == robot_text(robot).rstrip("\n"), "no comment is needed"
 
 
-@pytest.mark.parametrize("seed", seeds(200, usual=8))
+@pytest.mark.parametrize("seed", [*range(8), *swept(*range(8, 200))])
 def test_there_and_back_is_the_same_table_for_random_robots_with_tools_and_bases(seed: int) -> None:
     robot = Robot.from_text(random_text(random.Random(5000 + seed)))
     back = converted(converted(robot, OTHER[robot.convention]).robot, robot.convention).robot
     assert back.joints == robot.joints
 
 
-def test_options_units_and_comments_are_kept() -> None:
+def test_options_units_and_comments_are_kept_and_say_from_what_it_was_made_and_what_leads_back() -> None:
     robot = Robot.from_text(ARM)
     assert differing(Robot.from_text(robot_text(robot)), robot) == []
     there = converted(robot, Convention.MODIFIED, "arm-mdh")
@@ -89,10 +92,6 @@ def test_options_units_and_comments_are_kept() -> None:
     back = converted(there.robot, Convention.STANDARD, "arm")
     assert differing(back.robot, robot) == []
     assert len(back.robot.comments) == len(there.robot.comments)
-
-
-def test_comments_say_from_what_it_was_made_and_what_leads_back() -> None:
-    robot = Robot.from_text(ARM)
     there = converted(robot, Convention.MODIFIED)
     assert there.robot.comments[:2] == (
         f"Converted by derive from the standard table of arm (robot file {robot.digest[:16]}).",
@@ -113,12 +112,9 @@ def test_a_comment_that_is_no_factor_of_this_robot_is_passed_over(spoilt: str) -
 
 
 @pytest.mark.parametrize("convention", ["modifed", "Craig", "", "sdh\n"])
-def test_an_unknown_convention_is_refused_with_those_that_there_are(convention: str) -> None:
+def test_an_unknown_convention_and_the_one_that_a_table_has_are_refused(convention: str) -> None:
     with pytest.raises(DeriveError, match=r"unknown convention .*; allowed: standard \(distal\), modified \(Craig"):
         convention_named(convention)
-
-
-def test_a_table_that_has_the_convention_already_is_refused() -> None:
     with pytest.raises(DeriveError, match="arm has a standard table already; write --convention modified"):
         converted(Robot.from_text(ARM), Convention.STANDARD)
 
@@ -127,3 +123,50 @@ def test_a_table_that_has_the_convention_already_is_refused() -> None:
 def test_a_name_that_no_robot_may_have_is_refused(name: str) -> None:
     with pytest.raises(RobotFileError, match="is not a robot name"):
         converted(Robot.from_text(ARM), Convention.MODIFIED, name)
+
+
+PLANAR = """\
+standard: T = (Z_1 X_1) (Z_2 X_2) T_tool
+modified: T = (X_0 Z_1) (X_1 Z_2) T'_tool
+The factors are the same, the brackets are not: T'_base = T_base X_0^-1; T'_tool = X_2 T_tool.
+
+factor  a   alpha  standard table  modified table
+X_0     0   0      base            row 1
+X_1     a1  0      row 1           row 2
+X_2     a2  0      row 2           tool
+"""
+
+
+def test_a_planar_arm_is_regrouped_as_on_a_blackboard() -> None:
+    text = derivation_text(convert(Robot.load("planar-2r-perugia")))
+    assert text.partition("\n")[2].startswith(PLANAR)
+    assert "\nA'_2 = X_1 Z_2, row 2 of the modified table =\n  c2  -s2  0  a1\n" in text
+    assert "\n  link 2: [l2 - a2, 0, 0] is [l2, 0, 0] in the modified frame 2\n" in text
+    assert text.endswith("are equal, entry by entry, in exact arithmetic.\n")
+
+
+@pytest.mark.parametrize("name", swept_catalogue(usual=("skeleton-modified", "human-body", "spherical-wrist")))
+def test_products_of_every_built_in_robot_are_equal_up_to_seven_rows(name: str) -> None:
+    robot = Robot.load(name)
+    conversion = convert(robot)
+    if robot.n <= 7:
+        assert has_equal_poses(conversion)
+    text = derivation_text(conversion)
+    assert ("are equal, entry by entry" in text) == (robot.n <= 7)
+    assert ("rows are not multiplied out" in text) == (robot.n > 7)
+
+
+def test_it_is_said_where_numbers_are_printed_shorter_than_they_are() -> None:
+    text = "{{name: arm, convention: standard, joints: [{{type: revolute, a: {}}}, {{type: revolute, a: 0.25}}]}}"
+    long, short = (Robot.from_text(text.format(length)) for length in ("0.123456789", "0.125"))
+    said = "Matrices are printed with 6 significant digits of each number."
+    assert said in derivation_text(convert(long))
+    assert said not in derivation_text(convert(short))
+
+
+def test_a_wrong_table_is_not_called_equal() -> None:
+    conversion = convert(Robot.load("planar-2r-perugia"))
+    wrong = replace(conversion.result.joints[1], a=ONE)
+    spoilt = replace(conversion, result=replace(conversion.result, joints=(conversion.result.joints[0], wrong)))
+    assert not has_equal_poses(spoilt)
+    assert "are DIFFERENT, entry by entry" in derivation_text(spoilt)

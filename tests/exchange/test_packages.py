@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from importlib.metadata import PackageNotFoundError, files
@@ -135,10 +135,8 @@ def accelerations(robot: Robot, text: str, random: np.random.Generator) -> tuple
     inertia = oracle.evaluate("inertia_matrix", q)
     sizes = np.linalg.eigvalsh(inertia)
     if sizes[0] < 1e-12 * sizes[-1]:
-        found, wanted = (
-            data.qfrc_bias - data.qfrc_passive,
-            oracle.evaluate("inverse_dynamics", q, qd, np.zeros(robot.n)),
-        )
+        found = data.qfrc_bias - data.qfrc_passive
+        wanted = oracle.evaluate("inverse_dynamics", q, qd, np.zeros(robot.n))
         return relative(inertia_of(model, data), inertia) + relative(found, wanted), 2e-12
     wanted = oracle.evaluate("forward_dynamics", q, qd, tau)
     moved = relative(Oracle.of(with_least(robot, model)).evaluate("forward_dynamics", q, qd, tau), wanted)
@@ -207,19 +205,13 @@ def check(text: str, urdf: Urdf, tip: str, convention: Convention) -> str:
         if exact.robot.links:
             joints = {joint.name: joint for joint in urdf.joints}
             dynamics = [joints[name] for name in reading.names]
-            lost = sum_of((float(joint.damping) for joint in dynamics), qd)
-            lost += sum_of((float(joint.friction) for joint in dynamics), np.sign(qd))
+            lost = np.array([float(joint.damping) for joint in dynamics]) * qd
+            lost += np.array([float(joint.friction) for joint in dynamics]) * np.sign(qd)
             torques(exact, reading, (q, qd, qdd, lost), said)
     return ""
 
 
-def sum_of(factors: Iterable[float], values: np.ndarray) -> np.ndarray:
-    """Each factor times its value."""
-    return np.array(list(factors)) * values
-
-
 def torques(exact: Imported, reading: Reading, state: tuple[np.ndarray, ...], said: str) -> None:
-    """Newton-Euler, inertia matrix and Coriolis forces."""
     q, qd, qdd, lost = state
     oracle = Oracle.of(exact.robot)
     slack = 1e-10 + 1000 * (exact.certificate.position + exact.certificate.rotation)

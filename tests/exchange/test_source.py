@@ -1,13 +1,15 @@
-"""Where an imported robot comes from is said in its file, whatever names there are."""
+"""What a URDF or a xacro file is made of, and expressions in xacro."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+import xacro
 
 from derive.errors import RobotFileError
 from derive.exchange.source import MARK, ChainSource, open_urdf, opened, relative
+from derive.exchange.xacro_expressions import forbidden, guarded
 from tests.exchange.urdfs import J, urdf
 
 XACRO = """\
@@ -32,7 +34,6 @@ def test_names_with_quotes_line_breaks_and_braces_come_back() -> None:
     assert "\n" not in source.line
     text = f"# {source.line}\n# pose error over all limits <= 1.2e-16 m and 3e-16 rad, proven\nname: arm\n"
     told = ChainSource.of(text)
-    assert told is not None
     assert told[0] == source
     assert (told[1].position, told[1].rotation) == (1.2e-16, 3e-16)
 
@@ -43,15 +44,11 @@ def test_a_head_that_says_nothing_is_none(head: str) -> None:
     assert ChainSource.of(text) is None
 
 
-def test_xacro_is_expanded_with_its_arguments(tmp_path: Path) -> None:
+def test_xacro_is_expanded_with_its_arguments_and_no_others(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(XACRO)
     assert float(open_urdf(path).urdf.joints[1].origin.xyz[0]) == 0.5
     assert float(open_urdf(path, arguments={"length": "0.25"}).urdf.joints[1].origin.xyz[0]) == 0.25
-
-
-def test_an_argument_for_which_no_file_asks_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "arm.urdf.xacro"
     path.write_text(XACRO)
     with pytest.raises(RobotFileError, match="no argument 'lenght'; its arguments: 'length'"):
         open_urdf(path, arguments={"lenght": "0.25"})
@@ -108,13 +105,80 @@ def test_includes_are_found_beside_the_file(tmp_path: Path) -> None:
     assert len(open_urdf(path).urdf.joints) == 2
 
 
-def test_a_digest_is_that_of_the_file(tmp_path: Path) -> None:
+def test_a_digest_is_that_of_the_file_which_is_named_from_the_folder_of_the_other(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(urdf([J()]))
     before = open_urdf(path).sha256
     path.write_text(urdf([J("0 0 1")]))
     assert open_urdf(path).sha256 != before
-
-
-def test_a_file_is_named_from_the_folder_of_the_other(tmp_path: Path) -> None:
     assert relative(tmp_path / "urdf" / "arm.urdf", tmp_path / "robots") == "../urdf/arm.urdf"
+
+
+RUN = "('touch owned')"
+
+FRAMES = (
+    "[a for a in [[]] for g in [(g.gi_frame.f_back.f_back.f_back.f_globals for g in a)] for _ in [a.append(g)] "
+    f"for r in g for _ in [r['os'].system{RUN}]]"
+)
+
+CLASSES = "[c for c in ().__class__.__base__.__subclasses__() if c.__name__ == '_wrap_close']"
+LAMBDA = f"(lambda: {CLASSES}[0].__init__.__globals__['system']{RUN})()"
+
+GLOBALS = "python.vars(python.type(xacro.arg))['_' + '_globals_' + '_']"
+TYPES = f"python.vars(python.type({GLOBALS}))['_' + '_get_' + '_']({GLOBALS}, xacro.arg)['os'].system{RUN}"
+
+HOSTILE = [f"${{{FRAMES}}}", f"${{{LAMBDA}}}", f"${{{TYPES}}}", "$(eval ${frames})"]
+
+
+def file_with(value: str) -> str:
+    return f'''<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:property name="type" value="revolute"/>
+  <xacro:property name="size" value="${{dict(length=0.25, f_max=3, _n=2)}}"/>
+  <xacro:property name="frames" value="{FRAMES}"/>
+  <link name="l0"/><link name="l1"/><joint name="j" type="${{type}}"><parent link="l0"/><child link="l1"/>
+  <origin xyz="{value} 0 0"/><axis xyz="0 0 1"/></joint></robot>'''
+
+
+@pytest.mark.parametrize("value", HOSTILE)
+def test_no_file_runs_a_command(value: str, tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(file_with(value))
+    with pytest.raises(RobotFileError, match=r"is not (evaluated|defined)") as refused:
+        open_urdf(path)
+    assert "\n" not in str(refused.value)
+    assert "--packages" not in refused.value.remedy or "is not defined" in refused.value.found
+    assert [entry.name for entry in tmp_path.iterdir()] == ["arm.urdf"]
+
+
+def test_what_one_expansion_writes_for_the_next_is_looked_at(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(file_with("$" + HOSTILE[1]))
+    with pytest.raises(RobotFileError, match="uses __"):
+        open_urdf(path)
+    assert not (tmp_path / "owned").exists()
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "${size['length']}",
+        "${python.sum([0.2, 0.05])}",
+        "${'%.2f' % (1 / 4)}",
+        "$(eval 1/4.0)",
+        "${(lambda x: x / size['_n'])(0.5)}",
+        "${[k / 4 for k in python.range(2)][1]}",
+    ],
+)
+def test_sums_of_lengths_are_evaluated(value: str, tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(file_with(value))
+    assert float(open_urdf(path).urdf.joints[0].origin.xyz[0]) == 0.25
+
+
+def test_other_users_of_xacro_find_it_as_it_was() -> None:
+    before, offered = xacro.safe_eval, dict(xacro._global_symbols["python"])
+    with guarded():
+        assert xacro.safe_eval is not before
+    assert xacro.safe_eval is before
+    assert dict(xacro._global_symbols["python"]) == offered
+    assert forbidden("limits.f_max + type") is None

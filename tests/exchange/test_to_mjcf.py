@@ -15,12 +15,9 @@ from derive.robot.description import Inertia, Motor
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.arms import EVERY, FEW, dressed, numeric
-from tests.exchange.bodied import with_links
+from tests.exchange.arms import EVERY, SWEEP, dressed, numeric, with_links
 
 mujoco = pytest.importorskip("mujoco")
-
-SWEEP = [pytest.param(name, marks=[] if name in FEW else pytest.mark.sweep) for name in EVERY]
 
 
 def worst(robot: Robot, text: str) -> tuple[float, float]:
@@ -61,19 +58,15 @@ def test_a_coupling_that_varies_is_named() -> None:
     robot = dressed("kuka-kr5", rotors=True)
     made = exported(robot, "mjcf")
     (told,) = (remark for remark in made.remarks if "coupling" in remark)
-    assert told.startswith(
-        "MJCF cannot say the coupling of the rotor with the joints before it, which depends on q, of"
-    )
+    said = "MJCF cannot say the coupling of the rotor with the joints before it, which depends on q, of"
+    assert told.startswith(said)
     size = float(told.partition("by up to ")[2].partition(" ")[0])
     assert size / 10 < worst(robot, made.text)[0] < 10 * size
 
 
-def test_coulomb_friction_is_ours_while_joints_slip() -> None:
+def test_friction_limits_and_torques_are_those_of_the_robot_and_cylinders_weigh_what_has_no_masses() -> None:
     robot = dressed("kuka-kr5", coulomb=True)
     assert max(worst(robot, exported(robot, "mjcf").text)) < 1e-12
-
-
-def test_limits_and_torques_are_those_of_the_robot() -> None:
     robot = dressed("planar-3r")
     first = replace(robot.joints[0], limits=(number("-0.5"), number(2)), torque=number(7))
     made = exported(replace(robot, joints=(first, *robot.joints[1:])), "mjcf")
@@ -82,9 +75,6 @@ def test_limits_and_torques_are_those_of_the_robot() -> None:
     assert model.jnt_range[0].tolist() == [-0.5, 2]
     assert model.actuator_ctrllimited.tolist() == [1, 0, 0]
     assert model.actuator_ctrlrange[0].tolist() == [-7, 7]
-
-
-def test_an_arm_without_masses_moves_with_those_of_its_cylinders() -> None:
     made = exported(numeric("kuka-kr5"), "mjcf")
     assert mujoco.MjModel.from_xml_string(made.text).body_mass[1:].min() > 0
     assert any("cylinders" in remark for remark in made.remarks)
@@ -127,6 +117,7 @@ def test_points_rods_and_links_without_mass_accelerate_as_the_equations_say() ->
 
 NOTHING, STONE = ("0", "0 0 0", "0 0 0 0 0 0"), ("1.2", "-0.1 0.07 0.02", "0.005 0.006 0.01 0.001 0 0")
 
+STONES = (STONE,) * 3
 ROWS = (
     "{type: revolute, theta: q1 + 0.2, d: 0.3, a: 0.2, alpha: 0.7}",
     "{type: revolute, theta: -q2, d: 0.1, a: 0.15, alpha: pi/2}",
@@ -177,11 +168,9 @@ def test_joints_of_links_without_mass_move_the_next_body(convention: str, weighs
     [
         pytest.param((("0.4", "0 0 0", "0 0 0 0 0 0"), STONE), [2], id="point on the next axis"),
         pytest.param((STONE, ("0.4", "0 0 0", "0 0 0 0 0 0"), STONE), [1, 1, 1], id="which slides"),
-        pytest.param(
-            (STONE, STONE, STONE, ("0.4", "-0.25 0 0", "3 0 3 0 0 0"), STONE), [1, 1, 1, 2], id="rod on its own"
-        ),
-        pytest.param((STONE, STONE, STONE, ("0.4", "-0.24 0 0", "3 0 3 0 0 0"), STONE), [1] * 5, id="rod beside it"),
-        pytest.param((STONE, STONE, STONE, ("0.4", "-0.25 0 0", "3 1 3 0 0 0"), STONE), [1] * 5, id="a body"),
+        pytest.param((*STONES, ("0.4", "-0.25 0 0", "3 0 3 0 0 0"), STONE), [1, 1, 1, 2], id="rod on its own"),
+        pytest.param((*STONES, ("0.4", "-0.24 0 0", "3 0 3 0 0 0"), STONE), [1] * 5, id="rod beside it"),
+        pytest.param((*STONES, ("0.4", "-0.25 0 0", "3 1 3 0 0 0"), STONE), [1] * 5, id="a body"),
     ],
 )
 def test_mass_along_an_axis_is_with_the_link_beyond_where_mujoco_would_refuse_it(
@@ -191,9 +180,8 @@ def test_mass_along_an_axis_is_with_the_link_beyond_where_mujoco_would_refuse_it
     made = exported(robot, "mjcf")
     assert joints_of_bodies(made.text) == joints
     assert max(worst(robot, made.text)) < 1e-12
-    assert mujoco.MjModel.from_xml_string(made.text).body_mass.sum() == pytest.approx(
-        sum(float(Fraction(mass)) for mass, _, _ in links), rel=1e-14
-    )
+    mass = sum(float(Fraction(mass)) for mass, _, _ in links)
+    assert mujoco.MjModel.from_xml_string(made.text).body_mass.sum() == pytest.approx(mass, rel=1e-14)
 
 
 def test_a_light_finger_behind_links_without_mass_gets_no_mass_that_it_has_not() -> None:
@@ -227,14 +215,11 @@ def test_rotors_turn_with_the_joints_before_them_in_one_body_too() -> None:
     assert max(worst(robot, made.text)) < 1e-12
 
 
-def test_nothing_is_said_of_bodies_that_mujoco_takes() -> None:
+def test_bodies_that_mujoco_refuses_are_named_before_and_nothing_is_said_of_those_that_it_takes() -> None:
     pytest.importorskip("clarabel")
     made = exported(numeric("scara-matlab"), "mjcf", "possible")  # with its rotor's spin, link 2 would be no body
     assert mujoco.MjModel.from_xml_string(made.text).nv == 4
     assert not any("refuses" in remark for remark in made.remarks)
-
-
-def test_bodies_that_mujoco_refuses_are_named_before() -> None:
     made = exported(numeric("puma560-corke"), "mjcf")
     assert "MuJoCo refuses link 1, 3: no body has such an inertia; inertia possible finds others" in made.remarks
     with pytest.raises(ValueError, match=r"mass|inertia"):

@@ -20,31 +20,18 @@ HALF = "1.5707963267948966"
 
 @dataclass(frozen=True)
 class J:
-    """A joint of a serial chain with the link that it moves; texts stand in the file as they are.
+    """A joint of a serial chain with the link that it moves; texts stand in the file as they are."""
 
-    Attributes:
-        xyz: Of its origin.
-        rpy: Of its origin.
-        axis: Of motion.
-        type: Of joint.
-        limit: Attributes of its limits.
-        inertial: Attributes: mass, xyz, rpy and ixx ... iyz of the body it moves; empty for none.
-        more: Further elements of it.
-        name: Of the joint; empty for ``jK``.
-        link: Name of the link; empty for ``lK``.
-        parent: Name of the link that carries it; empty for the one before.
-    """
-
-    xyz: str = "0 0 0"
-    rpy: str = "0 0 0"
+    xyz: str = "0 0 0"  # of its origin
+    rpy: str = "0 0 0"  # of its origin
     axis: str = "0 0 1"
     type: str = "revolute"
-    limit: str = 'lower="-3" upper="3" effort="80" velocity="2"'
+    limit: str = 'lower="-3" upper="3" effort="80" velocity="2"'  # attributes of its limits
     inertial: tuple[str, str, str, str] | None = None
-    more: str = ""
-    name: str = ""
-    link: str = ""
-    parent: str = ""
+    more: str = ""  # further elements of it
+    name: str = ""  # of the joint; empty for ``jK``
+    link: str = ""  # name of the link; empty for ``lK``
+    parent: str = ""  # name of the link that carries it; empty for the one before
 
 
 def body(mass: str, xyz: str = "0 0 0", rpy: str = "0 0 0", moments: str = "1 1 1 0 0 0") -> tuple[str, str, str, str]:
@@ -53,14 +40,6 @@ def body(mass: str, xyz: str = "0 0 0", rpy: str = "0 0 0", moments: str = "1 1 
 
 
 def urdf(joints: Sequence[J], name: str = "arm", base: str = "l0", top: str = "") -> str:
-    """The text of a URDF.
-
-    Args:
-        joints: Each hangs on the one before unless it says otherwise.
-        name: Of the robot.
-        base: Name of the first link.
-        top: Further elements.
-    """
     lines, before = [f'<robot name="{name}">', f'  <link name="{base}"/>', f"  {top}"], base
     for k, joint in enumerate(joints, 1):
         link = joint.link or f"l{k}"
@@ -84,12 +63,7 @@ def _inertial(joint: J) -> str:
 
 
 class Reading:
-    """What Pinocchio makes of a URDF, all joints but some held at zero.
-
-    Attributes:
-        model: Of Pinocchio.
-        names: Of the joints that move, in the order of the chain.
-    """
+    """What Pinocchio makes of a URDF, all joints but some held at zero."""
 
     def __init__(self, text: str, names: Sequence[str]) -> None:
         self.model = pin.buildModelFromXML(text)
@@ -121,7 +95,6 @@ class Reading:
         return np.asarray((start.inverse() * end).homogeneous)
 
     def torque(self, q: Array, qd: Array, qdd: Array, gravity: float = 9.81) -> Array:
-        """Newton-Euler."""
         self.model.gravity.linear = np.array([0.0, 0.0, -gravity])
         found = pin.rnea(self.model, self.data, self._state(q), self._spread(qd), self._spread(qdd))
         return np.asarray(found)[self._columns]

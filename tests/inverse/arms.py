@@ -23,30 +23,15 @@ Rows = tuple[tuple[str, str, str, str, str], ...]
 
 @dataclass(frozen=True)
 class ArmCase:
-    """One arm with its task.
-
-    Attributes:
-        name: As in a robot file.
-        kind: The class that it belongs to.
-        rows: Its table, in the order joint, theta, d, a, alpha in both conventions.
-        modified: Whether a and alpha are those of the row before.
-        base: Rows of a 4x4 matrix of cells, or nothing.
-        tool: Likewise.
-        task: ``pose`` or ``position``.
-        given: Joints that are given, by index from 0.
-        values: Numbers of symbols that the table leaves open.
-        source: Whence.
-    """
-
-    name: str
-    kind: str
-    rows: Rows
-    modified: bool = False
-    base: tuple[tuple[str, ...], ...] = ()
+    name: str  # as in a robot file
+    kind: str  # the class that it belongs to
+    rows: Rows  # its table, in the order joint, theta, d, a, alpha in both conventions
+    modified: bool = False  # whether a and alpha are those of the row before
+    base: tuple[tuple[str, ...], ...] = ()  # rows of a 4x4 matrix of cells, or nothing
     tool: tuple[tuple[str, ...], ...] = ()
-    task: str = "pose"
-    given: tuple[int, ...] = ()
-    values: dict[str, float] = field(default_factory=dict, hash=False)
+    task: str = "pose"  # ``pose`` or ``position``
+    given: tuple[int, ...] = ()  # joints that are given, by index from 0
+    values: dict[str, float] = field(default_factory=dict, hash=False)  # numbers of symbols that the table leaves open
     source: str = ""
 
     @property
@@ -84,7 +69,6 @@ class ArmCase:
 
     @property
     def arm(self) -> NumericArm:
-        """Its numbers, for the oracle."""
         robot = self.robot(choice=False)
         missing = set(free_symbols(robot)) - set(self.values)
         assert not missing, f"{self.name}: no numbers for {missing}"
@@ -293,8 +277,6 @@ ODD_TURNS = ("30", "-45", "60", "20", "-70", "105", "12.5")
 
 
 class _Draw:
-    """Draws the cells of one arm."""
-
     def __init__(self, seed: str) -> None:
         self.rng = random.Random(seed)
         self.odd = self.rng.random() < 0.4
@@ -302,7 +284,6 @@ class _Draw:
         self.values: dict[str, float] = {}
 
     def length(self, zero: float = 0.3) -> str:
-        """A length; zero with some probability."""
         if self.rng.random() < zero:
             return "0"
         value = round(self.rng.uniform(0.08, 0.7) * self.rng.choice([1, 1, 1, -1]), self.rng.choice([1, 2, 3]))
@@ -324,7 +305,6 @@ class _Draw:
         return self.rng.choice(["0", "0", "0", "90", "-90", "180", "35"])
 
     def frame(self) -> tuple[tuple[str, ...], ...]:
-        """A constant transform, or none."""
         if self.rng.random() < 0.5:
             return ()
         cells = [self.length() for _ in range(3)]

@@ -96,11 +96,8 @@ def _one_class(kind, cases, options):
             if verdict.missing:
                 k, what = verdict.missing[0]
                 pose = np.array2string(poses.q[k], precision=6, separator=", ", max_line_width=10000)
-                failures.append(
-                    _failure(
-                        case, options, f"{what} at q = {pose}; {len(verdict.missing)} of {verdict.poses} such poses"
-                    )
-                )
+                what = f"{what} at q = {pose}; {len(verdict.missing)} of {verdict.poses} such poses"
+                failures.append(_failure(case, options, what))
     _print_class(kind, len(cases), solved, totals, worst_derivation)
     if options.verbose:
         print("\n".join([*reasons, *(f"    {line}" for _, line in failures)]))

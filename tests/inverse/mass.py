@@ -31,30 +31,16 @@ BATCH = 20_000
 
 @dataclass
 class Tally:
-    """What was found at regular poses.
-
-    Attributes:
-        poses: How many.
-        solutions: True solutions that were asked for.
-        lost: Those of them that are not among the branches.
-        spurious: Branches that miss their pose by more than the bar.
-        repeated: Poses at which one solution is there twice.
-        wrong: Poses with more solutions than the graph says, or an odd number of them lost.
-        residual: Worst error of a branch's pose, lengths relative to the reach or one metre.
-        examples: Joint variables and what is wrong at their pose.
-    """
-
     poses: int = 0
-    solutions: int = 0
-    lost: int = 0
-    spurious: int = 0
-    repeated: int = 0
-    wrong: int = 0
-    residual: float = 0.0
-    examples: list[str] = field(default_factory=list)
+    solutions: int = 0  # true solutions that were asked for
+    lost: int = 0  # those of them that are not among the branches
+    spurious: int = 0  # branches that miss their pose by more than the bar
+    repeated: int = 0  # poses at which one solution is there twice
+    wrong: int = 0  # poses with more solutions than the graph says, or an odd number of them lost
+    residual: float = 0.0  # worst error of a branch's pose, lengths relative to the reach or one metre
+    examples: list[str] = field(default_factory=list)  # joint variables and what is wrong at their pose
 
     def __iadd__(self, other: Tally) -> Tally:
-        """Add another tally to this one."""
         for name in ("poses", "solutions", "lost", "spurious", "repeated", "wrong"):
             setattr(self, name, getattr(self, name) + getattr(other, name))
         self.residual = max(self.residual, other.residual)
@@ -67,7 +53,6 @@ class Tally:
         return not (self.lost or self.spurious or self.repeated or self.wrong)
 
     def __str__(self) -> str:
-        """One line of figures."""
         share = f"{1 - self.lost / max(self.solutions, 1):.5%}"
         return (
             f"{self.poses} poses, {self.solutions - self.lost}/{self.solutions} solutions ({share}), "
@@ -77,16 +62,7 @@ class Tally:
 
 
 def tally(case: ArmCase, q: np.ndarray, branches: np.ndarray, count: int = 0, bar: float = 1e-10, true=None) -> Tally:
-    """Judge the branches of poses that were made of known joint variables.
-
-    Args:
-        case: The arm.
-        q: (m, n) joint variables; those of singular configurations are not asked for.
-        branches: (m, b, n), NaN where there is none.
-        count: The number of complex solutions, 0 where it is not known.
-        bar: The largest error of a branch's pose.
-        true: For each pose (k, n) its true solutions; by default the joint variables that it was made of.
-    """
+    """Judge the branches of poses that were made of known joint variables."""
     trial = Trial(case)
     chain = trial.chain
     exists = np.isfinite(branches).all(axis=-1)
@@ -141,16 +117,7 @@ def _wrong_counts(chain, branches, exists, number, count):
 
 
 def tried(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-10, second=None) -> Tally:
-    """Random poses of an arm through a solver.
-
-    Args:
-        case: The arm.
-        solver: Poses and given joints in, branches and status out.
-        poses: How many.
-        seed: Of the poses.
-        bar: The largest error of a branch's pose.
-        second: Another solver that must find as many solutions; None for none.
-    """
+    """Random poses of an arm through a solver."""
     trial, total = Trial(case, seed=seed), Tally()
     for begin in range(0, poses, BATCH):
         q = trial.configurations(min(BATCH, poses - begin))
@@ -208,18 +175,7 @@ def run_general(options) -> Tally:
 
 
 def with_truth(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-8) -> tuple[Tally, int]:
-    """Random poses of an arm with all their solutions, carried there from one complex pose.
-
-    Args:
-        case: The arm.
-        solver: Poses and given joints in, branches and status out.
-        poses: How many.
-        seed: Of the poses.
-        bar: The largest error of a branch's pose.
-
-    Returns:
-        The tally, and at how many poses not every path arrived.
-    """
+    """Random poses of an arm with all their solutions, carried there from one complex pose."""
     trial, total, unsure = Trial(case, seed=seed), Tally(), 0
     count = getattr(solver, "count", 0)
     for quiet in (3, 10, 30):

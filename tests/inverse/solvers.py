@@ -28,7 +28,6 @@ class Refused(Exception):
 
 
 def numeric_solver(case: ArmCase):
-    """Damped Newton from many starts."""
     chain = NumericChain.of(case.robot(choice=False), case.values)
 
     def run(poses, given):
@@ -63,20 +62,19 @@ def solver_of(case: ArmCase):
 
 
 def generated_solver(case: ArmCase, target: str = "numpy"):
-    """The function of the generated module, as a user gets it by ``derive build``; ``count`` as above.
-
-    Args:
-        case: The arm.
-        target: ``numpy`` or ``native``.
-    """
+    """The function of the generated module, as a user gets it by ``derive build``; ``count`` as above."""
     robot = case.robot()
     with tempfile.TemporaryDirectory() as folder:
-        targets = ["numpy", target] if target != "numpy" else [target]
-        built = derive.build(robot, folder, targets=targets, only=True, effort="quick")
-        spec = importlib.util.spec_from_file_location(f"generated_{target}", built.folder / f"model_{target}.py")
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-    return _of_module(module, robot, case)
+        return _of_module(built_module(robot, folder, target, "numpy"), robot, case)
+
+
+def built_module(robot, folder, target: str, beside: str):
+    """A module of a build that has both targets."""
+    built = derive.build(robot, folder, targets=list(dict.fromkeys([beside, target])), only=True, effort="quick")
+    spec = importlib.util.spec_from_file_location(f"model_{target}", built.folder / f"model_{target}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def unbuilt_solver(case: ArmCase):

@@ -25,13 +25,17 @@ def some_swept(values, count):
     return [pytest.param(*(v if isinstance(v, tuple) else (v,)), marks=m) for v, m in zip(values, marks, strict=True)]
 
 
+def assert_clean(trial, poses, solver, residual=1e-10):
+    with np.errstate(all="ignore"):
+        verdict = trial.judge(poses, solver)
+    assert verdict.is_clean, (trial.case.name, poses.kind, verdict.missing[:3])
+    assert verdict.residual < residual
+
+
 def check(case, solver, count=2):
     trial = Trial(case, count)
     for poses in (trial.regular(), trial.special(count + 1), trial.boundary(count), trial.unreachable(1)):
-        with np.errstate(all="ignore"):
-            verdict = trial.judge(poses, solver)
-        assert verdict.is_clean, (case.name, poses.kind, verdict.missing)
-        assert verdict.residual < 1.1e-10
+        assert_clean(trial, poses, solver, 1.1e-10)
 
 
 @pytest.mark.parametrize("name", USUAL)
@@ -78,10 +82,7 @@ def test_generated_code_has_solutions_of_poses_that_were_lost_once(kind, number,
     poses = dataclasses.replace(trial.special(1), q=np.array([q]))
     poses.poses[0] = forward_kinematics(case.arm, np.array(q))
     poses.true[0] = np.empty((0, case.arm.n))
-    with np.errstate(all="ignore"):
-        verdict = trial.judge(poses, generated_solver(case))
-    assert verdict.is_clean, verdict.missing
-    assert verdict.residual < 1e-10
+    assert_clean(trial, poses, generated_solver(case))
 
 
 LOST_BESIDE_OTHERS = [
@@ -104,10 +105,7 @@ def test_solutions_that_stand_alone_at_a_singular_pose_are_found(kind, number, q
     alone = found[smallest_singular_value(trial.chain, found) > 1e-4]
     assert len(alone) > 1
     poses = Poses(q[None], forward_kinematics(case.arm, q[None]), np.empty((1, 0)), [alone], "singular")
-    with np.errstate(all="ignore"):
-        verdict = trial.judge(poses, make(case))
-    assert verdict.is_clean, verdict.missing
-    assert verdict.residual < 1e-10
+    assert_clean(trial, poses, make(case))
 
 
 @pytest.mark.sweep
@@ -119,10 +117,7 @@ def test_generated_code_loses_nothing_at_poses_of_eighth_turns(name):
     regular = smallest_singular_value(trial.chain, q) > 1e-4
     own = [row[None] if one else row[None][:0] for row, one in zip(q, regular, strict=True)]
     poses = Poses(q, forward_kinematics(case.arm, q), np.empty((len(q), 0)), own, "singular")
-    with np.errstate(all="ignore"):
-        verdict = trial.judge(poses, solver)
-    assert verdict.is_clean, verdict.missing[:3]
-    assert verdict.residual < 1e-10
+    assert_clean(trial, poses, solver)
 
 
 def test_the_numeric_solver_finds_every_solution_too():

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import itertools
 import random
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import derive
 from derive import Model
 from derive.errors import QuantityError
 from derive.handouts.notation.derivation import headline
@@ -19,6 +16,7 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.solve import solve
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
+from tests.inverse.solvers import built_module
 from tests.inverse.truth import POSE, Chain, by_many_starts, smallest_singular_value
 
 ROBOTS = Path(__file__).parent / "robots"
@@ -30,18 +28,9 @@ def python_solver(robot):
     return lambda poses, given: solver.solve(poses, given).q
 
 
-def built_module(robot, folder, target):
-    """A generated module."""
-    built = derive.build(robot, folder, targets=[target, "c"], only=True, effort="quick")
-    spec = importlib.util.spec_from_file_location(f"model_{target}", built.folder / f"model_{target}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def built_solver(robot, folder, target):
     """The same as `python_solver` by a generated module."""
-    module = built_module(robot, folder, target)
+    module = built_module(robot, folder, target, "c")
     return lambda poses, given: module.inverse_kinematics(poses, given=given if given.shape[1] else None)
 
 
@@ -82,11 +71,7 @@ def test_a_slide_whose_equations_are_singular_at_infinity_is_solved():
 def test_no_solution_is_lost_beside_singular_poses(name, tmp_path):
     robot = Robot.load(ROBOTS / f"{name}.yaml")
     q = beside_eighth_turns(robot, 300, 5)
-    for solver in (
-        python_solver(robot),
-        built_solver(robot, tmp_path, "native"),
-        built_solver(robot, tmp_path, "numpy"),
-    ):
+    for solver in (python_solver(robot), *(built_solver(robot, tmp_path, target) for target in ("native", "numpy"))):
         empty, lost, worst = judged(robot, solver, q)
         assert (empty, lost) == (0, 0)
         assert worst < 1e-9
@@ -95,7 +80,7 @@ def test_no_solution_is_lost_beside_singular_poses(name, tmp_path):
 @pytest.mark.parametrize("target", ["numpy", "native"])
 def test_a_rounded_pose_is_refused_with_the_tolerance_that_takes_its_nearest_rotation(target, tmp_path):
     robot, q = Robot.load(ROBOTS / "parallel-123.yaml"), np.array([0.3, 0.5, -0.4, 0.2, 0.7, 0.1])
-    module = built_module(robot, tmp_path, target)
+    module = built_module(robot, tmp_path, target, "c")
     poses = np.round(forward_kinematics(numeric_arm(robot, {}), q[None]), 4)
     with pytest.raises(ValueError, match=r"from orthonormal .*; with tolerance=0\.0001 the nearest rotation is taken"):
         module.inverse_kinematics(poses)
@@ -169,17 +154,15 @@ def test_arms_with_few_joints_list_every_solution_at_right_angles(seed):
     """The first round a few patterns alone; many starts are the truth."""
     for pattern in PATTERNS if seed else PATTERNS[::7]:
         robot = Robot.from_text(text_of(pattern, seed), "arm")
-        graph = None
-        with suppress(QuantityError):  # joints that do not move the end effector
+        try:
             graph = solve(robot)
-        if graph is None:
+        except QuantityError:  # joints that do not move the end effector
             continue
         if graph.given or not graph.is_closed:
             continue
         chain, draw = Chain(numeric_arm(robot, {})), np.random.default_rng(seed)
-        q = np.where(
-            chain.arm.revolute, draw.integers(-1, 3, (3, robot.n)) * np.pi / 2, draw.integers(-1, 2, (3, robot.n)) * 0.3
-        )
+        turns, shifts = draw.integers(-1, 3, (3, robot.n)), draw.integers(-1, 2, (3, robot.n))
+        q = np.where(chain.arm.revolute, turns * np.pi / 2, shifts * 0.3)
         with np.errstate(all="ignore"):
             found = InverseSolver.of(robot, graph).solve(forward_kinematics(chain.arm, q)).q
         for own, one in zip(found, q, strict=True):

@@ -35,55 +35,32 @@ Solver = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 @dataclass(eq=False)
 class Poses:
-    """Poses of one arm with their true solutions.
+    """Poses of one arm with their true solutions."""
 
-    Attributes:
-        q: (m, n) the configurations that they were made from; NaN for unreachable ones.
-        poses: (m, 4, 4).
-        given: (m, k) values of the given joints.
-        true: For each pose its regular true solutions (k, n).
-        kind: ``regular``, ``singular``, ``boundary`` or ``unreachable``.
-    """
-
-    q: np.ndarray
-    poses: np.ndarray
-    given: np.ndarray
-    true: list[np.ndarray]
-    kind: str
+    q: np.ndarray  # (m, n) the configurations that they were made from; NaN for unreachable ones
+    poses: np.ndarray  # (m, 4, 4)
+    given: np.ndarray  # (m, k) values of the given joints
+    true: list[np.ndarray]  # for each pose its regular true solutions (k, n)
+    kind: str  # ``regular``, ``singular``, ``boundary`` or ``unreachable``
 
 
 @dataclass
 class Verdict:
-    """What was found at the poses of one kind.
+    """What was found at the poses of one kind."""
 
-    Attributes:
-        poses: How many poses.
-        complete: At how many of them every true solution was found.
-        true: True solutions.
-        found: Those that were found.
-        spurious: Branches that do not reproduce their pose.
-        duplicates: Branches that repeat another one.
-        empty: Reachable poses without any branch.
-        claims: Unreachable poses with a branch.
-        residual: Worst error of a branch's pose, lengths relative to the reach.
-        missing: (pose number, what is missing).
-        seconds: Time of the solver.
-    """
-
-    poses: int = 0
-    complete: int = 0
+    poses: int = 0  # how many poses
+    complete: int = 0  # at how many of them every true solution was found
     true: int = 0
-    found: int = 0
-    spurious: int = 0
-    duplicates: int = 0
-    empty: int = 0
-    claims: int = 0
-    residual: float = 0.0
-    missing: list[tuple[int, str]] = field(default_factory=list)
-    seconds: float = 0.0
+    found: int = 0  # those that were found
+    spurious: int = 0  # branches that do not reproduce their pose
+    duplicates: int = 0  # branches that repeat another one
+    empty: int = 0  # reachable poses without any branch
+    claims: int = 0  # unreachable poses with a branch
+    residual: float = 0.0  # worst error of a branch's pose, lengths relative to the reach
+    missing: list[tuple[int, str]] = field(default_factory=list)  # (pose number, what is missing)
+    seconds: float = 0.0  # time of the solver
 
     def __add__(self, other: Verdict) -> Verdict:
-        """Both together."""
         total = Verdict()
         for name in ("poses", "complete", "true", "found", "spurious", "duplicates", "empty", "claims", "seconds"):
             setattr(total, name, getattr(self, name) + getattr(other, name))
@@ -99,15 +76,6 @@ class Verdict:
 
 @dataclass(eq=False)
 class Trial:
-    """An arm with its poses.
-
-    Args:
-        case: The arm.
-        count: How many regular poses.
-        seed: Of the poses.
-        cache: Folder in which true solutions are kept, or None.
-    """
-
     case: ArmCase
     count: int = 20
     seed: int = 0
@@ -126,10 +94,8 @@ class Trial:
     def regular(self):
         """Random reachable poses with all their solutions."""
         q = self.configurations(self.count)
-        key = hashlib.sha256(f"3 {self.case.text} {self.case.values} {self.seed} {self.count}".encode()).hexdigest()[
-            :20
-        ]
-        kept = self.cache / f"{key}.npz" if self.cache else None
+        key = hashlib.sha256(f"3 {self.case.text} {self.case.values} {self.seed} {self.count}".encode()).hexdigest()
+        kept = self.cache / f"{key[:20]}.npz" if self.cache else None
         if kept and kept.exists():
             data = np.load(kept)
             solutions = np.split(data["solutions"], data["ends"][:-1])
@@ -219,12 +185,7 @@ class Trial:
     # -- what a solver makes of them
 
     def judge(self, poses: Poses, solver: Solver) -> Verdict:
-        """Compare a solver's branches with the truth.
-
-        Args:
-            poses: The poses.
-            solver: The solver.
-        """
+        """Compare a solver's branches with the truth."""
         verdict = Verdict(poses=len(poses.poses))
         if not len(poses.poses):
             return verdict

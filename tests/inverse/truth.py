@@ -26,21 +26,13 @@ APART = 1e-6
 
 @dataclass(eq=False)
 class Chain:
-    """The table's numbers, real or complex configurations, and pose and derivatives by column operations.
-
-    Attributes:
-        arm: The numbers.
-        entries: Entries of T that are wanted.
-        given: Joints that are not solved for.
-        free: The others.
-        unit: Unit of length.
-    """
+    """The table's numbers, real or complex configurations, and pose and derivatives by column operations."""
 
     arm: NumericArm
-    entries: tuple[tuple[int, int], ...] = POSE
-    given: tuple[int, ...] = ()
+    entries: tuple[tuple[int, int], ...] = POSE  # entries of T that are wanted
+    given: tuple[int, ...] = ()  # joints that are not solved for
     free: tuple[int, ...] = field(init=False)
-    unit: float = field(init=False)
+    unit: float = field(init=False)  # unit of length
 
     def __post_init__(self):
         arm = self.arm
@@ -115,13 +107,7 @@ class Chain:
 
 @dataclass(eq=False)
 class AllSolutions:
-    """Every complex solution at one complex configuration's pose, and how to carry them elsewhere.
-
-    Args:
-        chain: The arm with its task.
-        seed: Of everything random.
-        quiet_loops: How many loops must find nothing new.
-    """
+    """Every complex solution at one complex configuration's pose, and how to carry them elsewhere."""
 
     chain: Chain
     seed: int = 0
@@ -143,11 +129,7 @@ class AllSolutions:
         return len(self.solutions)
 
     def real(self, q, tries=3):
-        """All real solutions for the pose of each real configuration, (poses, n).
-
-        Returns:
-            For each pose an array (k, n), and whether all complex solutions arrived at different ends.
-        """
+        """All real solutions for the pose of each real configuration, (poses, n)."""
         results = [np.empty((0, self.chain.arm.n))] * len(q)
         sure = np.zeros(len(q), dtype=bool)
         open_ = np.arange(len(q))
@@ -209,19 +191,7 @@ class AllSolutions:
 
 
 def follow(chain, q, start, end, bend, step=0.05):
-    """Solutions followed along poses of the path start -> end, bent by ``bend`` in the middle.
-
-    Args:
-        chain: The arm.
-        q: (paths, n) solutions at the pose of ``start``.
-        start: (n,) or (paths, n) where the path begins.
-        end: (n,) or (paths, n) where it ends.
-        bend: (n,) or (paths, n) what is added in the middle.
-        step: First step of the parameter, 0 to 1.
-
-    Returns:
-        (paths, n), and whether each arrived.
-    """
+    """Solutions followed along poses of the path start -> end, bent by ``bend`` in the middle."""
     q = q.astype(complex)
     start, end, bend = (np.broadcast_to(x, q.shape) for x in (start, end, bend))
     given = list(chain.given)
@@ -271,11 +241,7 @@ def follow(chain, q, start, end, bend, step=0.05):
 
 
 def descend(chain, q, target, steps=80):
-    """Damped Newton from each start, real or complex; starts that rest are left alone.
-
-    Returns:
-        (starts, n) where they ended, and the error there.
-    """
+    """Damped Newton from each start, real or complex; starts that rest are left alone."""
     columns, q = list(chain.free), q.copy()
     value, slope = chain.values_and_slopes(q)
     cost, damping = np.linalg.norm(value - target, axis=-1), np.full(len(q), 1e-2)

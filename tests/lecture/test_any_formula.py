@@ -42,7 +42,7 @@ def formulas() -> st.SearchStrategy[str]:
     return st.recursive(st.sampled_from(ATOMS), bigger, max_leaves=8)
 
 
-@settings(max_examples=250, deadline=20_000, derandomize=True)
+@settings(max_examples=120, deadline=20_000, derandomize=True)
 @given(formula=formulas())
 def test_any_formula_is_compared_or_refused(formula: str) -> None:
     found = outcome(lambda: verdict(SCARA, "T[1,4]", formula))
@@ -59,7 +59,7 @@ def test_any_formula_equals_itself(formula: str) -> None:
     assert isinstance(found, CheckError) or found.equal
 
 
-@settings(max_examples=300, deadline=10_000, derandomize=True)
+@settings(max_examples=150, deadline=10_000, derandomize=True)
 @given(text=st.text(max_size=60))
 def test_any_text_is_read_or_refused_with_its_place(text: str) -> None:
     found = outcome(lambda: read_formula(text, SCARA.robot))

@@ -63,33 +63,27 @@ def test_every_rule_keeps_the_value(seed: int, signs: tuple[int, ...]) -> None:
     assert cheapest(plans).operations == min(plan.operations for plan in plans)
 
 
-def test_grouping_by_a_common_factor_saves_its_multiplications() -> None:
+def test_a_common_factor_saves_its_multiplications_and_a_sum_of_negatives_has_its_sign_outside() -> None:
     """x*y + x*z takes three operations, x*(y + z) two."""
     one = Fraction(1)
     terms = {((0, 1), (1, 1)): one, ((0, 1), (2, 1)): one}
     assert (flat(terms).operations, factored(terms, flat).operations) == (3, 2)
+    terms = {((0, 1), (1, 1)): Fraction(-1), ((0, 1), (2, 1)): Fraction(-2)}
+    found = factored(terms, flat)
+    assert isinstance(found, Times)
+    assert found.coefficient == -1
 
 
-def test_a_square_of_a_sum_is_found() -> None:
+def test_squares_of_sums_are_found_and_sums_that_are_no_products_left() -> None:
     square = {((0, 2),): Fraction(1), ((0, 1), (1, 1)): Fraction(2), ((1, 2),): Fraction(1)}
     found = product_form(square)
     assert isinstance(found, Times)
     assert [exponent for _, exponent in found.inner] == [2]
     assert value(found) == value(flat(square))
-
-
-def test_a_sum_that_is_no_product_is_left() -> None:
     assert product_form({((0, 2),): Fraction(1), ((1, 2),): Fraction(1)}) is None
     single = {((0, 1), (1, 1)): Fraction(1), ((0, 1), (2, 1)): Fraction(1)}
     assert product_form(single) is None
     assert product_form(single, monomials=True) is not None
-
-
-def test_a_sum_of_negatives_has_its_sign_outside() -> None:
-    terms = {((0, 1), (1, 1)): Fraction(-1), ((0, 1), (2, 1)): Fraction(-2)}
-    found = factored(terms, flat)
-    assert isinstance(found, Times)
-    assert found.coefficient == -1
 
 
 def _sum(*numbers: str) -> Plan:
@@ -131,18 +125,11 @@ def test_products_of_decimals_have_numbers_of_usual_size(
 @pytest.mark.parametrize("seed", range(20))
 def test_plain_numbers_keep_the_value(seed: int) -> None:
     rng = random.Random(seed)
-    sums = tuple(
-        (
-            _sum(
-                *(
-                    str(rng.choice([-1, 1]) * Fraction(rng.randint(1, 10 ** rng.randint(1, 5)), rng.choice([1, 100])))
-                    for _ in range(3)
-                )
-            ),
-            rng.randint(1, 2),
-        )
-        for _ in range(rng.randint(1, 2))
-    )
+
+    def drawn() -> str:
+        return str(rng.choice([-1, 1]) * Fraction(rng.randint(1, 10 ** rng.randint(1, 5)), rng.choice([1, 100])))
+
+    sums = tuple((_sum(drawn(), drawn(), drawn()), rng.randint(1, 2)) for _ in range(rng.randint(1, 2)))
     plan = Times(Fraction(rng.randint(1, 999), 10**6), ((3, 1),), sums)
     plain = with_plain_numbers(plan)
     assert value(plain) == value(plan)

@@ -47,11 +47,14 @@ def value(text: str) -> Number:
     return Number(Fraction(text))
 
 
-def test_what_has_no_number_stays() -> None:
+def test_what_has_no_number_stays_and_all_digits_keep_roots() -> None:
     a, b, q = sympy.symbols("a b q")
     found = at_point(a * sympy.cos(q) + b**2 * sympy.sin(q), {"q": value("0"), "b": value("2")})
     assert found == a
     assert at_point(sympy.Matrix([a * b]), {"a": value("3"), "b": value("0.5")}) == sympy.Matrix([sympy.Rational(3, 2)])
+    q, a = sympy.symbols("q a")
+    quarter = typed_point(Robot.load("planar-2r-perugia"), ["q1=pi/4"])["q1"]
+    assert at_point(a * sympy.cos(q), {"q": quarter}, exact=True) == sympy.sqrt(2) * a / 2
 
 
 def test_numbers_beside_symbols_are_rounded_as_they_are_printed_and_whole_results_are_not() -> None:
@@ -85,21 +88,14 @@ def test_an_angle_without_direction_is_refused() -> None:
             at_point(sympy.sqrt(x), {"x": value("-2")}, exact=exact)
 
 
-def test_all_digits_keep_roots() -> None:
-    q, a = sympy.symbols("q a")
-    quarter = typed_point(Robot.load("planar-2r-perugia"), ["q1=pi/4"])["q1"]
-    assert at_point(a * sympy.cos(q), {"q": quarter}, exact=True) == sympy.sqrt(2) * a / 2
-
-
 def test_a_model_gives_the_same_numbers() -> None:
     robot = Robot.load("planar-2r-perugia")
     typed = typed_point(robot, ["0.3, pi/4", "a1=0.5,a2=0.4"], "1, -2")
     model = Model(robot)
     found = model.at("J_dot", [0.3, "pi/4"], qd=[1, -2], values={"a1": 0.5, "a2": "2/5"})
     assert found == at_point(model.J_dot, typed)
-    assert (
-        model.at("det(J)", values={"q2": "pi/4"}, exact=True) == sympy.sqrt(2) * sympy.prod(sympy.symbols("a1 a2")) / 2
-    )
+    half = sympy.sqrt(2) * sympy.prod(sympy.symbols("a1 a2")) / 2
+    assert model.at("det(J)", values={"q2": "pi/4"}, exact=True) == half
     with pytest.raises(DeriveError):
         model.at("T", [0.3])
 

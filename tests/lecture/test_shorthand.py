@@ -46,18 +46,12 @@ def test_a_formula_of_the_scara_means(text: str, meaning: str) -> None:
     assert to_text(read_formula(text, SCARA)) == meaning
 
 
-def test_labels_are_the_digits_of_the_variables_and_not_positions() -> None:
+def test_labels_are_the_digits_of_the_variables_as_a_whole_or_side_by_side() -> None:
     assert read_formula("c4", WRIST) == Call("cos", (Name("q4"),))
     with pytest.raises(CheckError, match="c1: its digits are no labels"):
         read_formula("c1", WRIST)
-
-
-def test_a_label_as_a_whole_wins_over_a_split() -> None:
     arm = revolute("q1", "q2", "q12")
     assert to_text(read_formula("c12", arm)) == "cos(q12)"
-
-
-def test_two_digit_labels_stand_side_by_side() -> None:
     thumb = Robot.load("thumb")
     assert to_text(read_formula("c5051", thumb)) == "cos(q50 + q51)"
 
@@ -66,9 +60,6 @@ def test_two_ways_to_read_a_token_are_both_named() -> None:
     arm = revolute("q1", "q2", "q3", "q12", "q23")
     with pytest.raises(CheckError, match=r"c123 can be read in two ways, cos\(.*\) or cos\(.*\)"):
         read_formula("c123", arm)
-
-
-def test_two_joints_with_the_same_label_are_two_readings() -> None:
     arm = revolute("a1", "b1")
     with pytest.raises(CheckError, match=r"cos\(a1\) or cos\(b1\)"):
         read_formula("c1", arm)
@@ -83,9 +74,11 @@ def test_a_name_of_the_robot_wins_over_a_token() -> None:
     assert to_text(read_formula("c12", arm)) == "cos(q1 + q2)"
 
 
-def test_a_prismatic_joint_has_no_cosine() -> None:
+def test_prismatic_joints_have_no_cosine_and_repeated_labels_are_no_angle_sum() -> None:
     with pytest.raises(CheckError, match="c3: joint 3 is prismatic; its variable is q3"):
         read_formula("c3", SCARA)
+    with pytest.raises(CheckError):
+        read_formula("c11", SCARA)
 
 
 def test_rates_of_any_joint_are_known_by_label_and_by_name() -> None:
@@ -96,19 +89,11 @@ def test_rates_of_any_joint_are_known_by_label_and_by_name() -> None:
         assert read_formula(text, arm) == Name("thetadd2")
 
 
-def test_a_repeated_label_is_no_angle_sum() -> None:
-    with pytest.raises(CheckError):
-        read_formula("c11", SCARA)
-
-
-def test_abbreviations_stand_for_their_formulas() -> None:
+def test_abbreviations_stand_for_their_formulas_and_cannot_make_one_explode() -> None:
     h = read_formula("-ml2*a1*l2*s2", SCARA)
     assert to_text(read_formula("h*qd2", SCARA, abbreviations={"h": h})) == "-ml2*a1*l2*sin(q2)*qd2"
     with pytest.raises(CheckError, match="abbreviation 'a1' is also a name of the robot"):
         read_formula("a1", SCARA, abbreviations={"a1": h})
-
-
-def test_abbreviations_cannot_make_a_formula_explode() -> None:
     short: dict[str, Expression] = {"h": read_formula("a1 + a2 + l1 + l2 + c1 + c2", SCARA)}
     for name in ("u", "v"):
         short[name] = read_formula("h**12", SCARA, abbreviations=short)

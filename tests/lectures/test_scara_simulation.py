@@ -35,7 +35,6 @@ def diagonal(motion: Motion) -> Oracle:
     """The robot with rotors as the Robotics Toolbox has them: G^2 Jm on the diagonal of B, and nothing else."""
     links = []
     for link in motion.plan.robot.links:
-        assert link.motor is not None
         reflected = Product((Power(link.motor.ratio, 2), link.motor.inertia))
         links.append(replace(link, motor=None, armature=reflected))
     return Oracle.of(replace(motion.plan.robot, links=tuple(links)))
@@ -153,8 +152,7 @@ def test_errata_without_its_time_jtraj_gives_three_and_nine_times_too_much(motio
 
 
 def test_errata_no_body_has_the_inertia_of_link_2(motion: Motion) -> None:
-    moments = [
-        [evaluate(getattr(link.inertia, entry), {}) for entry in ("xx", "yy", "zz")] for link in motion.plan.robot.links
-    ]
+    inertias = [link.inertia for link in motion.plan.robot.links]
+    moments = [[evaluate(cell, {}) for cell in (body.xx, body.yy, body.zz)] for body in inertias]
     assert [2 * max(three) <= sum(three) for three in moments] == [True, False, True, True]
     assert moments[1] == [0.1, 0.02, 0.2]

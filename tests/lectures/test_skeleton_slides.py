@@ -15,7 +15,7 @@ from derive.motion.incremental import Walker
 from derive.motion.motion import Motion
 from derive.motion.output.page import motion_page
 from derive.robot.robot import Robot
-from tests.motion.skeleton import ROOT
+from tests.motion.plans import ROOT
 
 l0, l1, Tx, Ty = symbols("l0 l1 Tx Ty")
 beta, alpha = symbols("q1 q2")
@@ -82,13 +82,10 @@ def test_slides_6_to_10_the_end_point_grows_factor_by_factor(model: Model, modif
     assert equal(modified.T, model.T)
 
 
-def test_slide_9_prints_two_forms_of_one_place(model: Model) -> None:
+def test_slides_9_and_11_print_two_forms_of_one_place_and_the_arm_stretched_out(model: Model) -> None:
     inner = l1 * cos(alpha) + l0
     long = (inner * cos(beta) - l1 * sin(alpha) * sin(beta), -inner * sin(beta) - l1 * sin(alpha) * cos(beta))
     assert equal((model.A(1) * model.A(2)) * ORIGIN, Matrix([*long, 0, 1]))
-
-
-def test_slide_11_both_angles_zero(model: Model) -> None:
     assert model.p.subs({alpha: 0, beta: 0}) == Matrix([l1 + l0 + Tx, Ty, 0])
 
 
@@ -134,9 +131,8 @@ def test_slide_27_columns_of_the_jacobian_weigh_the_joints(model: Model) -> None
     about_p0, about_p1 = (model.J[:3, k] for k in range(2))
     assert vanishes(about_p0.dot(about_p0) - (l1**2 + l0**2 + 2 * l1 * l0 * cos(alpha)))
     assert vanishes(about_p1.dot(about_p1) - l1**2)
-    hand = HandCurve(
-        Motion.from_text("robot: skeleton\ncurves: {q1: t}\ntime: 1\nvalues: {l0: 2, l1: 1, Tx: 0, Ty: 0}")
-    )
+    text = "robot: skeleton\ncurves: {q1: t}\ntime: 1\nvalues: {l0: 2, l1: 1, Tx: 0, Ty: 0}"
+    hand = HandCurve(Motion.from_text(text))
     assert hand.weights[1] == l1
     assert vanishes(hand.weights[0] ** 2 - (l0**2 + 2 * l0 * l1 * cos(alpha) + l1**2))
 

@@ -25,21 +25,15 @@ SEEDS = range(21)
 
 @dataclass(frozen=True)
 class Arm:
-    """A random robot whose symbols all have numbers, at a state.
-
-    Attributes:
-        robot: The robot.
-        q: Joint variables; likewise velocities and accelerations.
-    """
+    """A random robot whose symbols all have numbers, at a state."""
 
     robot: Robot
-    q: Array
+    q: Array  # joint variables; likewise velocities and accelerations
     qd: Array
     qdd: Array
 
     @property
     def chain(self) -> Chain[float]:
-        """Its chain of joint frames."""
         return self.chain_of(self.robot)
 
     def chain_of(self, robot: Robot) -> Chain[float]:
@@ -47,7 +41,6 @@ class Arm:
         return build_chain(robot, FloatDomain(robot, self.q.tolist()))
 
     def expected(self, function: str, *arguments: Array) -> Array:
-        """What the independent recursion says."""
         base = base_set(self.robot).parameters if "regressor" in function else None
         return Oracle.of(self.robot, base=base).evaluate(function, *(arguments or (self.q,)))
 
@@ -64,7 +57,6 @@ def arm_of(seed: int) -> Arm:
 
 
 def assert_close(found: Any, wanted: Any, tolerance: float = 1e-12) -> None:
-    """Equal against the largest entry."""
     found, wanted = np.array(found, dtype=float), np.array(wanted, dtype=float)
     assert found.shape == wanted.shape
     assert np.abs(found - wanted).max(initial=0.0) <= tolerance * max(1.0, np.abs(wanted).max(initial=0.0))

@@ -23,7 +23,7 @@ from derive.robot.expression import ONE, ZERO, Call, to_text
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.random_robots import robot_text, seeds, swept_catalogue
+from tests.random_robots import robot_text, swept, swept_catalogue
 
 FEW = ("stanford-deluca", "dh-modified-deluca", "planar-2r-perugia", "skeleton-modified")
 OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
@@ -93,15 +93,14 @@ def test_every_built_in_robot_is_the_same_arm_and_comes_back_as_the_same_table(n
     assert convert(other).result.joints == robot.joints, "no built-in robot needs to be told its last row"
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", [*FEW, *swept_catalogue(most_joints=7)])
 def test_closed_forms_are_equal_exactly(name: str) -> None:
     robot = Robot.load(name)
     model, other = Model(robot), Model(Robot.of(convert(robot).result))
     for quantity in ("T", *(("B", "g") if robot.has_dynamics and robot.n <= 4 else ())):
         value = getattr(other, quantity)
-        places = [
-            (i, j) for i in range(min(value.rows, robot.n + 3)) for j in range(value.cols) if quantity == "T" or i >= j
-        ]
+        places = product(range(min(value.rows, robot.n + 3)), range(value.cols))
+        places = [(i, j) for i, j in places if quantity == "T" or i >= j]
         for i, j in places if value.cols > 1 else [(i, 0) for i in range(value.rows)]:
             index = f"[{i + 1},{j + 1}]" if value.cols > 1 else f"[{i + 1}]"
             assert model.equal(quantity + index, value[i, j]), quantity + index
@@ -124,12 +123,7 @@ def test_jacobian_and_torques_are_the_same_polynomials_at_random_points_modulo_a
         assert not any(np.any((one - two).values) for one, two in pairs)
 
 
-@pytest.mark.parametrize("name", swept_catalogue(most_joints=7))
-def test_closed_forms_of_every_built_in_robot_are_equal_exactly(name: str) -> None:
-    test_closed_forms_are_equal_exactly(name)
-
-
-@pytest.mark.parametrize("seed", seeds(400, usual=12))
+@pytest.mark.parametrize("seed", [*range(12), *swept(*range(12, 400))])
 def test_random_robots_are_the_same_arm_and_come_back(seed: int) -> None:
     """Bases, tools, motors, degrees, millimetres, both conventions."""
     robot = Robot.from_text(robot_text(random.Random(seed)))
@@ -146,11 +140,9 @@ def test_rotors_with_mass_at_offset_joints_keep_the_dynamics(convention: str, ki
     robot = motors(convention, kind=kind)
     there = convert(robot)
     assert_same_functions(robot, Robot.of(there.result))
-    assert [note.split(":")[0] for note in there.notes] == [
-        f"the rotor of joint {i} stands d{i} {'further' if convention == 'standard' else 'less far'} along its axis in "
-        "this convention"
-        for i in (1, 2, 3)
-    ]
+    way = "further" if convention == "standard" else "less far"
+    said = [f"the rotor of joint {i} stands d{i} {way} along its axis in this convention" for i in (1, 2, 3)]
+    assert [note.split(":")[0] for note in there.notes] == said
     back = convert(Robot.of(there.result), there.leaving).result
     assert [link.motor for link in back.links] == [link.motor for link in robot.links]
     assert back.links == robot.links

@@ -1,25 +1,48 @@
-"""The recursions of the dynamics, run in floats, against the independent recursion."""
+"""Kinematics and dynamics of chains against the independent recursion."""
 
 from __future__ import annotations
 
+import random
+
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from derive.algebra.domain import PolynomialDomain
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
+from derive.mechanics.forward_kinematics import (
+    TILTED,
+    analytic_jacobian,
+    forward_kinematics,
+    jacobian,
+    jacobian_rate,
+    joint_poses,
+    link_transforms,
+)
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics, link_motions
+from derive.mechanics.printed_newton_euler import newton_euler_base, newton_euler_link, without_rotors
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
+from derive.mechanics.vectors import column
+from derive.model.model import Model
+from derive.robot.description import Convention
+from derive.robot.expression import Expression, Name, multiply
 from derive.robot.inertial_parameters import standard_parameters
+from derive.robot.names import velocity_name
+from derive.robot.robot import Robot
 from tests.mechanics.arms import SEEDS, Arm, Array, arm_of, assert_close
+from tests.random_robots import catalogue, robot_text, seeds
 
 
 @pytest.fixture(params=SEEDS)
 def arm(request: pytest.FixtureRequest) -> Arm:
-    """One arm after another."""
     return arm_of(request.param)
 
 
@@ -29,19 +52,13 @@ def friction(arm: Arm) -> Array:
     return np.array([j.viscous * v + j.coulomb * np.sign(v) for j, v in zip(joints, arm.qd, strict=True)])
 
 
-def test_inertia_matrix_is_that_of_the_link_jacobians_and_positive_definite(arm: Arm) -> None:
+def test_inertia_coriolis_gravity_and_torques_are_those_of_the_oracle(arm: Arm) -> None:
     found = np.array(inertia_matrix(arm.chain))
     assert_close(found, arm.expected("inertia_matrix"))
     assert (found == found.T).all()
     assert np.linalg.eigvalsh(found).min() > 0
-
-
-def test_coriolis_matrix_is_christoffels(arm: Arm) -> None:
     found = np.array(coriolis_matrix(arm.chain, arm.qd.tolist(), 0.5))
     assert_close(found, arm.expected("coriolis_matrix", arm.q, arm.qd))
-
-
-def test_gravity_and_torques(arm: Arm) -> None:
     assert_close(gravity_vector(arm.chain), arm.expected("gravity_vector"))
     found = np.array(inverse_dynamics(arm.chain, arm.qd.tolist(), arm.qdd.tolist()))
     assert_close(found + friction(arm), arm.expected("inverse_dynamics", arm.q, arm.qd, arm.qdd))
@@ -69,9 +86,8 @@ def test_both_ways_to_the_accelerations_undo_newton_and_euler(arm: Arm) -> None:
     torques = inverse_dynamics(chain, qd, arm.qdd.tolist())
     wanted = np.array(arm.qdd)
     tolerance = 1e-14 * np.linalg.cond(inertia_matrix(chain)) * 10
-    assert_close(
-        forward_dynamics(inertia_matrix(chain), inverse_dynamics(chain, qd, still), torques), wanted, tolerance
-    )
+    found = forward_dynamics(inertia_matrix(chain), inverse_dynamics(chain, qd, still), torques)
+    assert_close(found, wanted, tolerance)
     assert_close(articulated_accelerations(chain, qd, torques), wanted, tolerance)
 
 
@@ -101,3 +117,93 @@ def test_torques_are_the_regressor_times_the_parameters(arm: Arm) -> None:
     regressor = Regressor(chain, arm.qd.tolist(), arm.qdd.tolist(), ends=True, sign=lambda x: float(np.sign(x)))
     rows = regressor.rows(standard_parameters(arm.robot))
     assert_close(rows, arm.expected("regressor", arm.q, arm.qd, arm.qdd), 1e-11)
+
+
+MAX_JOINTS = 4
+CATALOGUE = [*catalogue().values()]
+SMALL = [robot for robot in CATALOGUE if robot.has_dynamics and robot.n <= MAX_JOINTS]
+STANDARD = [without_rotors(robot) for robot in SMALL if robot.convention is Convention.STANDARD]
+
+
+def lagrange(robot: Robot) -> list[Expression]:
+    """B qdd + C qd + g, in the closed form that users see, friction taken off."""
+    model = Model(robot)
+    pairs = zip(model.tau, model.friction, strict=True)
+    return [expression_from_sympy(torque - friction) for torque, friction in pairs]
+
+
+def viscous(robot: Robot, i: int) -> Expression:
+    return multiply(robot.links[i].viscous, Name(velocity_name(robot.joints[i].variable)))
+
+
+def check_identity(robot: Robot) -> None:
+    torques = lagrange(robot)
+    domain = PolynomialDomain(robot, torques)
+    rates = [domain.rate(i) for i in range(robot.n)]
+    accelerations = [domain.acceleration(i) for i in range(robot.n)]
+    traced = inverse_dynamics(build_chain(robot, domain), rates, accelerations)
+    assert [domain.constant(torque) - other for torque, other in zip(torques, traced, strict=True)] == [0] * robot.n
+
+
+@pytest.mark.parametrize("robot", SMALL, ids=lambda robot: robot.name)
+def test_every_small_robot_of_the_catalogue(robot: Robot) -> None:
+    check_identity(robot)
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@given(n=st.integers(1, 3), seed=st.integers(0, 2**32 - 1))
+def test_random_robots(n: int, seed: int) -> None:
+    check_identity(Robot.from_text(robot_text(random.Random(seed), n)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", seeds(12, 3))
+def test_random_robots_with_four_joints(seed: int) -> None:
+    check_identity(Robot.from_text(robot_text(random.Random(seed), MAX_JOINTS)))
+
+
+@pytest.mark.parametrize("recursion", [newton_euler_base, newton_euler_link])
+@pytest.mark.parametrize("robot", STANDARD, ids=lambda robot: robot.name)
+def test_the_recursions_of_the_lectures(robot: Robot, recursion: object) -> None:
+    torques = lagrange(robot)
+    domain = PolynomialDomain(robot, torques)
+    rates = [domain.rate(i) for i in range(robot.n)]
+    found = recursion(robot, domain, rates, [domain.acceleration(i) for i in range(robot.n)])  # type: ignore[operator]
+    friction = [domain.constant(viscous(robot, i)) for i in range(robot.n)]
+    assert [domain.constant(t) + b for t, b in zip(torques, friction, strict=True)] == list(found.torques)
+
+
+def test_poses_and_jacobians_are_those_of_the_oracle(arm: Arm) -> None:
+    chain = arm.chain
+    assert_close(forward_kinematics(chain).rows(0.0, 1.0), arm.expected("forward_kinematics"))
+    links = [frame.rows(0.0, 1.0) for frame in link_transforms(chain)]
+    assert_close(links, arm.expected("link_transforms"))
+    for pose, end, link in zip(joint_poses(chain), chain.ends, link_transforms(chain), strict=True):
+        assert_close((pose @ end).rows(0.0, 1.0), link.rows(0.0, 1.0))
+    assert_close(jacobian(arm.chain), arm.expected("jacobian"))
+    assert_close(jacobian_rate(arm.chain, arm.qd.tolist()), arm.expected("jacobian_dot", arm.q, arm.qd))
+
+
+class Rooted(float):
+    """A float that has its square root as a method, as the scalars of tapes do."""
+
+    def sqrt(self) -> Rooted:
+        return Rooted(float(self) ** 0.5)
+
+
+for _name in ("add", "radd", "sub", "rsub", "mul", "rmul", "truediv", "rtruediv"):
+    _plain = getattr(float, f"__{_name}__")
+    setattr(Rooted, f"__{_name}__", lambda self, other, _plain=_plain: Rooted(_plain(self, other)))
+
+
+@pytest.mark.parametrize("kind", ["rpy", "zyz"])
+def test_analytic_jacobian_is_the_geometric_one_in_rates_of_angles(arm: Arm, kind: str) -> None:
+    """J_A = diag(1, E^-1) J with omega = E phidot (Siciliano et al., Robotics, section 3.6)."""
+    pose = forward_kinematics(arm.chain)
+    tilted = tuple(map(Rooted, column(pose.rotation, TILTED[kind])))
+    distance = np.hypot(*tilted[:2])
+    if distance < 1e-9:  # these angles are singular wherever the arm is
+        return
+    rows = [[Rooted(x) for x in row] for row in jacobian(arm.chain)]
+    found = np.array(analytic_jacobian(kind, tilted, rows), dtype=float)
+    assert_close(found, arm.expected(f"analytic_jacobian_{kind}"), 1e-12 / distance**2)

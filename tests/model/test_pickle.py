@@ -41,7 +41,6 @@ COPIES: dict[str, Callable[[Any], Any]] = {
 
 
 def computed(model: derive.Model) -> dict[str, Any]:
-    """Every quantity of a model."""
     rows = (row for row in REGISTRY.values() if row.is_of(model.robot) and row.name not in ("inverse", "singularities"))
     names = {f"{row.name}[{','.join('123'[: row.indices[0]])}]" if row.indices[0] else row.name for row in rows}
     found = {name: model.quantity(name) for name in sorted(names - {"J_rows[1]", "detJ_rows[1]"})}
@@ -50,7 +49,6 @@ def computed(model: derive.Model) -> dict[str, Any]:
 
 @pytest.fixture(scope="module", params=[False, True], ids=["plain", "assumptions"])
 def model(request: pytest.FixtureRequest) -> derive.Model:
-    """With everything computed."""
     made = derive.Model(Robot.from_text(ARM), "by-geometry", assumptions=request.param)
     computed(made)
     for name in (*DESCRIBED, "singularities"):
@@ -103,6 +101,7 @@ def solutions_and_mass(model: derive.Model) -> tuple[int, str]:
     return len(model.inverse.solutions), str(model.M[0, 0])
 
 
+@pytest.mark.parametrize("model", [True], indirect=True, ids=["assumptions"])
 def test_a_model_goes_to_a_spawned_process_and_its_results_come_back(model: derive.Model) -> None:
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         assert pool.apply(solutions_and_mass, (model,)) == solutions_and_mass(model)

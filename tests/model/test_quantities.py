@@ -1,15 +1,23 @@
-"""The registry of quantities says what the model gives, and names are read with their indices."""
+"""Quantities of a model by name, entry by entry, under assumptions."""
 
 from __future__ import annotations
+
+from functools import cache
 
 import pytest
 import sympy
 
 import derive
+from derive.algebra.ring import TooManyTerms
 from derive.errors import QuantityError
+from derive.mechanics import exact_dynamics as dynamics
+from derive.model.assumptions import Assumptions, plain
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import Entries
 from derive.model.model import Model
 from derive.model.quantities import DESCRIBED, REGISTRY, Quantity
 from derive.model.quantity_names import evaluate, parse
+from derive.robot.options.style import Style
 from derive.robot.robot import Robot
 
 
@@ -18,17 +26,9 @@ def model() -> Model:
     """Four joints with axes in all directions, and links."""
     joints = ["a: a1, alpha: pi/2", "a: a2", "d: d3, alpha: -pi/2", "alpha: pi/2"]
     link = "{mass: m, com: [0, 0, l], inertia: {zz: I}}"
-    rows = [f"  - {{type: revolute, {cells}}}" for cells in joints]
-    text = [
-        "name: arm",
-        "convention: standard",
-        "joints:",
-        *rows,
-        "gravity: [0, 0, -g]",
-        "links:",
-        *4 * [f"  - {link}"],
-    ]
-    return Model(Robot.from_text("\n".join(text) + "\n"))
+    rows = ", ".join(f"{{type: revolute, {cells}}}" for cells in joints)
+    text = f"name: arm\nconvention: standard\njoints: [{rows}]\ngravity: [0, 0, -g]\n"
+    return Model(Robot.from_text(f"{text}links: [{', '.join(4 * [link])}]\n"))
 
 
 @pytest.mark.parametrize("quantity", REGISTRY.values(), ids=REGISTRY.keys())
@@ -97,11 +97,8 @@ def test_every_name_that_python_can_spell_is_an_attribute(model: Model) -> None:
     assert [public.quantity(name) for name in DESCRIBED] == [public.workspace, public.aspects]
     words = {"frame": "T", "transform": "T", "det_J": "detJ", "coriolis_vector": "Cqd"}
     assert {name: parse(model, name)[0].name for name in words} == words
-    for name, message in {
-        "_private": "no attribute",
-        "jacobain": "did you mean J",
-        "h": "has several meanings",
-    }.items():
+    refused = {"_private": "no attribute", "jacobain": "did you mean J", "h": "has several meanings"}
+    for name, message in refused.items():
         with pytest.raises(AttributeError, match=message):
             getattr(public, name)
 
@@ -119,19 +116,9 @@ def test_every_name_that_python_can_spell_is_an_attribute(model: Model) -> None:
         ("Jacobean", ["J"]),
         ("torqe", ["tau"]),
         ("t", ["T"]),
-        ("T09", []),
         ("foo", ["christoffel"]),
-        ("T[1,2,3,4,5]", []),
-        ("A[x]", []),
-        ("A", []),
-        ("A[1,2][1,1]", []),
-        ("B[9,1]", []),
-        ("kinetic[1,1]", []),
-        ("J_rows[1,7]", []),
-        ("J_rows[2,2]", []),
-        ("detJv", []),
-        ("", []),
-        ("[1]", []),
+        *((text, []) for text in ("T09", "T[1,2,3,4,5]", "A[x]", "A", "A[1,2][1,1]", "B[9,1]", "kinetic[1,1]")),
+        *((text, []) for text in ("J_rows[1,7]", "J_rows[2,2]", "detJv", "", "[1]")),
     ],
 )
 def test_what_is_not_there_or_unclear_is_refused_with_what_may_be_meant(
@@ -204,3 +191,158 @@ def test_a_list_holds_what_the_robot_has() -> None:
     assert not REGISTRY["B"].is_of(thumb)
     assert REGISTRY["J_rows"].call == "J_rows[i,...]"
     assert REGISTRY["J_12"].shape_of(thumb) == "3x2"
+
+
+NAMES = ["planar-2r-perugia", "scara-perugia"]
+
+
+@cache
+def of(name: str) -> ModelEntries:
+    return ModelEntries(Model(Robot.load(name)))
+
+
+def matrix(entries: Entries) -> sympy.Matrix:
+    return sympy.Matrix(*entries.shape, lambda i, j: entries.entry(i + 1, j + 1))
+
+
+def is_zero(value: sympy.Expr) -> bool:
+    return sympy.expand(value, trig=True) == 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_entries_are_those_of_the_model(name: str) -> None:
+    entries = of(name)
+    model = entries.model
+    for quantity in ("B", "Bdot", "C", "N", "g", "tau"):
+        assert matrix(getattr(entries, quantity)) == getattr(model, quantity)
+    assert is_zero(entries.kinetic.entry(1, 1) - model.energy.kinetic)
+    assert entries.potential.entry(1, 1) == model.energy.potential
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sums_over_rates_are_the_matrices(name: str) -> None:
+    entries = of(name)
+    model = entries.model
+    for i, j in entries.C.places:
+        assert is_zero(entries.rate_value(entries.coriolis_sum(i, j)) - model.C[i - 1, j - 1])
+        assert is_zero(entries.rate_value(entries.skew_sum(i, j)) - model.N[i - 1, j - 1])
+    for i in range(1, model.n + 1):
+        assert is_zero(entries.torque_value(i) - model.tau[i - 1])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_derivatives_of_the_inertia_matrix_are_sums_of_christoffel_symbols(name: str) -> None:
+    entries = of(name)
+    joints = range(1, entries.robot.n + 1)
+    assert set(entries.triples) == set(entries.model.christoffel_table())
+    for i, j, k in ((i, j, k) for i in joints for j in joints for k in joints):
+        total = entries.christoffel(i, j, k).entry(1, 1) + entries.christoffel(j, i, k).entry(1, 1)
+        assert is_zero(entries.inertia_derivative(i, j, k).entry(1, 1) - total)
+
+
+def test_gravity_is_an_acceleration_of_the_base_in_its_own_axes() -> None:
+    text = "name: arm\nconvention: standard\njoints: [{type: revolute}]\nlinks: [{mass: 1}]\ngravity: [0, 0, -g]\n"
+    turned = text + "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]\n"
+    g = sympy.Symbol("g")
+    assert ModelEntries(Model(Robot.from_text(text))).base_acceleration == (0, 0, g)
+    assert ModelEntries(Model(Robot.from_text(turned))).base_acceleration == (0, g, 0)
+
+
+def test_what_exceeds_the_budget_of_the_model_is_not_derived_and_skew_symmetry_not_stated_unchecked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_: object) -> None:
+        raise TooManyTerms(1)
+
+    monkeypatch.setattr(dynamics.Dynamics, "christoffel", refuse)
+    entries = ModelEntries(Model(Robot.load("planar-2r-perugia")))
+    assert not entries.B.is_short(1000)
+    with pytest.raises(TooManyTerms):
+        entries.christoffel(1, 1, 2).entry(1, 1)
+    assert of("planar-2r-perugia").is_skew(limit=60)
+    assert not of("planar-2r-perugia").is_skew(limit=0)
+
+
+def test_the_coriolis_matrix_is_the_sum_of_the_symbols_in_the_table() -> None:
+    model = Model(Robot.load("scara-perugia"))
+    table = model.christoffel_table()
+    assert table
+    assert all(j <= k and value != 0 for (_, j, k), value in table.items())
+    n = range(1, model.n + 1)
+    rows = [[sum(table.get((i, *sorted((j, k))), 0) * model.qd[k - 1] for k in n) for j in n] for i in n]
+    assert sympy.expand(sympy.Matrix(rows) - model.C) == sympy.zeros(model.n, model.n)
+
+
+@pytest.mark.parametrize(
+    ("option", "allowed"), [("style", "compact, by-geometry, expanded"), ("contraction", "aligned, opposed")]
+)
+def test_an_unknown_style_or_contraction_is_refused_with_the_known_ones(option: str, allowed: str) -> None:
+    with pytest.raises(QuantityError, match=allowed):
+        Model(Robot.load("planar-3r"), **{option: "roman"})
+
+
+ARM = """\
+name: two-bars
+convention: standard
+joints:
+  - {type: revolute, a: a1, alpha: pi/2}
+  - {type: prismatic, a: a2, d: q2 + d2}
+gravity: [0, 0, -g]
+links:
+  - {mass: m1, com: [l1, 0, 0], inertia: {yy: I1}, motor: {mass: mm1, inertia: 1e-4, ratio: k}}
+  - {mass: m2 + m3, com: [l2, 0, 0], motor: {mass: mm2}, friction: {viscous: b, coulomb: f}}
+parameters: {mm2: 0}
+runtime: [mm2]
+inverse: {task: [x, y]}
+"""
+
+
+@pytest.fixture(scope="module")
+def models() -> tuple[derive.Model, derive.Model]:
+    robot = Robot.from_text(ARM)
+    return derive.Model(robot), derive.Model(robot, assumptions=True)
+
+
+def test_every_quantity_is_the_same_in_real_symbols_and_masses_are_positive(
+    models: tuple[derive.Model, derive.Model],
+) -> None:
+    """A mass that is a sum of symbols, or may be zero, says nothing of the sign of any."""
+    usual, assumed = models
+    seen: set[sympy.Symbol] = set()
+    for row in REGISTRY.values():
+        if not row.is_of(usual.robot) or row.name in ("detJ_rows", "inverse", "J_zyz"):
+            continue
+        indices = f"[{','.join('1' * row.indices[0])}]" if row.indices[0] else ""
+        ours, theirs = (model.quantity(row.name + indices) for model in models)
+        assert sympy.srepr(plain(theirs)) == sympy.srepr(ours), row.name
+        assert str(theirs) == str(ours), row.name  # brackets and order too
+        seen |= theirs.free_symbols
+    assert all(symbol.is_real for symbol in seen)
+    assert {str(symbol) for symbol in seen if symbol.is_positive} == {"m1", "mm1"}
+    assert all(symbol.is_positive is None for symbol in usual.B.free_symbols)
+    assert all(q.is_real for q in (*assumed.q, *assumed.qd, *assumed.qdd))
+
+
+def test_whatever_the_model_has_or_does_speaks_of_these_symbols_and_sympy_simplifies_with_them(
+    models: tuple[derive.Model, derive.Model],
+) -> None:
+    usual, assumed = models
+    assert sympy.sqrt(assumed.p[0] ** 2) == sympy.Abs(assumed.p[0])
+    assert sympy.sqrt(usual.p[0] ** 2) != sympy.Abs(usual.p[0])
+    mass = next(symbol for symbol in assumed.B.free_symbols if symbol.name == "m1")
+    assert sympy.sqrt(mass**2) == mass
+    assert isinstance(assumed, derive.Model)
+    assert assumed.robot == usual.robot
+    assert assumed.M == assumed.B == assumed.with_style(Style.of("expanded")).with_style(Style()).B
+    slope = usual.christoffel(1, 1, 2).diff(usual.q[1])
+    assert assumed.christoffel(1, 1, 2).diff(assumed.q[1]) == Assumptions(usual.robot)(slope)
+    assert assumed.equal("T[1,4]", assumed.T[0, 3])
+    assert assumed.equal("T[1,4]", str(usual.T[0, 3]))
+    assert all(symbol.is_real for symbol in assumed.at("T", [0.3, 0.5]).free_symbols)
+    (definition,) = {name for _, names in [assumed.abbreviated("C")] for name in names}
+    assert definition.is_real
+    assert all(symbol.is_real for line in assumed.inverse.lines for symbol in line.value.free_symbols)
+    assert all(q.is_real for q in assumed.inverse.solutions[0].joints)
+    assert all(symbol.is_real for symbol in assumed.inverse[0, 0].free_symbols)
+    assert all(name in dir(assumed) for name in ("B", "inverse"))
+    assert all(getattr(assumed, name) is not None for name in DESCRIBED)

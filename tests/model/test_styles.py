@@ -1,18 +1,30 @@
-"""Options of a style decide the form, never the value; each writes the form that its words say."""
+"""Styles, abbreviations, and entries of printed matrices."""
 
 from __future__ import annotations
 
 import random
+from math import comb
 
 import pytest
+import sympy
 
 from derive.checking.formulas.findings import same_form
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.mechanics.chain import build_chain
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.regressor import with_unit_rotors
+from derive.model import abbreviations, dynamic_form
+from derive.model.dynamic_model import DynamicModel
+from derive.model.entries import Entries, KinematicEntries, expanded_terms, of_matrix
 from derive.model.equality import compare
+from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.model.model import Model
+from derive.model.regressor_forms import IdentifiedModel
+from derive.robot.inertial_parameters import standard_parameters
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Style
 from derive.robot.robot import Robot
+from tests.mechanics.arms import SEEDS, arm_of, assert_close
 
 ELBOW = Robot.from_text("""
 name: elbow
@@ -71,19 +83,17 @@ def assert_all_equal(robot: Robot, style: Style) -> None:
 
 def values(model: Model) -> list[float]:
     """All quantities at one configuration, with numbers for all symbols."""
-    rng, found = random.Random(model.robot.name), []
+    rng = random.Random(model.robot.name)
     written = [model.quantity(quantity) for quantity in QUANTITIES[model.robot.name]]
     symbols = sorted(set().union(*(e.free_symbols for e in written)), key=str)
     point = {symbol: rng.uniform(0.3, 2.5) for symbol in symbols}
-    for e in written:
-        found.append(float(e.subs(point)))
-    return found
+    return [float(e.subs(point)) for e in written]
 
 
 @pytest.mark.parametrize("robot", [ELBOW, WRIST, PLANAR, SCARA], ids=lambda robot: robot.name)
 def test_a_random_style_changes_no_value(robot: Robot) -> None:
     plain = Model(robot)
-    for seed in range(6):
+    for seed in range(3):
         assert values(plain.with_style(random_style(seed))) == pytest.approx(values(plain), rel=1e-9), seed
 
 
@@ -94,83 +104,51 @@ def test_no_single_option_and_no_random_style_changes_a_value(robot: Robot) -> N
         for name, kind in STYLE_OPTIONS.items():
             for value in kind:
                 assert_all_equal(robot, start.changed({name: value}))
-    for seed in range(100, 160):
+    for seed in (*range(6), *range(100, 160)):
         assert_all_equal(robot, random_style(seed))
 
 
 FORMS = [
-    ("compact", WRIST, "T[][1,4]", "d6*(c1*(c2*c4*s5 + s2*c5) - s1*s4*s5) + c1*s2*q3 - s1*d2"),
-    ("positions: base", WRIST, "T[][1,4]", "c1*(d6*(c2*c4*s5 + s2*c5) + s2*q3) - s1*(d6*s4*s5 + d2)"),
-    ("positions: length-expanded", WRIST, "T[][1,4]", "d6*(c1*c2*c4*s5 + c1*s2*c5 - s1*s4*s5) + c1*s2*q3 - s1*d2"),
-    ("positions: length-tool", WRIST, "T[][1,4]", "d6*((c1*c2*c4 - s1*s4)*s5 + c1*s2*c5) + c1*s2*q3 - s1*d2"),
-    ("positions: expanded", ELBOW, "T[][1,4]", "a2*c1*c2 + a3*c1*c23"),
-    ("short: positions", ELBOW, "T[][1,4]", "a2*c1*c2 + a3*c1*c23"),
-    ("short: short-arms", ELBOW, "T[][1,4]", "a2*c1*c2 + a3*c1*c23"),
-    ("short: short-arms", WRIST, "T[][3,1]", "-s2*(c4*c5*c6 - s4*s6) - c2*s5*c6"),
-    ("rotations: tool", WRIST, "T[][3,1]", "c6*(-s2*c4*c5 - c2*s5) + s2*s4*s6"),
-    ("rotations: expanded", WRIST, "T[][3,1]", "-s2*c4*c5*c6 - c2*s5*c6 + s2*s4*s6"),
-    (
-        "rotations: base-expanded",
-        WRIST,
-        "T[][1,1]",
-        "c1*(c2*c4*c5*c6 - c2*s4*s6 - s2*s5*c6) - s1*(s4*c5*c6 + c4*s6)",
-    ),
-    (
-        "rotations: tool-expanded",
-        WRIST,
-        "T[][1,1]",
-        "c6*(c1*c2*c4*c5 - s1*s4*c5 - c1*s2*s5) - s6*(c1*c2*s4 + s1*c4)",
-    ),
-    ("contraction: opposed", SCARA, "T[][1,1]", "cos(q1 + q2 - q4)"),
-    ("compact", PLANAR, "B[1,1]", "(m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2"),
-    ("inertia: body", PLANAR, "B[1,1]", "m1*a1**2 + m2*(a1**2 + a2**2 + 2*a1*a2*c2)"),
-    ("inertia: body, brackets: long", PLANAR, "B[1,2]", "m2*a2**2 + m2*a1*a2*c2"),
-    ("inertia: geometry, factors: all", PLANAR, "B[1,2]", "m2*a2*(a2 + a1*c2)"),
-    ("inertia: function-body", PLANAR, "B[1,1]", "m1*a1**2 + m2*(a1**2 + a2**2) + 2*m2*a1*a2*c2"),
-    (
-        "kinetic: body",
-        PLANAR,
-        "kinetic",
-        "m1*a1**2*qd1**2/2 + m2*(a1**2*qd1**2 + a2**2*(qd1 + qd2)**2 + 2*a1*a2*c2*qd1*(qd1 + qd2))/2",
-    ),
-    ("velocities: factored", PLANAR, "Cqd[1]", "-m2*a1*a2*s2*qd2*(2*qd1 + qd2)"),
-    ("coriolis: product", PLANAR, "C[1,2]", "-m2*a1*a2*s2*qd1 - m2*a1*a2*s2*qd2"),
-    (
-        "accelerations: term",
-        PLANAR,
-        "B_qdd[1]",
-        "m2*a2**2*(qdd1 + qdd2) + m2*a1*a2*c2*(2*qdd1 + qdd2) + (m1 + m2)*a1**2*qdd1",
-    ),
-    (
-        "accelerations: geometry",
-        PLANAR,
-        "B_qdd[1]",
-        "a2**2*(m2*qdd1 + m2*qdd2) + a1*a2*c2*(2*m2*qdd1 + m2*qdd2) + (m1 + m2)*a1**2*qdd1",
-    ),
-    ("gravity: body, g: outside", PLANAR, "g[1]", "g*(m1*a1*c1 + m2*(a1*c1 + a2*c12))"),
-    (
-        "compact",
-        ELBOW,
-        "christoffel[1,1,2]",
-        "(Ix2 - Iy2 - m2*r2**2)*c2*s2 + (Ix3 - Iy3)*c23*s23 - m3*(a2*c2 + r3*c23)*(a2*s2 + r3*s23)",
-    ),
-    (
-        "christoffel: function",
-        ELBOW,
-        "christoffel[1,1,2]",
-        "(Ix2 - Iy2 - m2*r2**2)*c2*s2 + (Ix3 - Iy3)*c23*s23 - m3*(a2*c2 + r3*c23)*(a2*s2 + r3*s23)",
-    ),
-    (
-        "christoffel: function, factors: all",
-        ELBOW,
-        "christoffel[1,1,3]",
-        "(Ix3 - Iy3)*c23*s23 - m3*r3*s23*(a2*c2 + r3*c23)",
-    ),
+    "compact | wrist | T[][1,4] | d6*(c1*(c2*c4*s5 + s2*c5) - s1*s4*s5) + c1*s2*q3 - s1*d2",
+    "positions: base | wrist | T[][1,4] | c1*(d6*(c2*c4*s5 + s2*c5) + s2*q3) - s1*(d6*s4*s5 + d2)",
+    "positions: length-expanded | wrist | T[][1,4] | d6*(c1*c2*c4*s5 + c1*s2*c5 - s1*s4*s5) + c1*s2*q3 - s1*d2",
+    "positions: length-tool | wrist | T[][1,4] | d6*((c1*c2*c4 - s1*s4)*s5 + c1*s2*c5) + c1*s2*q3 - s1*d2",
+    "positions: expanded | elbow | T[][1,4] | a2*c1*c2 + a3*c1*c23",
+    "short: positions | elbow | T[][1,4] | a2*c1*c2 + a3*c1*c23",
+    "short: short-arms | elbow | T[][1,4] | a2*c1*c2 + a3*c1*c23",
+    "short: short-arms | wrist | T[][3,1] | -s2*(c4*c5*c6 - s4*s6) - c2*s5*c6",
+    "rotations: tool | wrist | T[][3,1] | c6*(-s2*c4*c5 - c2*s5) + s2*s4*s6",
+    "rotations: expanded | wrist | T[][3,1] | -s2*c4*c5*c6 - c2*s5*c6 + s2*s4*s6",
+    "rotations: base-expanded | wrist | T[][1,1] | c1*(c2*c4*c5*c6 - c2*s4*s6 - s2*s5*c6) - s1*(s4*c5*c6 + c4*s6)",
+    "rotations: tool-expanded | wrist | T[][1,1] | c6*(c1*c2*c4*c5 - s1*s4*c5 - c1*s2*s5) - s6*(c1*c2*s4 + s1*c4)",
+    "contraction: opposed | scara | T[][1,1] | cos(q1 + q2 - q4)",
+    "compact | planar | B[1,1] | (m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2",
+    "inertia: body | planar | B[1,1] | m1*a1**2 + m2*(a1**2 + a2**2 + 2*a1*a2*c2)",
+    "inertia: body, brackets: long | planar | B[1,2] | m2*a2**2 + m2*a1*a2*c2",
+    "inertia: geometry, factors: all | planar | B[1,2] | m2*a2*(a2 + a1*c2)",
+    "inertia: function-body | planar | B[1,1] | m1*a1**2 + m2*(a1**2 + a2**2) + 2*m2*a1*a2*c2",
+    "kinetic: body | planar | kinetic | "
+    "m1*a1**2*qd1**2/2 + m2*(a1**2*qd1**2 + a2**2*(qd1 + qd2)**2 + 2*a1*a2*c2*qd1*(qd1 + qd2))/2",
+    "velocities: factored | planar | Cqd[1] | -m2*a1*a2*s2*qd2*(2*qd1 + qd2)",
+    "coriolis: product | planar | C[1,2] | -m2*a1*a2*s2*qd1 - m2*a1*a2*s2*qd2",
+    "accelerations: term | planar | B_qdd[1] | "
+    "m2*a2**2*(qdd1 + qdd2) + m2*a1*a2*c2*(2*qdd1 + qdd2) + (m1 + m2)*a1**2*qdd1",
+    "accelerations: geometry | planar | B_qdd[1] | "
+    "a2**2*(m2*qdd1 + m2*qdd2) + a1*a2*c2*(2*m2*qdd1 + m2*qdd2) + (m1 + m2)*a1**2*qdd1",
+    "gravity: body, g: outside | planar | g[1] | g*(m1*a1*c1 + m2*(a1*c1 + a2*c12))",
+    "compact | elbow | christoffel[1,1,2] | "
+    "(Ix2 - Iy2 - m2*r2**2)*c2*s2 + (Ix3 - Iy3)*c23*s23 - m3*(a2*c2 + r3*c23)*(a2*s2 + r3*s23)",
+    "christoffel: function | elbow | christoffel[1,1,2] | "
+    "(Ix2 - Iy2 - m2*r2**2)*c2*s2 + (Ix3 - Iy3)*c23*s23 - m3*(a2*c2 + r3*c23)*(a2*s2 + r3*s23)",
+    "christoffel: function, factors: all | elbow | christoffel[1,1,3] | "
+    "(Ix3 - Iy3)*c23*s23 - m3*r3*s23*(a2*c2 + r3*c23)",
 ]
 
 
-@pytest.mark.parametrize(("style", "robot", "quantity", "text"), FORMS, ids=[f"{row[0]}, {row[2]}" for row in FORMS])
-def test_an_option_writes_the_form_that_its_words_say(style: str, robot: Robot, quantity: str, text: str) -> None:
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: ", ".join(form.split(" | ")[:3]))
+def test_an_option_writes_the_form_that_its_words_say(form: str) -> None:
+    style, name, quantity, text = form.split(" | ")
+    robot = next(robot for robot in (ELBOW, WRIST, PLANAR, SCARA) if robot.name == name)
     ours = expression_from_sympy(Model(robot, style=style).quantity(quantity))
     assert same_form(ours, read_formula(text, robot)), ours
 
@@ -181,3 +159,128 @@ def test_a_model_in_another_style_is_that_model_written_anew() -> None:
     for style in map(random_style, range(3)):
         assert model.with_style(style).tau == Model(ELBOW, style).tau
         assert model.with_style(style).T == Model(ELBOW, style).T
+
+
+ROBOTS = ["planar-2r-perugia", "scara-perugia"]
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize(
+    ("quantity", "by"),
+    [*((q, "christoffel") for q in abbreviations.BY_RATES), *((q, "coefficients") for q in abbreviations.BY_CONSTANTS)],
+)
+def test_definitions_put_back_give_the_quantity(name: str, quantity: str, by: str) -> None:
+    model = Model(Robot.load(name))
+    written, names = model.abbreviated(quantity, by)
+    difference = written.subs(dict(names)) - getattr(model, quantity)
+    assert all(entry.expand(trig=True).equals(0) for entry in difference)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_name_is_used_and_defined_before_it_is(name: str) -> None:
+    model = Model(Robot.load(name))
+    written, names = model.abbreviated("B", "coefficients")
+    assert set(names) <= written.free_symbols
+
+
+def test_long_entries_are_not_expanded() -> None:
+    """The budget of `DynamicForm` is what decides."""
+    model = DynamicModel(Robot.load("planar-2r-perugia"))
+    form = model.dynamic_form
+    assert isinstance(form, dynamic_form.DynamicForm)
+    entry = model.dynamics.inertia_matrix[0][0]
+    long, short = form.entry(entry, 10**6), form.entry(entry, 0)
+    assert short != long
+    assert len(short.free_symbols) <= len(long.free_symbols)
+
+
+x, y, z = sympy.symbols("x y z")
+
+
+def matrix(entries: Entries) -> sympy.Matrix:
+    return sympy.Matrix(*entries.shape, lambda i, j: entries.entry(i + 1, j + 1))
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "dh-modified-deluca", "puma560-corke"])
+def test_entries_are_those_of_the_model(name: str) -> None:
+    model = Model(Robot.load(name))
+    entries, n = KinematicEntries(model), model.n
+    assert matrix(entries.T) == model.T
+    assert matrix(entries.J) == model.J
+    assert matrix(entries.A(1)) == model.A(1)
+    assert matrix(entries.frame(n)) == model.frame(n)
+    assert matrix(entries.transform(n, 0)) == model.transform(n, 0)
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "puma560-corke"])
+def test_entries_without_terms_are_those_that_are_zero(name: str) -> None:
+    entries = KinematicEntries(Model(Robot.load(name)))
+    for quantity in (entries.T, entries.J):
+        assert all(bool(quantity.terms(*place)) == (quantity.entry(*place) != 0) for place in quantity.places)
+
+
+def test_entries_of_links_and_rotors_are_those_of_the_model() -> None:
+    model = Model(Robot.load("planar-2r-perugia"))
+    entries = KinematicEntries(model)
+    assert matrix(entries.linear_jacobian(2, of_rotor=False)) == model.Jv_com(2)
+    assert matrix(entries.angular_jacobian(2, of_rotor=False)) == model.Jw_com(2)
+    assert matrix(entries.linear_jacobian(2, of_rotor=True)) == model.Jv_motor(2)
+    assert matrix(entries.angular_jacobian(2, of_rotor=True)) == model.Jw_motor(2)
+    place = matrix(entries.body_position(2, of_rotor=False))
+    assert sympy.expand(place.jacobian(model.q) - matrix(entries.linear_jacobian(2, of_rotor=False))).is_zero_matrix
+
+
+def test_a_long_arm_is_counted_without_being_written() -> None:
+    rows = "".join(f"  - {{type: revolute, a: a{i}, alpha: pi/{2 + i % 2}}}\n" for i in range(1, 31))
+    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}")
+    entries = KinematicEntries(Model(robot))
+    assert not entries.T.is_short(10**6)
+    assert [entries.T.entry(4, j) for j in range(1, 5)] == [0, 0, 0, 1]
+    assert entries.J.terms(6, 1) == 1
+    assert entries.J.entry(6, 1) == 1
+
+
+def test_entries_keep_the_order_that_is_asked_for_and_their_terms_are_those_multiplied_out() -> None:
+    assert expanded_terms(sympy.S.Zero) == 0
+    assert expanded_terms(x * (x + y + z) * (y + 1)) == 6
+    assert expanded_terms((x + y) ** 3) == 8
+    assert expanded_terms(sympy.sqrt(x + y)) == 1
+    whole = of_matrix(sympy.Matrix([[1, x], [x + y, 0]]))
+    part = whole.part((2, 1), (2,))
+    assert part.shape == (2, 1)
+    assert [part.entry(i, 1) for i in (1, 2)] == [0, x]
+    assert [part.terms(i, 1) for i in (1, 2)] == [0, 1]
+    assert whole.is_short(4)
+    assert not whole.is_short(3)
+
+
+@pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-matlab"])
+def test_torques_are_regressors_times_parameters(name: str) -> None:
+    model = Model(Robot.load(name))
+    assert isinstance(model, IdentifiedModel)
+    pairs = ((model.regressor, model.standard_parameters), (model.regressor_base, model.base_parameters))
+    for regressor, values in pairs:
+        assert all(entry.expand(trig=True).equals(0) for entry in regressor * values - model.tau)
+    assert len(model.base_set.parameters) <= len(model.standard_set)
+
+
+def test_base_parameters_collect_what_they_have_in_common() -> None:
+    """The masses that link 1 carries, once: by geometry where that is shorter, else by body."""
+    model = Model(Robot.load("planar-2r-perugia"))
+    a1, ml2, mm2 = sympy.symbols("a1 ml2 mm2")
+    assert a1**2 * (ml2 + mm2) in model.base_parameters[2].args
+    assert a1 * (ml2 + mm2) in model.base_parameters[0].args
+
+
+@pytest.mark.parametrize("seed", [s for s in SEEDS if s % 7 < 4])
+def test_the_inertia_of_unit_parameters_adds_up(seed: int) -> None:
+    """B is linear in the parameters: its entries per unit, times their values, give what the chain has."""
+    arm = arm_of(seed)
+    robot = with_unit_rotors(arm.robot)
+    units = UnitDynamics(build_chain(robot, FloatDomain(robot, arm.q.tolist())), ends=True)
+    parameters = standard_parameters(arm.robot)
+    for parameter in parameters:
+        pairs = units.inertia(parameter)
+        assert len(pairs) <= comb(arm.robot.n + 1, 2)
+        if parameter.part == "m":  # the mass of a link: never less than nothing on the diagonal
+            assert_close([min(0.0, pairs.get((i, i), 0.0)) for i in range(arm.robot.n)], [0.0] * arm.robot.n)

@@ -18,14 +18,7 @@ ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 def mjcf(
     robot: Robot, values: Mapping[str, float], step: float, rotors: Sequence[tuple[float, Sequence[float]]] = ()
 ) -> str:
-    """The arm with masses, armature and viscous friction; without limits, contacts and Coulomb friction.
-
-    Args:
-        robot: The robot.
-        values: Numbers of all symbols.
-        step: Time step of its fourth-order Runge-Kutta method [s].
-        rotors: Inertia of each [kg m^2], and its speed by those of the first joints: tendons with armature.
-    """
+    """The arm with masses, armature and viscous friction; without limits, contacts and Coulomb friction."""
     root = Xml.Element("mujoco")
     Xml.SubElement(root, "compiler", angle="radian", inertiafromgeom="false", balanceinertia="false")
     gravity = text(evaluate(cell, values) for cell in robot.gravity or ())
@@ -87,5 +80,4 @@ def quaternion_of(rotation: Array) -> Array:
 
 
 def text(numbers: object) -> str:
-    """Numbers with all their digits."""
     return " ".join(repr(float(number)) for number in numbers)  # type: ignore[attr-defined]

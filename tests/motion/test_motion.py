@@ -58,16 +58,13 @@ class TestDocument004:
         assert pick_and_place.torques(0.0)[2] == pytest.approx(-6.5 * 9.8062, rel=1e-12)
 
 
-def test_segments_join_without_a_gap(pick_and_place: Motion) -> None:
+def test_segments_join_without_a_gap_and_outside_the_motion_the_arm_stands(pick_and_place: Motion) -> None:
     for corner in (3.0, 6.0, 9.0, 12.0):
         before, after = pick_and_place(np.array([np.nextafter(corner, 0), corner]))[0]
         assert np.abs(after - before).max() < 1e-14
     _, qd, qdd = pick_and_place(np.array([0.0, 3.0, 6.0, 9.0, 12.0, 15.0]))
     assert not qd.any()
     assert not qdd.any()
-
-
-def test_before_and_after_the_motion_the_arm_stands(pick_and_place: Motion) -> None:
     q, qd, qdd = pick_and_place(np.array([-1.0, 16.0]))
     assert q.tolist() == [[0, 0, 1, 0], [np.pi / 2, 0, 3, 0]]
     assert not qd.any()
@@ -123,8 +120,6 @@ def test_curves_are_derived_exactly() -> None:
 
 def test_torques_of_an_arm_without_links_are_refused() -> None:
     motion = Motion.from_text("robot: stanford-deluca\ncurves: {q1: t}\ntime: 1\n")
-    if motion.plan.robot.has_dynamics:
-        pytest.skip("has links")
     with pytest.raises(QuantityError, match="has no dynamics"):
         motion.torques(0.0)
 
@@ -138,10 +133,8 @@ def test_samples_end_with_the_motion() -> None:
 
 
 def test_limits_set_the_time_of_the_slowest_joint() -> None:
-    text = PICK_AND_PLACE.replace(", time: 3", "").replace(
-        "sample:", "speed: [1, 1, 1, 1]\nacceleration: [2, 2, 2, 2]\nsample:"
-    )
-    motion = Motion.from_text(text)
+    most = "speed: [1, 1, 1, 1]\nacceleration: [2, 2, 2, 2]\nsample:"
+    motion = Motion.from_text(PICK_AND_PLACE.replace(", time: 3", "").replace("sample:", most))
     for found in motion.peaks:
         fast = max(abs(float(peak.value)) for peak in found.speeds)
         hard = max(abs(float(peak.value)) / 2 for peak in found.accelerations)
@@ -179,15 +172,12 @@ friction: none
     assert changed.simulate().q == pytest.approx(given.simulate().q, abs=1e-10)
 
 
-def test_poses_are_those_of_the_end_effector(pick_and_place: Motion) -> None:
+def test_poses_are_those_of_the_end_effector_and_move_with_their_base(pick_and_place: Motion) -> None:
     times = np.array([[0.0, 3.0], [4.5, 9.9]])
     oracle = Oracle.of(Robot.load("scara-matlab"))
     expected = [[oracle.evaluate("forward_kinematics", pick_and_place(t)[0]) for t in row] for row in times]
     assert pick_and_place.poses(times) == pytest.approx(np.array(expected), abs=1e-14)
     assert pick_and_place.poses(3.0)[:3, 3] == pytest.approx([-2, 2, -1], abs=1e-14)
-
-
-def test_poses_move_with_their_base() -> None:
     motion = Motion.from_text(
         "robot: {name: p, convention: standard, joints: [{type: revolute, a: 2}]}\n"
         "curves: {q1: t}\ntime: 2\nbase: {x: 3*t, rpy: [0, 0, t]}\n"

@@ -19,7 +19,7 @@ from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from tests.motion.mjcf import mjcf
-from tests.motion.random_links import decimal, numbered
+from tests.motion.random_arms import decimal, numbered
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -53,7 +53,6 @@ def spins(robot: Robot) -> list[tuple[float, list[float]]]:
     """Of an arm whose axes are all vertical: inertia of each rotor, and its speed by those of the joints."""
     values, up, found = values_of(robot), 1.0, []
     for i, (joint, link) in enumerate(zip(robot.joints, robot.links, strict=True)):
-        assert link.motor is not None
         carried = [up if other.is_revolute else 0.0 for other in robot.joints[:i]]
         ratio = evaluate(link.motor.ratio, values)
         found.append((evaluate(link.motor.inertia, values), [*carried, ratio]))
@@ -109,22 +108,17 @@ def test_puma_accelerates_and_moves_for_ten_seconds_as_in_mujoco() -> None:
     motions_agree(ours, theirs, np.array([0.3, 0.8, -1.2, 0.4, 0.5, 0.6]))
 
 
-def test_an_arm_with_a_slide_accelerates_as_in_mujoco() -> None:
+def test_arms_with_a_slide_and_with_motors_accelerate_as_in_mujoco() -> None:
     robot = numbered("stanford-deluca")
     accelerations_agree(robot, robot)
-
-
-def test_the_scara_of_document_004_accelerates_with_its_motors_as_in_mujoco() -> None:
     ours, theirs = Robot.load("scara-matlab"), possible_scara()
     accelerations_agree(ours, theirs, spins(theirs))
 
 
 def test_bodies_that_do_not_exist_are_refused_by_mujoco() -> None:
     """All other robots of the catalogue leave their masses open."""
-    numbers = {
-        name for name in catalogue_names() if (robot := Robot.load(name)).has_dynamics and not free_symbols(robot)
-    }
-    assert numbers == {"puma560-corke", "scara-matlab"}
+    with_dynamics = (robot for robot in map(Robot.load, catalogue_names()) if robot.has_dynamics)
+    assert {r.name for r in with_dynamics if not free_symbols(r)} == {"puma560-corke", "scara-matlab"}
     for name, reason in (("puma560-corke", r"positive eigenvalues"), ("scara-matlab", r"A \+ B >= C")):
         robot = Robot.load(name)
         with pytest.raises(ValueError, match=reason):

@@ -25,7 +25,7 @@ from derive.verification.generated import GeneratedModel, load_models
 from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from derive.verification.tolerance import TOLERANCE
 from derive.verification.verify import verify
-from tests.random_robots import RandomRobot, configurations, random_robot, robots, seeds
+from tests.random_robots import RandomRobot, configurations, random_robot, robots, seeds, swept
 from tests.verification.oracle.pinocchio_reference import Array, reference
 
 SEEDS = 28
@@ -65,25 +65,20 @@ def check_with_the_oracle(robot: RandomRobot, loaded: Robot, folder: Path, seed:
     }
 
 
-@pytest.mark.parametrize(("examples", "joints"), [(5, 4), pytest.param(30, 5, marks=pytest.mark.sweep)])
+@pytest.mark.parametrize(("examples", "joints"), [(4, 4), *swept((30, 5))])
 def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, examples: int, joints: int) -> None:
     """Every robot writes over the files of the one before."""
 
     @given(robots(max_joints=joints))
     @settings(max_examples=examples, deadline=None)
     def check(robot: RandomRobot) -> None:
-        check_generated(tmp_path, robot)
+        loaded = Robot.from_text(robot.text)
+        models = generate(loaded, tmp_path)
+        assert [model.target for model in models] == ["numpy", "casadi"]
+        check_with_pinocchio(robot, models)
+        check_with_the_oracle(robot, loaded, tmp_path, seed=0)
 
     check()
-
-
-def check_generated(tmp_path: Path, robot: RandomRobot) -> None:
-    """All targets of a build against Pinocchio and against the oracle."""
-    loaded = Robot.from_text(robot.text)
-    models = generate(loaded, tmp_path)
-    assert [model.target for model in models] == ["numpy", "casadi"]
-    check_with_pinocchio(robot, models)
-    check_with_the_oracle(robot, loaded, tmp_path, seed=0)
 
 
 @pytest.mark.slow
@@ -99,12 +94,7 @@ def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("joints", "standard", "effort"),
-    [
-        pytest.param(18, True, Effort.QUICK, marks=pytest.mark.sweep),
-        pytest.param(18, False, Effort.QUICK, marks=pytest.mark.sweep),
-        pytest.param(32, True, Effort.FULL, marks=pytest.mark.sweep),
-        pytest.param(64, False, Effort.FULL, marks=pytest.mark.sweep),
-    ],
+    swept(*((18, each, Effort.QUICK) for each in (True, False)), (32, True, Effort.FULL), (64, False, Effort.FULL)),
 )
 def test_generated_code_of_a_long_chain_agrees_with_pinocchio(
     tmp_path: Path, joints: int, standard: bool, effort: Effort

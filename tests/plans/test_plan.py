@@ -1,16 +1,34 @@
-"""Plans, and what is said about wrong ones."""
+"""Plans as they are written: cells, points, data, schema, and those of the catalogue."""
 
 from __future__ import annotations
 
+import json
 import re
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+import yaml
 
-from derive.errors import DeriveError
+from derive.errors import DeriveError, RobotFileError, UnknownRobotError
+from derive.motion.motion import Motion
+from derive.plans.catalogue import new_plan_text, plan_bytes, plan_names
+from derive.plans.cells import PlanCells
+from derive.plans.data import plan_text, waypoints
 from derive.plans.plan import plan_from_bytes
+from derive.plans.points import Step
+from derive.plans.schema import PlanFile, plan_json_schema
 from derive.robot.expression import to_text
+from derive.robot.load import catalogue_names
+from derive.robot.reading.document import Document, YamlMapping, read_tree
+from derive.robot.reading.structure import model_of
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE
+from tests.motion.wrong_plans import RIGHT, WRONG
 
+PATH = "path: [a, {to: b, time: 1}]\n"
 CURVES = "robot: planar-2r-perugia\ncurves: {q1: sin(t)}\ntime: 5\n"
 
 
@@ -30,30 +48,21 @@ def test_points_are_read_in_the_units_of_the_robot() -> None:
 
 def test_a_robot_may_stand_in_the_plan() -> None:
     robot = "{name: arm, convention: standard, units: {angle: deg}, joints: [{type: revolute, a: 1}]}"
-    plan = plan_from_bytes(
-        f"robot: {robot}\npoints: {{a: [0], b: [90]}}\npath: [a, {{to: b, time: 1}}]\n".encode(), "p"
-    )
+    plan = plan_from_bytes(f"robot: {robot}\npoints: {{a: [0], b: [90]}}\n{PATH}".encode(), "p")
     assert to_text(plan.points["b"].q[0]) == "pi/2"  # type: ignore[index]
 
 
-def test_a_robot_file_is_looked_for_beside_the_plan(tmp_path: object) -> None:
-    from pathlib import Path
-
-    folder = Path(str(tmp_path))
-    (folder / "mine.yaml").write_text("{name: arm, convention: standard, joints: [{type: revolute, a: 1}]}")
-    text = "robot: mine.yaml\npoints: {a: [0], b: [1]}\npath: [a, {to: b, time: 1}]\n"
-    assert plan_from_bytes(text.encode(), str(folder / "plan.yaml")).robot.name == "arm"
+def test_a_robot_file_is_looked_for_beside_the_plan(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("{name: arm, convention: standard, joints: [{type: revolute, a: 1}]}")
+    text = f"robot: mine.yaml\npoints: {{a: [0], b: [1]}}\n{PATH}"
+    assert plan_from_bytes(text.encode(), str(tmp_path / "plan.yaml")).robot.name == "arm"
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         ("to: A, time: 3", "to: Q, time: 3", r"plan.yaml:10:19: path entry 2, to: unknown point 'Q'; allowed: rest, A"),
-        (
-            "C: [pi/2, 0, 1, 0]",
-            "C: [pi/2, 0, 1]",
-            r"plan.yaml:8:6: .*3 values for 4 joints; allowed: one for each of q1",
-        ),
+        ("2, 0, 1, 0]", "2, 0, 1]", r"plan.yaml:8:6: .*3 values for 4 joints; allowed: one for each of q1"),
         ("to: A, time: 3", "to: A, time: 0", r"plan.yaml:10:28: .*time: found '0'; allowed: a time above zero"),
         ("to: A, time: 3", "to: A, time: -1", r"found '-1'; allowed: a time above zero"),
         ("D: [pi/2", "D: [xx", r"plan.yaml:9:7: .*the symbol 'xx' has no number; write values: \{xx: ...\}"),
@@ -86,13 +95,153 @@ def test_wrong_curves_are_refused(text: str, message: str) -> None:
     assert re.search(message, refusal(text))
 
 
-def test_a_point_outside_the_limits_of_a_joint_names_joint_value_and_limit() -> None:
+def test_values_outside_limits_or_in_other_units_are_refused() -> None:
     robot = "{name: arm, convention: standard, joints: [{type: revolute, a: 1, limits: [-1, pi/3]}]}"
-    text = f"robot: {robot}\npoints: {{a: [0], b: [1.2]}}\npath: [a, {{to: b, time: 1}}]\n"
+    text = f"robot: {robot}\npoints: {{a: [0], b: [1.2]}}\n{PATH}"
     assert "q1 = 1.2 rad is outside its limits; allowed: -1 to 1.0472 rad" in refusal(text)
-
-
-def test_degrees_in_a_cell_of_a_slide_are_no_length() -> None:
     robot = "{name: arm, convention: standard, joints: [{type: prismatic}]}"
-    text = f"robot: {robot}\npoints: {{a: [0], b: [90 deg]}}\npath: [a, {{to: b, time: 1}}]\n"
+    text = f"robot: {robot}\npoints: {{a: [0], b: [90 deg]}}\n{PATH}"
     assert re.search(r"<?plan.yaml:2:\d+", refusal(text))
+
+
+def cells(text: str) -> PlanCells:
+    root = read_tree(text.encode(), "plan.yaml")
+    assert isinstance(root, YamlMapping)
+    return PlanCells(Document(root, "plan.yaml", "", "the plan"), Robot.load("scara-matlab"))
+
+
+def test_the_right_plan_is_right() -> None:
+    assert not Motion.from_text(RIGHT, "plan.yaml").violations
+
+
+@pytest.mark.parametrize(("old", "new", "message"), WRONG, ids=[new.strip()[:60] for _, new, _ in WRONG])
+def test_a_wrong_plan_is_one_message_when_it_is_loaded(old: str, new: str, message: str) -> None:
+    assert old in RIGHT
+    text = RIGHT.replace(old, new, 1) if old else RIGHT + new
+    with pytest.raises(DeriveError) as caught:
+        Motion.from_text(text, "plan.yaml")
+    assert str(caught.value).startswith(f"plan.yaml:{message}")
+    assert caught.value.exit_status == 2
+    assert "\n" not in str(caught.value)
+
+
+def test_joint_values_have_the_units_of_the_robot_and_numbers_and_formulas_the_time() -> None:
+    found = cells("values: {w: 1/3}\nq: [pi/2, 2*w, w, 0]\n")
+    assert [to_text(value) for value in found.of_joints(("q",))] == ["pi/2", "2*w", "w", "0"]
+    assert found.size(found.plain(("q", 1))) == pytest.approx(2 / 3)
+    found.check_used()
+    with pytest.raises(DeriveError, match=r"plan.yaml:1:13: values, w: no symbol 'w' in scara-matlab or in a formula"):
+        cells("values: {w: 1}").check_used()
+    found = cells("x: 2*t")
+    assert to_text(found.formula(("x",), found.cells.plain)) == "2*t"
+    with pytest.raises(DeriveError, match="the symbol 't' has no number"):
+        found.plain(("x",))
+
+
+PLAN = """\
+robot: planar-3r
+values: {{a1: 1, a2: 1, a3: 1}}
+points: {{a: [0, 0.5, 0.5], b: [0.2, 0.4, 0.6]}}
+path: [a, {{to: b, time: 1{more}}}]
+"""
+
+
+@pytest.mark.parametrize(("more", "in_space"), [("", False), (", line: yes", True)])
+def test_lines_are_in_space_and_profiles_of_joints_are_not(more: str, in_space: bool) -> None:
+    (step,) = Motion.from_text(PLAN.format(more=more)).plan.steps
+    assert isinstance(step, Step)
+    assert step.in_space is in_space
+
+
+def test_data_of_a_file_are_the_file_again() -> None:
+    keys = yaml.safe_load(PICK_AND_PLACE)
+    assert yaml.safe_load(plan_text(keys)) == keys
+    assert waypoints([[0], [1]], None)["path"] == ["p0", {"to": "p1", "time": None}]
+    keys["points"]["D"] = np.array([np.pi / 2, 0, 3, 0])
+    keys["path"][-1]["line"] = False
+    keys["title"] = None
+    motion, read = Motion.from_dict(keys), Motion.from_text(PICK_AND_PLACE)
+    t = np.linspace(0, 15, 301)
+    assert np.abs(np.array(motion(t)) - np.array(read(t))).max() < 1e-14
+    assert motion.trajectory.segments[0] == read.trajectory.segments[0], "texts of cells stay exact"
+
+
+def test_configurations_in_an_array_are_gone_through() -> None:
+    rows = np.array([[0, 0, 1, 0], [0.3, 0.4, 1.2, 0], [0.5, -0.1, 1, 0.2]])
+    motion = Motion.through("scara-matlab", rows, [1, 0.5], profile="septic", via="pass")
+    assert motion(np.array([0, 1, 1.5]))[0] == pytest.approx(rows, abs=1e-15)
+    assert repr(motion) == "Motion of scara-matlab, 1.5 s: p0 -> p1, p1 -> p2"
+    assert Motion.through("scara-matlab", rows, 2).duration == 4
+    assert Motion.through("scara-matlab", rows[:2], speed=[1] * 4).duration == pytest.approx(0.4 * 15 / 8)
+
+
+@pytest.mark.parametrize(("rows", "times"), [([0, 1], 1), ([[0, 0, 0, 0]], 1), ([[0] * 4] * 3, [1, 2, 3])])
+def test_rows_or_times_that_do_not_belong_together(rows: list[float], times: object) -> None:
+    with pytest.raises(ValueError, match=r"points: two rows|times: one, or 2"):
+        Motion.through("scara-matlab", rows, times)  # type: ignore[arg-type]
+
+
+def test_what_is_no_plan_is_refused_at_its_place() -> None:
+    with pytest.raises(RobotFileError, match=r"<plan>:\d+:\d+: .*4 joints"):
+        Motion.through("scara-matlab", [[0, 0], [1, 1]], 1)
+
+
+@pytest.mark.parametrize("name", plan_names())
+def test_every_built_in_plan_moves_and_fits_the_schema(name: str) -> None:
+    pytest.importorskip("jsonschema").validate(yaml.safe_load(plan_bytes(name)), plan_json_schema())
+    motion = Motion.load(name)
+    assert motion.plan.title
+    assert (np.ptp(motion(motion.times)[0], axis=0) > 0).any()
+
+
+def test_the_schema_describes_every_key_and_has_no_null() -> None:
+    schema: dict[str, Any] = plan_json_schema()
+    assert set(schema["properties"]) == set(model_of(PlanFile).model_fields)
+    assert all(value.get("description") for value in schema["properties"].values())
+    assert '"null"' not in json.dumps(schema)
+
+
+@pytest.mark.parametrize("text", ["a\0b", "x" * 5000, "\ud800.yaml"])
+def test_what_no_file_can_be_called_is_no_plan(text: str) -> None:
+    with pytest.raises(UnknownRobotError, match="no file and no built-in plan"):
+        plan_bytes(text)
+
+
+def test_hand_of_the_skeleton_goes_where_slide_29_says() -> None:
+    """p = (Tx, Ty) + l0 (c_beta, -s_beta) + l1 (c_ab, -s_ab) on the curves of the plan."""
+    motion = Motion.load("skeleton-reach")
+    t = np.linspace(0, 4, 9)
+    q = motion(t)[0]
+    beta, both = q[:, 2], q[:, 2] + q[:, 3]
+    assert q[:, 0] == pytest.approx(0.3 * t, abs=1e-15)
+    x = 0.3 * t + 0.32 * np.cos(beta) + 0.27 * np.cos(both)
+    y = 0.9 + 0.02 * np.cos(np.pi * t) - 0.32 * np.sin(beta) - 0.27 * np.sin(both)
+    oracle = Oracle.of(motion.plan.robot, {"l0": 0.32, "l1": 0.27})
+    hand = np.array([oracle.evaluate("forward_kinematics", row)[:2, 3] for row in q])
+    assert hand == pytest.approx(np.stack([x, y], axis=1), abs=1e-12)
+
+
+def test_what_is_neither_a_file_nor_a_plan_is_named_with_what_was_meant() -> None:
+    with pytest.raises(UnknownRobotError, match=r"no built-in plan 'skeleton-rech'; .*did you mean 'skeleton-reach'"):
+        plan_bytes("skeleton-rech")
+    assert set(plan_names()).isdisjoint(catalogue_names())
+    assert {"scara-pick-and-place", "skeleton-reach"} <= set(plan_names())
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_a_new_plan_of_any_robot_is_a_plan_within_its_limits(name: str) -> None:
+    plan = plan_from_bytes(new_plan_text("mine", Robot.load(name), name).encode(), "mine.yaml")
+    assert len(plan.steps) == 2
+    assert plan.points["home"].q != plan.points["A"].q
+
+
+def test_a_new_plan_counts_in_the_units_of_the_robot_file(tmp_path: Path) -> None:
+    text = (
+        "{name: arm, convention: standard, units: {angle: deg, length: mm}, joints: ["
+        "{type: revolute, limits: [10, 60]}, {type: prismatic, limits: [0, 300]}, {type: revolute}]}"
+    )
+    (tmp_path / "arm.yaml").write_text(text)
+    robot = Robot.load(tmp_path / "arm.yaml")
+    (tmp_path / "move.yaml").write_text(new_plan_text("move", robot, "arm.yaml"))
+    ends = Motion.load(tmp_path / "move.yaml")(np.array([0.0, 2.0]))[0]
+    assert ends == pytest.approx(np.array([[np.radians(35), 0, 0], [np.radians(47.5), 0.15, np.pi / 4]]))

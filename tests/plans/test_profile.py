@@ -1,9 +1,11 @@
-"""Profiles from point to point."""
+"""Laws between two points: profiles and Hermite polynomials."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from itertools import pairwise
+from math import factorial
 
 import numpy as np
 import pytest
@@ -11,19 +13,9 @@ from scipy.interpolate import CubicSpline
 from sympy import Expr, Float, Integer, Rational, nsimplify, pi, sqrt
 
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.trajectory import Trajectory
-from derive.plans.hermite import TIME, Piece
-from derive.plans.profile import (
-    UNIT_PEAKS,
-    Cosine,
-    Curve,
-    Profile,
-    rest_to_rest,
-    spline,
-    trapezoid,
-    via_velocities,
-)
-from derive.plans.segments import Segment
+from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.plans.hermite import TIME, Piece, basis, joined, power_coefficients, sampled
+from derive.plans.profile import UNIT_PEAKS, Cosine, Curve, Profile, rest_to_rest, spline, trapezoid, via_velocities
 
 ZERO = Integer(0)
 
@@ -73,12 +65,9 @@ def test_a_trapezoid_reaches_its_speed_and_its_end(cruise: object, way: object) 
     assert np.unique(np.round(np.abs(qdd), 9)).size == len(set(map(abs, np.round(qdd[[0, 1500], 0], 9))))
 
 
-def test_a_joint_that_does_not_move_stands() -> None:
+def test_a_joint_that_does_not_move_stands_and_velocities_at_via_points_are_means() -> None:
     (piece,) = trapezoid(ZERO, Integer(3), Integer(1), Integer(1), ZERO)
     assert peak((piece,), 1).value == 0
-
-
-def test_velocities_at_via_points_are_means_and_zero_where_the_way_turns_back() -> None:
     times = [Integer(t) for t in (0, 1, 3, 4)]
     assert via_velocities(times, [ZERO, Integer(2), Integer(4), Integer(1)]) == (0, Rational(3, 2), 0, 0)
 
@@ -91,11 +80,9 @@ def test_the_spline_is_scipys_clamped_one_and_exact() -> None:
     ours = Trajectory(tuple(Segment("", piece.start, piece.duration, ((piece,),)) for piece in pieces))(t)
     for order in range(3):
         assert ours[order][:, 0] == pytest.approx(theirs(t, order), abs=1e-12)
-    accelerations = [
-        [piece.in_unit_time().diff().diff().eval(u) / piece.duration**2 for u in (0, 1)] for piece in pieces
-    ]
-    for before, after in pairwise(accelerations):
-        assert (before[1] - after[0]).simplify() == 0
+    bends = [(piece.in_unit_time().diff().diff(), piece.duration**2) for piece in pieces]
+    for (before, t), (after, s) in pairwise(bends):
+        assert (before.eval(1) / t - after.eval(0) / s).simplify() == 0
 
 
 def test_a_curve_is_its_formula() -> None:
@@ -133,9 +120,8 @@ class TestToolbox:
         qd = (5 * a * s**4 + 4 * b * s**3 + 3 * c * s**2 + v0 * tf) / tf
         qdd = (20 * a * s**3 + 12 * b * s**2 + 6 * c * s) / tf**2
         ends = zip(self.START, v0, self.END, v1, strict=True)
-        joints = tuple(
-            (Piece(ZERO, duration, ((Float(p), Float(v), ZERO), (Float(r), Float(w), ZERO))),) for p, v, r, w in ends
-        )
+        rows = (((Float(p), Float(v), ZERO), (Float(r), Float(w), ZERO)) for p, v, r, w in ends)
+        joints = tuple((Piece(ZERO, duration, row),) for row in rows)
         found = np.array(Trajectory((Segment("", ZERO, duration, joints),))(t))
         for order, theirs in enumerate((q, qd, qdd)):
             assert np.abs(found[order] - theirs).max() <= 1e-12 * np.abs(theirs).max()
@@ -143,17 +129,8 @@ class TestToolbox:
     def test_quintic_and_mtraj(self) -> None:
         """Six coefficients by what holds at both ends, joint by joint."""
         t, tf = np.linspace(0, 2.5, 251), 2.5
-        system = np.array(
-            [
-                [0, 0, 0, 0, 0, 1],
-                [1, 1, 1, 1, 1, 1],
-                [0, 0, 0, 0, 1, 0],
-                [5, 4, 3, 2, 1, 0],
-                [0, 0, 0, 2, 0, 0],
-                [20, 12, 6, 2, 0, 0],
-            ],
-            dtype=float,
-        )
+        rows = ("0 0 0 0 0 1", "1 1 1 1 1 1", "0 0 0 0 1 0", "5 4 3 2 1 0", "0 0 0 2 0 0", "20 12 6 2 0 0")
+        system = np.array([row.split() for row in rows], dtype=float)
         found = self.ours(lambda a, b: rest_to_rest(Profile.QUINTIC, ZERO, Rational(5, 2), a, b), Rational(5, 2), t)
         for j in range(3):
             coefficients = np.linalg.solve(system, [self.START[j], self.END[j], 0, 0, 0, 0])
@@ -165,11 +142,8 @@ class TestToolbox:
     def test_trapezoidal_and_mtraj(self, cruise: Expr) -> None:
         """Three parabolas and lines with V = cruise D/T, by default 3/2, and tb = (q0 - qf + V T)/V."""
         t, tf = np.linspace(0, 2, 401), 2.0
-        found = self.ours(
-            lambda a, b: trapezoid(ZERO, Integer(2), a, b, cruise * abs(b - a) / 2),
-            Integer(2),
-            t,
-        )
+        two = Integer(2)
+        found = self.ours(lambda a, b: trapezoid(ZERO, two, a, b, cruise * abs(b - a) / 2), two, t)
         for j, (q0, qf) in enumerate(zip(self.START, self.END, strict=True)):
             speed = float(cruise) * (qf - q0) / tf
             blend = (q0 - qf + speed * tf) / speed
@@ -183,3 +157,64 @@ class TestToolbox:
             assert found[1, :, j] == pytest.approx(qd, abs=1e-12)
             inside = (np.abs(t - blend) > 1e-9) & (np.abs(t - tf + blend) > 1e-9)
             assert found[2, inside, j] == pytest.approx(qdd[inside], abs=1e-12 * abs(a))
+
+
+def derivative(row: tuple[int, ...], order: int, u: int) -> Fraction:
+    """A derivative of a polynomial at 0 or 1, by falling factorials."""
+    powers = ((p, c) for p, c in enumerate(row) if p >= order)
+    return sum((c * Fraction(factorial(p), factorial(p - order)) * u ** (p - order) for p, c in powers), Fraction(0))
+
+
+@pytest.mark.parametrize("k", [2, 3, 4])
+def test_each_polynomial_has_one_derivative_at_one_end_and_none_of_the_others(k: int) -> None:
+    for b, row in enumerate(basis(k)):
+        at, order = divmod(b, k)
+        for end in (0, 1):
+            for other in range(k):
+                expected = factorial(order) if (end, other) == (at, order) else 0
+                assert derivative(row, other, end) == expected
+
+
+@pytest.mark.parametrize("k", [2, 3, 4])
+def test_values_at_both_ends_are_those_that_were_given_to_the_last_bit(k: int) -> None:
+    numbers = np.random.default_rng(k).normal(size=(1, 2 * k))
+    for duration in (0.1, 1.7, 3.0):
+        for order in range(k):
+            start = sampled(numbers, k, np.array([0.0]), np.array([duration]), order)
+            end = sampled(numbers, k, np.array([1.0]), np.array([duration]), order)
+            assert start == numbers[0, order]
+            assert end == numbers[0, k + order]
+
+
+@pytest.mark.parametrize("k", [2, 3, 4])
+def test_samples_powers_and_the_exact_polynomial_agree(k: int) -> None:
+    values = tuple(tuple(Rational(3 * i + 7 * end - 4, 5) for i in range(k)) for end in range(2))
+    piece = Piece(Integer(1), Rational(3, 2), values)
+    numbers = np.array([float(value) for end in values for value in end])
+    exact, places = piece.in_unit_time(), np.linspace(0, 1, 7)
+    powers = power_coefficients(numbers, k, 1.5)
+    rows, durations = np.repeat(numbers[None], 7, axis=0), np.full(7, 1.5)
+    for order in range(3):
+        found = sampled(rows, k, places, durations, order)
+        expected = [float(exact.eval(Rational(i, 6))) / 1.5**order for i in range(7)]
+        assert found == pytest.approx(expected, rel=1e-12, abs=1e-12)
+        assert np.polyval(np.polyder(powers, order), places) / 1.5**order == pytest.approx(found, rel=1e-12, abs=1e-12)
+        exact = exact.diff()
+
+
+def test_pieces_between_points_share_their_values() -> None:
+    ends = [(Integer(0), pi), (pi / 2, Integer(1)), (Integer(3), Integer(0))]
+    first, second = joined(ends, [Integer(0), Integer(2), Integer(3)])
+    assert first.values[1] == second.values[0]
+    assert (first.end, second.end) == (2, 3)
+
+
+def test_short_ways_keep_their_digits() -> None:
+    """From 1 to 1 + 1e-9 in a hundredth of a second: the way is a difference of positions, not of products of them."""
+    numbers = np.array([1.0, 0.0, 0.0, 1.0 + 2.0**-30, 0.0, 0.0])
+    u = np.linspace(0, 1, 11)
+    wanted = 2.0**-30 * (60 * u - 180 * u**2 + 120 * u**3) / 0.01**2
+    found = sampled(np.tile(numbers, (11, 1)), 3, u, np.full(11, 0.01), 2)
+    assert found == pytest.approx(wanted, rel=1e-12, abs=1e-16)
+    powers = np.poly1d(power_coefficients(numbers, 3, 0.01)).deriv(2)(u) / 0.01**2
+    assert powers == pytest.approx(wanted, rel=1e-12, abs=1e-16)

@@ -30,21 +30,13 @@ LECTURES = Path(__file__).parents[1] / "lectures" / "corpus"
 
 @dataclass(frozen=True)
 class Share:
-    """How many formulas with a sum come out as printed.
+    """How many formulas with a sum come out as printed."""
 
-    Attributes:
-        formulas: How many there are.
-        default: How many in the default style.
-        found: How many in the style that is found from all of them.
-        foretold: How many in the style that is found from the others.
-        style: The style found from all of them.
-    """
-
-    formulas: int
-    default: int
-    found: int
-    foretold: int
-    style: Style
+    formulas: int  # how many there are
+    default: int  # how many in the default style
+    found: int  # how many in the style that is found from all of them
+    foretold: int  # how many in the style that is found from the others
+    style: Style  # the style found from all of them
 
 
 @cache

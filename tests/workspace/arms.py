@@ -55,11 +55,9 @@ def limited_joints(rng: np.random.Generator) -> str:
 
 
 def arm(joints: str, rest: str = "") -> Robot:
-    """A robot with these joints."""
     return Robot.from_text(f"name: arm\nconvention: standard\njoints: {joints}\n{rest}")
 
 
 def plane(robot: Robot, picture: Picture, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> PlaneMap:
-    """A picture of a robot's workspace."""
     poses = RobotPoses(robot)
     return PlaneMap.of(ArmPoint(poses, joint_ranges(poses), place), picture)

@@ -19,26 +19,21 @@ pytest.importorskip("matplotlib")
 
 
 def workspace(robot: Robot) -> Workspace:
-    """The workspace of a robot."""
     return find_workspace(RobotPoses(robot))
 
 
 def test_a_complete_wrist_keeps_the_hand_off_the_outside_and_the_hole() -> None:
-    found = workspace(
-        Robot.load("anthropomorphic-wrist")
-    )  # a2 = 1, d4 = 0.8, d6 = 0.6: the hand is longer than the hole
+    # a2 = 1, d4 = 0.8, d6 = 0.6: the hand is longer than the hole
+    found = workspace(Robot.load("anthropomorphic-wrist"))
     assert [view.picture for view in found.views] == [Picture.SECTION, Picture.TOP]
     section, top = found.views
     assert abs(top.reachable.size.value - math.pi * 2.4**2) <= top.reachable.size.error
-    assert section.dexterous is not None
     assert section.exact
     assert abs(section.reachable.size.value - math.pi / 2 * 2.4**2) <= section.reachable.size.error
     wanted = math.pi / 2 * (1.2**2 - 0.8**2 + 0.4**2)
     assert abs(section.dexterous.size.value - wanted) <= section.dexterous.size.error
-    assert found.dexterous_volume is not None
-    assert (
-        abs(found.dexterous_volume.value - 4 / 3 * math.pi * (1.2**3 - 0.8**3 + 0.4**3)) <= found.dexterous_volume.error
-    )
+    wanted = 4 / 3 * math.pi * (1.2**3 - 0.8**3 + 0.4**3)
+    assert abs(found.dexterous_volume.value - wanted) <= found.dexterous_volume.error
 
 
 @pytest.mark.parametrize(
@@ -54,7 +49,6 @@ def test_a_complete_wrist_keeps_the_hand_off_the_outside_and_the_hole() -> None:
 def test_wrists_are_found(name: str, hand: float, complete: bool, planar: bool) -> None:
     poses = RobotPoses(Robot.load(name))
     wrist = find_wrist(ArmPoint(poses, joint_ranges(poses)))
-    assert wrist is not None
     assert (wrist.complete, wrist.planar) == (complete, planar)
     assert name.startswith("puma") or wrist.hand == pytest.approx(hand)
 
@@ -68,7 +62,6 @@ def test_a_flat_workspace_has_one_view_and_no_volume() -> None:
     found = workspace(Robot.load("planar-2r-perugia"))
     (view,) = found.views
     assert (view.picture, found.volume) == (Picture.TOP, None)
-    assert view.dexterous is not None
     assert view.dexterous.region.is_empty  # no place is reached in every orientation by two links
     assert [way.variable for way in found.assumed] == ["q1", "q2"]
 
@@ -77,7 +70,6 @@ def test_a_flat_workspace_has_one_view_and_no_volume() -> None:
 def test_a_gantry_fills_its_box() -> None:
     found = workspace(arm(GANTRY))
     assert [view.picture for view in found.views] == [Picture.SIDE, Picture.TOP]
-    assert found.volume is not None
     assert found.volume.value == pytest.approx(1.0 * 2.0 * 0.5, rel=1e-3)
 
 
@@ -97,9 +89,7 @@ def test_millions_of_poses_lie_in_the_workspace_and_fill_it(name: str) -> None:
             outside = ~shapely.contains_xy(region, x, y)
             away = shapely.distance(region, shapely.points(x[outside], y[outside]))
             assert away.max(initial=0.0) <= (1e-3 if view.exact else 5e-3) * point.size
-            hit |= set(
-                zip(np.rint(x / width).astype(int).tolist(), np.rint(y / width).astype(int).tolist(), strict=True)
-            )
+            hit |= set(map(tuple, np.rint(np.stack([x, y], axis=1) / width).astype(int).tolist()))
         if len(seen.joints) <= 3:  # more joints leave the border without samples
             left, low, right, high = (round(bound / width) for bound in region.bounds)
             nodes = np.array([(i, j) for i in range(left, right + 1) for j in range(low, high + 1)])

@@ -1,7 +1,9 @@
-"""Printed inverse solutions: what is right passes in any writing, what is not is named with what repairs it."""
+"""Printed inverse kinematics against a robot."""
 
 from __future__ import annotations
 
+import math
+from fractions import Fraction
 from functools import cache
 
 import pytest
@@ -9,9 +11,15 @@ import pytest
 from derive.api.robots import load
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
+from derive.checking.inverse.check import KINDS, shown
+from derive.checking.inverse.joint_combinations import JointCombinations, Known, unit_vector
+from derive.checking.inverse.ours import OurSolution
+from derive.checking.inverse.poses import PoseNames, places
+from derive.checking.inverse.solutions import check_inverse, inverse_text
 from derive.errors import CheckError, Location
 from derive.model.model import Model
+from derive.robot.expression import Call, Name, Pi, add, multiply, negate, number
+from tests.checking.inverse.test_reading import solution
 
 PLANAR = """\
 D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2)
@@ -36,8 +44,13 @@ def outcomes(findings: tuple[Finding, ...]) -> dict[str, Outcome]:
 def change(findings: tuple[Finding, ...]) -> str:
     wrong = [judge(finding) for finding in findings if not finding.verdict.equal and finding.role is Role.SOLUTION]
     (verdict,) = wrong
-    assert verdict.repair is not None
     return verdict.repair.text
+
+
+def assert_right(text: str, robot: str = "planar-2r-perugia", *, latex: bool = False) -> None:
+    found = checked(robot, text, latex=latex)
+    assert all(finding.verdict.equal for finding in found)
+    assert found[-1].text == "all 2 solutions"
 
 
 def test_all_branches_are_right_and_in_our_form() -> None:
@@ -133,21 +146,17 @@ def test_an_arc_function_that_is_not_enough_is_shown_where_it_fails(old: str, ne
     found = checked("planar-2r-perugia", PLANAR.replace(old, new))
     wrong = next(finding for finding in found if not finding.verdict.equal)
     example = wrong.verdict.counter_example
-    assert example is not None
     assert example.values
     if "asin" not in new:
         assert said in change(found)
 
 
-def test_signs_that_belong_together_are_judged_together() -> None:
+def test_signs_that_belong_together_are_judged_together_and_circles_refused() -> None:
     text = "r = +-sqrt(px**2 + py**2 - d2**2); theta1 = atan2(py, px) - atan2(d2, {0}); theta2 = atan2({1}, pz)"
     right = "c1*px + s1*py"
     assert all(
         f.verdict.equal for f in checked("spherical-arm", text.format("r", right) + "; d3 = s2*(c1*px + s1*py) + c2*pz")
     )
-
-
-def test_what_is_given_by_itself_is_refused() -> None:
     with pytest.raises(CheckError, match="given by each other"):
         checked(
             "planar-2r-perugia", "theta1 = atan2(y - a2*s12, x - a2*c12); theta2 = atan2(y - a1*s1, x - a1*c1) - theta1"
@@ -224,16 +233,104 @@ def test_a_slip_in_a_primed_line_is_named(old: str, new: str, said: str) -> None
     found = checked("spherical-wrist", WRIST.replace(old, new))
     primed = [finding for finding in found if finding.quantity.endswith("'") and not finding.verdict.equal]
     (wrong,) = map(judge, primed)
-    assert wrong.repair is not None
     assert said in wrong.repair.text
 
 
-def test_the_prime_of_a_name_is_refused() -> None:
+def test_primes_are_second_solutions_of_joints_and_signs_are_written_as_in_notes() -> None:
     with pytest.raises(CheckError, match="prime"):
         checked("spherical-wrist", "D' = r33; theta5 = +-acos(r33)")
-
-
-def test_signs_are_written_as_in_notes() -> None:
     assert KINDS
     assert shown("a + ±1*sqrt(b)") == "a +- sqrt(b)"
     assert shown("±1*sqrt(b)") == "+-sqrt(b)"
+
+
+def test_an_o_is_the_position_unless_columns_stand_beside_it_and_names_of_the_robot_are_none_of_the_pose() -> None:
+    robot = load("scara-perugia")
+    assert PoseNames.of(robot, ["ox", "r11"]).entries == {"ox": (1, 4), "r11": (1, 1)}
+    assert PoseNames.of(robot, ["ox", "nx", "px"]).entries["ox"] == (1, 2)
+    assert PoseNames.of(robot, ["ox", "sx"]).entries["ox"] == (1, 4)
+    assert not PoseNames.of(load("skeleton-root"), ["Tx"]).entries
+    assert not PoseNames.of(load("thumb"), ["xc"]).meanings
+
+
+@pytest.mark.parametrize(
+    ("word", "entry"),
+    {"p_x": (1, 4), "T14": (1, 4), "r_23": (2, 3), "az": (3, 3), "s_y": (2, 2), "nz": (3, 1), "y": (2, 4)}.items(),
+)
+def test_entries_have_the_names_of_books(word: str, entry: tuple[int, int]) -> None:
+    assert PoseNames.of(load("puma560-corke"), [word]).entries == {word: entry}
+
+
+def test_the_wrist_of_an_arm_is_where_its_last_axes_meet() -> None:
+    names = PoseNames.of(load("stanford-laschi"), ["xc", "pWy", "w_z", "px", "az"])
+    assert names.wrist == {"xc": 0, "pWy": 1, "w_z": 2}
+    for place in places(names, {}):
+        along = place.values["w_z"] - place.pose[2][3]
+        assert abs(along) < 1e-12 or math.isclose(abs(along), abs(place.values.get("d6", 0) * place.values["az"]))
+
+
+def test_planar_arms_have_an_orientation_and_their_last_joint_as_wrist() -> None:
+    names = PoseNames.of(load("planar-3r"), ["phi", "cphi", "x", "pWx"])
+    assert names.rows == ("x", "phi")
+    for place in places(names, {}):
+        values = place.values
+        total = values["q1"] + values["q2"] + values["q3"]
+        assert abs(math.remainder(values["(phi)"] - total, math.tau)) < 1e-12
+        assert math.isclose(values["pWx"], values["x"] - values["a3"] * math.cos(total), abs_tol=1e-12)
+
+
+def test_negative_slides_need_not_be_given_unless_limits_allow_them() -> None:
+    free = places(PoseNames.of(load("spherical-arm"), []), {})
+    assert {place.required for place in free} == {True, False}
+    assert all(place.required is (place.values["q3"] > 0) for place in free)
+
+
+JOINTS = JointCombinations(load("planar-3r"), {"q23": add(Name("q2"), Name("q3"))})
+
+
+def test_combinations_are_sums_of_angles_and_what_is_needed_are_their_functions() -> None:
+    e = add(Name("q23"), negate(Name("q1")), Pi())
+    assert JOINTS.combination(e) == (-1, 1, 1)
+    assert JOINTS.combination(multiply(number("1/2"), Name("q1"))) == (Fraction(1, 2), 0, 0)
+    assert JOINTS.combination(Pi()) is None
+    assert JOINTS.combination(multiply(Name("q1"), Name("q2"))) is None
+    e = add(multiply(Name("a1"), Call("cos", (Name("q23"),))), Name("q1"))
+    assert list(JOINTS.needed(e)) == [("cos", (0, 1, 1)), ("", (1, 0, 0))]
+    assert JOINTS.meaning(Call("sqrt", (Name("q1"),))) is None
+
+
+def test_a_sum_and_all_but_one_of_its_terms_give_the_last_one() -> None:
+    known = Known([0], 3)
+    assert not known.has("", unit_vector(1, 3))
+    known.add("", (Fraction(0), Fraction(1), Fraction(1)))
+    known.add("cos", unit_vector(2, 3))
+    assert known.has("cos", unit_vector(2, 3))
+    assert not known.has("", unit_vector(1, 3))
+    known.add("sin", unit_vector(2, 3))
+    assert known.has("", unit_vector(1, 3))
+
+
+TEXT = "D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); theta2 = atan2(+-sqrt(1 - D**2), D); theta1 = atan2(y, x)"
+
+
+def ours(task: tuple[str, ...] | None = None) -> tuple[OurSolution, tuple]:
+    printed, vocabulary = solution("planar-2r-perugia", TEXT)
+    tried = places(vocabulary.pose, vocabulary.sums)
+    return OurSolution(Model(printed.robot), printed, vocabulary.pose, task, tried), (printed, vocabulary)
+
+
+def test_our_formula_stands_with_what_it_names_for_the_task_of_the_text() -> None:
+    assert ours()[0].count == 2
+    assert ours(("x", "y", "z", "orientation"))[0].count == 1
+    found, (printed, _) = ours()
+    assert found.text(printed.given[0]) == ("atan2(+-sqrt(1 - D**2), D), D = (px**2 + py**2 - a1**2 - a2**2)/(2*a1*a2)")
+    assert found.has_form(printed.given[0].formulas[0])
+    assert not found.has_form(printed.given[1].formulas[0])
+
+
+def test_branches_that_are_met_nowhere_are_missing() -> None:
+    found, (_, vocabulary) = ours()
+    tried = places(vocabulary.pose, vocabulary.sums)
+    assert found.met(tried, lambda place: place.values["q2"] < 0) == (1, ("elbow down",))
+    assert found.met(tried, lambda place: True) == (2, ())
+    assert found.met(tried, lambda place: place.values["q1"] < 0) == (0, ())

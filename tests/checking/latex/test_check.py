@@ -1,4 +1,4 @@
-"""LaTeX as people have it: right formulas pass, wrong ones do not, and what cannot be read is refused in words."""
+"""Printed LaTeX against a robot: left sides, meanings, equations."""
 
 from __future__ import annotations
 
@@ -13,10 +13,16 @@ import yaml
 
 from derive.checking.formulas.findings import Outcome, judge
 from derive.checking.latex.check import check_latex
+from derive.checking.latex.equations import equations
+from derive.checking.latex.left import Target, Turned, candidates, is_scalar, taken_apart
+from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.meanings import EntryNames, Meanings
 from derive.errors import CheckError, Location
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import LatexPrinter
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
+from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
 FILE = Path(__file__).with_name("latex_snippets.yaml")
@@ -54,10 +60,8 @@ def test_a_finding_stands_where_its_formula_does() -> None:
     text = (
         "\\begin{align}\n  x &= a_1 c_1 + a_2 c_{12} \\\\\n  y &= a_1 s_1 \\\\\n    &\\quad - a_2 s_{12}\n\\end{align}"
     )
-    places = [
-        str(f.location) for f in check_latex(model("planar-2r-perugia"), text, start=Location("notes.tex")).findings
-    ]
-    assert places == ["notes.tex:2:8", "notes.tex:3:8"]
+    found = check_latex(model("planar-2r-perugia"), text, start=Location("notes.tex")).findings
+    assert [str(f.location) for f in found] == ["notes.tex:2:8", "notes.tex:3:8"]
 
 
 def test_a_wrong_entry_comes_with_the_change_that_repairs_it() -> None:
@@ -67,14 +71,11 @@ def test_a_wrong_entry_comes_with_the_change_that_repairs_it() -> None:
     assert [verdict.repair.text for verdict in verdicts if verdict.repair] == ["sign: -a2*s12 instead of a2*s12"]
 
 
-def test_an_unknown_name_concerns_its_entry_only() -> None:
+def test_an_unknown_name_concerns_its_entry_only_and_one_defined_twice_means_what_stands_before() -> None:
     text = r"p = \begin{bmatrix} a_1 c_1 + a_7 c_{12} \\ a_1 s_1 + a_2 s_{12} \\ 0 \end{bmatrix}"
     first, *others = check_latex(model("planar-2r-perugia"), text).findings
     assert "unknown name 'a7'" in str(first.unknown)
     assert all(finding.verdict.equal for finding in others)
-
-
-def test_a_name_that_is_defined_twice_means_what_stands_before() -> None:
     text = r"h = a_1 c_1 \\ x = h + a_2 c_{12} \\ h = a_1 s_1 \\ y = h + a_2 s_{12}"
     assert [f.verdict.equal for f in check_latex(model("planar-2r-perugia"), text).findings] == [True, True]
 
@@ -98,16 +99,12 @@ def test_numbers_may_be_rounded_to_the_digits_that_are_printed(change: str, equa
     assert check_latex(puma, printed, "B[2,2]").findings[0].verdict.equal is equal
 
 
-def test_a_missing_small_term_is_no_rounding() -> None:
+def test_long_matrices_are_read_entry_by_entry_and_a_missing_small_term_is_no_rounding() -> None:
     puma = model("puma560-corke")
     printed = LatexPrinter(Notation.of(puma.robot)).latex(puma.quantity("B[2,2]"))
     assert "+ 0.00030216c_{4}^{2}" in printed
     lacking = printed.replace("+ 0.00030216c_{4}^{2}", "")
     assert not check_latex(puma, lacking, "B[2,2]").findings[0].verdict.equal
-
-
-def test_a_long_matrix_of_another_program_is_read_entry_by_entry() -> None:
-    puma = model("puma560-corke")
     findings = check_latex(puma, sympy.latex(puma.quantity("B")), "B").findings
     assert len(findings) == 36
     assert all(judge(finding).outcome is Outcome.SAME_FORM for finding in findings)
@@ -160,8 +157,164 @@ def test_the_order_of_the_indices_is_that_of_the_definition_in_the_text() -> Non
 def test_another_order_of_the_indices_is_named_where_it_fits() -> None:
     (finding,) = check_latex(model("planar-2r-perugia"), r"c_{112} = m_{l2} a_1 l_2 s_2").findings
     repair = judge(finding).repair
-    assert repair is not None
     assert repair.text.endswith("; or other order of the indices: it is christoffel[2,1,1]")
     (finding,) = check_latex(model("planar-2r-perugia"), r"c_{112} = 3 m_{l2} a_1 l_2 s_2").findings
     repair = judge(finding).repair
     assert repair is None or "indices" not in repair.text
+
+
+N = 3
+
+
+def meanings(text: str, n: int = N) -> list[Target]:
+    left = taken_apart(text)
+    return [] if left is None else list(candidates(left, n))
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity"),
+    [
+        (r"\mathbf{T}_3^0", "T[0,3]"),
+        (r"T^0_2", "T[0,2]"),
+        (r"^0T_2", "T[0,2]"),
+        (r"^{0}_{2}T", "T[0,2]"),
+        (r"T_e^b", "T"),
+        (r"\mathbf{A}_2^1(q_2)", "A[2]"),
+        (r"^{1}A_{2}", "A[2]"),
+        ("B(q)", "B"),
+        (r"\mathbf{C}(\mathbf{q}, \dot{\mathbf{q}})", "C"),
+        (r"\dot{\mathbf{B}}", "Bdot"),
+        (r"C(q,\dot q)\dot q", "Cqd"),
+        (r"\Gamma_{1,12}", "christoffel[1,1,2]"),
+        (r"\det(\mathbf{J})", "detJ"),
+        (r"\mathbf{J}_v^{\ell_2}", "Jv_com[2]"),
+        (r"J_{\omega_{c2}}", "Jw_com[2]"),
+        (r"\boldsymbol{\phi}_{\mathrm{RPY}}", "rpy"),
+    ],
+)
+def test_the_likeliest_meaning_comes_first(text: str, quantity: str) -> None:
+    assert meanings(text)[0] == Target(quantity)
+
+
+@pytest.mark.parametrize(
+    ("text", "target"),
+    [
+        ("b_{12}", Target("B", (1,), (2,))),
+        (r"\tau_2", Target("tau", (2,))),
+        ("p_x", Target("p", (1,))),
+        ("y", Target("p", (2,))),
+        ("n_z", Target("T", (3,), (1,))),
+        ("J_P", Target("J", (1, 2, 3))),
+        ("T_{14}", Target("T", (1,), (4,))),
+        (r"\mathbf{R}_2^0", Target("T[0,2]", (1, 2, 3), (1, 2, 3))),
+    ],
+)
+def test_parts_of_quantities(text: str, target: Target) -> None:
+    assert target in meanings(text)
+
+
+def test_frames_have_the_labels_of_the_joints_and_an_entry_is_one_formula() -> None:
+    left = taken_apart("T_6^3")
+    assert left is not None
+    assert candidates(left, 3, first=4)[0] == Target("T[0,3]")
+    assert is_scalar(Target("B", (1,), (2,)))
+    assert is_scalar(Target("g", (1,)))
+    assert not is_scalar(Target("B"))
+
+
+@pytest.mark.parametrize("text", ["a + b", r"\frac{a}{b}", "", "2", "T T"])
+def test_what_is_no_single_symbol_names_nothing(text: str) -> None:
+    assert meanings(text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "target"),
+    [
+        (r"\mathbf{J}^T", Target("J", turned=Turned.TRANSPOSED)),
+        (r"(\mathbf{T}^0_2)^{-1}", Target("T[0,2]", turned=Turned.INVERTED)),
+        (r"R_2^{0\top}", Target("T[0,2]", (1, 2, 3), (1, 2, 3), turned=Turned.TRANSPOSED)),
+        (r"^0R_2^{-1}", Target("T[0,2]", (1, 2, 3), (1, 2, 3), turned=Turned.INVERTED)),
+        (r"J^{-T}", Target("J", turned=Turned.BOTH)),
+        (r"M(q)^{-1}", Target("B", turned=Turned.INVERTED)),
+    ],
+)
+def test_transposes_and_inverses_are_those_of_what_is_known(text: str, target: Target) -> None:
+    assert target in meanings(text)
+    assert all(other.turned is target.turned for other in meanings(text))
+
+
+MODEL = Model(Robot.load("planar-2r-perugia"))
+MEANINGS = Meanings(MODEL)
+
+
+def values(text: str) -> list[object]:
+    left = taken_apart(text)
+    assert left is not None
+    return [right.value for target in MEANINGS.targets(left) if (right := MEANINGS.right(target))]
+
+
+def test_left_sides_and_names_of_entries_stand_for_what_is_derived() -> None:
+    assert MODEL.quantity("B") in values(r"\mathbf{B}(\mathbf{q})")
+    assert MODEL.quantity("B").extract([0], [1]) in values("b_{12}")
+    names = EntryNames(MEANINGS)
+    assert names["b12"] == expression_from_sympy(MODEL.quantity("B")[0, 1])
+    for name in ("b19", "a1b"):
+        with pytest.raises(KeyError):
+            names[name]
+
+
+def test_what_is_asked_about_agrees_with_its_entries_only_and_a_vector_fits_as_a_row_too() -> None:
+    (whole,) = (right for right in MEANINGS.asked("B") if right.rows == (1, 2))
+    assert whole.shown == "B"
+    lefts = filter(None, map(taken_apart, ("b_{12}", "g_1")))
+    entry, of_gravity = (next(r for t in MEANINGS.targets(left) if (r := MEANINGS.right(t))) for left in lefts)
+    assert entry.shown == "B[1,2]"
+    assert entry.agrees(whole)
+    assert not of_gravity.agrees(whole)
+    (gravity, *_) = MEANINGS.asked("g")
+    row = Table(((Entry(ZERO), Entry(ZERO)),))
+    assert gravity.fitting(row) == row.transposed
+    assert gravity.fitting(Table(((Entry(ZERO),),))) is None
+
+
+START = Location("notes.tex")
+
+
+def sides(text: str, document: bool = False) -> list[list[str]]:
+    return [[" ".join(side.text.split()) for side in e.sides] for e in equations(text, START, document=document)]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("a + b", [["a + b"]]),
+        ("x = a = b", [["x", "a", "b"]]),
+        (r"x = a, \quad y = b.", [["x", "a"], ["y", "b"]]),
+        (r"x = a \\ y = b", [["x", "a"], ["y", "b"]]),
+        (r"x = a \\ + b", [["x", "a + b"]]),
+        (r"x = (a \\ b)", [["x", "(a b)"]]),
+        (r"f(q, p) = a", [["f(q, p)", "a"]]),
+        (r"\begin{align} x &= a & y &= b \end{align}", [["x", "a"], ["y", "b"]]),
+        (r"\begin{align} x &= a \\ &= b \end{align}", [["x", "a", "b"]]),
+        (r"\begin{gather} x = a \\ y = b \end{gather}", [["x", "a"], ["y", "b"]]),
+        (r"\[ x := a \]", [["x", "a"]]),
+        (r"x = a \text{ where } y = b", [["x", "a"], ["y", "b"]]),
+        (r"Now $x = a$ and $y = b$.", [["x", "a"], ["y", "b"]]),
+    ],
+)
+def test_equations_and_their_sides(text: str, expected: list[list[str]]) -> None:
+    assert sides(text) == expected
+
+
+def test_prose_of_a_document_is_passed_over() -> None:
+    text = "\\begin{document} Let \\[ x = a \\] \\begin{itemize} \\item $n = 2$ \\end{itemize} \\end{document}"
+    assert sides(text, document=True) == [["x", "a"]]
+
+
+@pytest.mark.parametrize(
+    ("text", "column"), [(r"a \begin{foo} b \end{foo}", 3), (r"\begin{bmatrix} a", 1), (r"a \end{bmatrix}", 3)]
+)
+def test_environments_that_are_no_displays_are_refused(text: str, column: int) -> None:
+    with pytest.raises(CheckError) as caught:
+        list(equations(text, START))
+    assert caught.value.location == Location("notes.tex", 1, column)

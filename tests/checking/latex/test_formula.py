@@ -1,4 +1,4 @@
-"""LaTeX as notes print it: what is read, and what is refused with its place."""
+"""How LaTeX is read: grammar, names, pieces, matrices, typography."""
 
 from __future__ import annotations
 
@@ -7,16 +7,21 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pytest
+from lark.exceptions import UnexpectedInput
 
 from derive.checking.formulas.findings import same_form
 from derive.checking.latex.formula import read_latex
-from derive.errors import CheckError, UnknownNameError
+from derive.checking.latex.grammar import MisplacedError, parsed
+from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.names import LatexNames, Symbol
+from derive.checking.latex.pieces import MATRIX_MARK, Piece, display_piece
+from derive.checking.latex.typography import cleaned
+from derive.errors import CheckError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
-from derive.robot.expression import Expression
+from derive.robot.expression import Call, Expression, Name, Pi, add, multiply, negate
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
-from tests.lectures.results import ROBOT_FILES, document
-from tests.lectures.robot_results import corpus_file
+from tests.lectures.results import ROBOT_FILES, corpus_file, document
 
 SCARA = Robot.load("scara-perugia-zup")
 WRIST = Robot.load("spherical-wrist")
@@ -88,33 +93,26 @@ def test_what_is_not_understood_is_refused_at_its_place(latex: str, column: int,
     with pytest.raises(CheckError) as caught:
         read_latex(latex, SCARA)
     assert message in str(caught.value)
-    assert caught.value.location is not None
     assert (caught.value.location.line, caught.value.location.column) == (1, column)
 
 
-def test_an_unknown_name_is_told_from_what_cannot_be_read() -> None:
+def test_labels_are_those_of_the_joint_variables_and_other_names_unknown() -> None:
     with pytest.raises(UnknownNameError, match=r"<latex>:1:7: unknown name 'a7'.*did you mean"):
         read_latex("a_1 + a_7", SCARA)
+    assert read_latex(r"c_4 \cos\theta_5 \dot{q}_6", WRIST) == read_formula("c4*c5*qd6", WRIST)
+    with pytest.raises(UnknownNameError):
+        read_latex("c_1", WRIST)
 
 
-def test_names_are_matched_loosely_only_where_that_is_clear() -> None:
+def test_names_are_matched_loosely_only_where_that_is_clear_and_greek_angles_may_stand_in_an_index() -> None:
     robot = Robot.from_text("name: x\nconvention: standard\njoints: [{type: revolute, a: L_1, d: l_1, alpha: Izz1}]\n")
     assert read_latex("L_1 + l_1 + I_{1zz}", robot) == read_formula("L_1 + l_1 + Izz1", robot)
     clear = Robot.from_text("name: x\nconvention: standard\njoints: [{type: revolute, a: L_1}]\n")
     assert read_latex("l_1", clear) == read_formula("L_1", clear)
-
-
-def test_greek_angles_may_stand_in_the_index_of_a_cosine() -> None:
     robot = Robot.load("dh-general-usp")
     angle = next(name for name in robot_symbols(robot) if name.startswith("alpha"))
     latex = rf"c_{{\{angle[:5]}_{{{angle[5:]}}}}}"
     assert read_latex(latex, robot) == read_formula(f"cos({angle})", robot)
-
-
-def test_labels_are_those_of_the_joint_variables() -> None:
-    assert read_latex(r"c_4 \cos\theta_5 \dot{q}_6", WRIST) == read_formula("c4*c5*qd6", WRIST)
-    with pytest.raises(UnknownNameError):
-        read_latex("c_1", WRIST)
 
 
 @pytest.mark.parametrize(
@@ -130,11 +128,7 @@ def test_long_and_deep_formulas_are_read(text: str) -> None:
     assert read_latex(text, SCARA)
 
 
-# -- the corpus, as it was printed
-
-
 def cells(latex: str) -> Iterator[tuple[int, int, str]]:
-    """Entries of a printed matrix."""
     body = re.search(r"\\begin\{[bp]matrix\}(.*)\\end\{[bp]matrix\}", latex, re.DOTALL)
     for i, row in enumerate(body[1].split(r"\\") if body else (), 1):
         for j, cell in enumerate(row.split("&"), 1):
@@ -142,7 +136,6 @@ def cells(latex: str) -> Iterator[tuple[int, int, str]]:
 
 
 def formulas(latex: str) -> Iterator[str]:
-    """Right-hand sides of printed equations."""
     for part in re.split(r";|\\quad", latex):
         yield from (side.removesuffix("\\").strip() for side in part.split("=")[1:])
 
@@ -161,9 +154,7 @@ def printed_pairs() -> Iterator[tuple[str, Robot, str, list[Expression], Mapping
         for item in document(file)["expected"]:
             if "printed_as" not in item:
                 continue
-            short: dict[str, Expression] = {}
-            for name, text in item.get("abbreviations", {}).items():
-                short[name] = read_formula(text, robot)
+            short = {name: read_formula(text, robot) for name, text in item.get("abbreviations", {}).items()}
             plain = {place: read_formula(str(text), robot) for place, text in entries(item).items()}
             for i, j, cell in cells(item["printed_as"]):
                 if (i, j) in plain:
@@ -187,3 +178,159 @@ def test_the_printed_latex_says_what_the_plain_strings_say() -> None:
             different.append((file, latex))
     assert agreed >= 300, (agreed, different, unread)
     assert different == [], different
+
+
+ARM = Robot.from_text(
+    "name: arm\nconvention: standard\njoints:\n  - {type: revolute, a: l_1, alpha: alpha1}\n"
+    "  - {type: revolute, a: ml1}\n  - {type: prismatic}\n"
+)
+
+
+def meaning(text: str, dots: int = 0) -> Expression:
+    return LatexNames(ARM).meaning(Symbol(text, 0, dots))
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("pi", Pi()),
+        ("l_1", Name("l_1")),
+        ("l1", Name("l_1")),
+        ("m1l", Name("ml1")),
+        ("ML1", Name("ml1")),
+        ("theta2", Name("q2")),
+        ("q3", Name("q3")),
+        ("d3", Name("q3")),
+        ("c12", Call("cos", (add(Name("q1"), Name("q2")),))),
+        ("sq1q2", Call("sin", (add(Name("q1"), Name("q2")),))),
+        ("calpha1", Call("cos", (Name("alpha1"),))),
+    ],
+)
+def test_a_printed_name_stands_for_one_thing(text: str, expected: Expression) -> None:
+    assert meaning(text) == expected
+
+
+def test_dots_are_rates_and_two_ways_to_read_a_name_are_one_too_many() -> None:
+    assert meaning("theta1", 1) == Name("qd1")
+    assert meaning("q3", 2) == Name("qdd3")
+    robot = Robot.from_text("name: r\nconvention: standard\njoints: [{type: revolute, a: m_1, d: m_1_}]\n")
+    with pytest.raises(CheckError, match="two ways"):
+        LatexNames(robot).meaning(Symbol("m1", 0))
+    assert LatexNames(ARM).circular(Symbol("c", 0)) == "cos"
+    with_c = Robot.from_text("name: r\nconvention: standard\njoints: [{type: revolute, a: c}]\n")
+    assert LatexNames(with_c).circular(Symbol("c", 0)) == ""
+
+
+@pytest.mark.parametrize(("text", "dots"), [("zz", 0), ("theta3", 0), ("l1", 1), ("q1", 3)])
+def test_other_names_are_refused(text: str, dots: int) -> None:
+    with pytest.raises(CheckError):
+        meaning(text, dots)
+
+
+COLUMN = Table(((Entry(Name("a1")),), (Entry(Name("a2")),)))
+
+
+def made(text: str) -> Expression | Table:
+    tables = {i: COLUMN for i, sign in enumerate(text) if sign == MATRIX_MARK}
+    return parsed(text, LatexNames(SCARA), tables)
+
+
+@pytest.mark.parametrize(
+    ("latex", "plain"),
+    [(r"c_1^2 a_2", "c1**2*a2"), (r"\frac{a_1}{2}", "a1/2"), (r"c(\theta_1)^2", "c1**2"), (r"\dot\theta_1", "qd1")],
+)
+def test_a_formula_is_a_tree_in_the_order_of_print(latex: str, plain: str) -> None:
+    assert made(latex) == read_formula(plain, SCARA)
+
+
+def test_a_matrix_is_scaled_added_and_transposed_and_what_is_outside_the_grammar_refused() -> None:
+    table = made(f"2{MATRIX_MARK} + {MATRIX_MARK}")
+    assert isinstance(table, Table)
+    assert [row[0].formula for row in table.rows] == [read_formula(f"2*{a} + {a}", SCARA) for a in ("a1", "a2")]
+    assert made(f"{MATRIX_MARK}^T") == COLUMN.transposed
+    with pytest.raises(UnexpectedInput):
+        made("a_1 +")
+
+
+@pytest.mark.parametrize(("text", "offset"), [("a_1 + bogus_1", 6), ("2 3", 2), (r"a_1 \cos^{-1}\theta_1", 4)])
+def test_what_is_misplaced_says_where(text: str, offset: int) -> None:
+    with pytest.raises(MisplacedError) as caught:
+        made(text)
+    assert caught.value.offset == offset
+
+
+START = Location("notes.tex")
+
+
+def piece(text: str) -> Piece:
+    return display_piece(text, 0, len(text), text, START)
+
+
+def test_a_matrix_is_one_sign_with_entries_of_its_own_and_bars_make_a_determinant() -> None:
+    whole = piece(r"T = \begin{bmatrix} a & b \\ \frac{c}{d} & e \\ \end{bmatrix}^T")
+    assert whole.text.replace(" ", "") == f"T={MATRIX_MARK}^T"
+    cells = [[cell.text.strip() for cell in row] for row in whole.matrices[0].rows]
+    assert cells == [["a", "b"], [r"\frac{c}{d}", "e"]]
+    for text in (r"\begin{vmatrix} a \end{vmatrix}", r"\left| \begin{array}{c} a \end{array} \right|"):
+        assert piece(text.replace(r"\left", "").replace(r"\right", "")).matrices[0].is_determinant
+    assert not piece(r"\begin{bmatrix} a \end{bmatrix}").matrices[0].is_determinant
+
+
+def test_a_part_keeps_its_own_matrices_and_nested_environments_have_a_limit() -> None:
+    text = r"\begin{matrix} a \end{matrix} + \begin{matrix} b \\ c \end{matrix}"
+    whole = piece(text)
+    second = whole.part(whole.text.index("+"), len(whole.text))
+    entries = [row[0] for row in second.matrices[0].rows]
+    assert [text[entry.start : entry.end] for entry in entries] == ["b", "c"]
+    assert [t.strip() for t in second.texts] == [second.text.strip(), "b", "c"]
+    with pytest.raises(CheckError, match="nested too deeply"):
+        piece(r"\begin{split}" * 12 + "a" + r"\end{split}" * 12)
+
+
+a, b, c, d = map(Name, "abcd")
+
+
+def table(*rows: tuple[Name, ...]) -> Table:
+    return Table(tuple(tuple(Entry(name, name.name, 7) for name in row) for row in rows))
+
+
+def test_sums_products_transposes_and_determinants_of_tables() -> None:
+    square = table((a, b), (c, d))
+    assert square.transposed.rows[0][1].formula == c
+    assert square.plus(square).rows[0][0].formula == add(a, a)
+    assert square.times(table((a,), (b,))).rows[1][0].formula == add(multiply(c, a), multiply(d, b))
+    assert table((a, b), (c, d)).determinant.formula == add(multiply(a, d), negate(multiply(b, c)))
+    assert square.transposed.rows[0][0].text == "a"
+    assert square.changed(negate).rows[0][0] == Entry(negate(a), "", 7)
+    row = table((a, b))
+    for refused in (lambda: row.plus(row.transposed), lambda: row.times(row), lambda: row.determinant):
+        with pytest.raises(CheckError):
+            refused()
+
+
+@pytest.mark.parametrize(
+    ("typed", "left"),
+    [
+        (r"a_1 % a_2", "a_1"),
+        (r"\left( a_1 \right.", "( a_1"),
+        (r"\biggl[ a_1 \Bigr]", "[ a_1 ]"),
+        (r"\label{eq:x} a_1 \tag{1} \nonumber", "a_1"),
+        (r"\boxed{x = a_1}", "x = a_1"),
+        (r"\underbrace{a_1 + a_2}_{\text{length}} c_1", "{a_1 + a_2} c_1"),
+        (r"\frac{d}{d t} q_1{\left(t \right)}", r"\dot q_1"),
+        (r"\frac{d^{2}}{d t^{2}} q_1(t)", r"\ddot q_1"),
+        (r"\frac{d\theta_1}{dt} a_1", r"\dot {\theta_1} a_1"),
+        ("\\theta _1'(t)^2", "\\theta _1\ue001 ^2"),
+        (r"\operatorname{q_{1}}{\left(t \right)}", "{q_{1}}"),
+        ("a\u00b7b \u2212 c", "a*b - c"),
+        (r"\mathrm{sin}", r"\mathrm{sin}"),
+    ],
+)
+def test_only_what_means_something_stays(typed: str, left: str) -> None:
+    assert cleaned(typed).split() == left.split()
+    assert len(cleaned(typed)) == len(typed)
+
+
+def test_lines_stay_lines_and_t_is_a_name_where_the_robot_has_one() -> None:
+    assert cleaned("a % b\n\\left(c").count("\n") == 1
+    assert cleaned("q(t)", time=False) == "q(t)"

@@ -11,7 +11,7 @@ from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.robot.expression import Number
 from derive.robot.robot import Robot
 from tests.inverse.arms import PUBLISHED
-from tests.inverse.closed.test_graph import PLANAR, planar_graph
+from tests.inverse.closed.test_pool import PLANAR, planar_graph
 
 ORTHOGONAL = """
 name: orthogonal

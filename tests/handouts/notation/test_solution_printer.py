@@ -12,7 +12,7 @@ from derive.handouts.notation.solution_printer import (
 )
 from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.robot import Robot
-from tests.inverse.closed.test_graph import PLANAR, planar_graph
+from tests.inverse.closed.test_pool import PLANAR, planar_graph
 
 
 @pytest.fixture(scope="module")

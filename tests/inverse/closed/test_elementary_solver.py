@@ -1,16 +1,25 @@
-"""Elementary equations solved over floats: every value satisfies its equation, and coinciding ones are one."""
+"""Equations in one or two unknowns, and what is solved from them."""
 
 from __future__ import annotations
 
+from collections import Counter
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from derive.algebra.ring import Polynomial, Ring
+from derive.inverse.closed.branches import InverseSolver
+from derive.inverse.closed.conic import line_points
 from derive.inverse.closed.elementary_solver import CONIC_TERMS, Branch, Solver
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
+from derive.inverse.closed.formulas import Derivation
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Source
+from derive.inverse.closed.pairs import without_angle, without_length
+from derive.inverse.closed.pose import Pose
+from derive.inverse.closed.solve import solve
+from derive.inverse.numeric.chain import NumericChain
+from derive.robot.robot import Robot
 
 RING = Ring(("x",))
 SOURCE = Provenance(1, 2, "p.p")
@@ -30,6 +39,10 @@ def solved(kind: NodeKind, *equations: NodeEquation) -> list[Branch]:
     formula = NodeFormula(kind, equations)
     assert not solver.degenerate(formula)
     return [branch for branch in solver.solve(formula) if branch.exists]
+
+
+def solver_at(x: float) -> Solver:
+    return Solver(FloatField({}), lambda p: np.float64(sum(c * x ** e[0] for e, c in p.terms())), np.float64(1))
 
 
 def rest(equation: NodeEquation, branch: Branch) -> float:
@@ -91,8 +104,7 @@ def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(awa
     ring = Ring(("x",))
     x = ring.generator("x")
     terms = {(1, 0) if sine_or_cosine else (0, 1): ring.number(Fraction(2)), (0, 0): 2 - x * x}
-    solver = Solver(FloatField({}), lambda p: np.float64(sum(c * away ** e[0] for e, c in p.terms())), np.float64(1))
-    both = solver.solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 2, SOURCE),)))
+    both = solver_at(away).solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 2, SOURCE),)))
     assert all(branch.exists and not branch.boundary for branch in both)
     found = [branch.numbers[sine_or_cosine] for branch in both]
     np.testing.assert_allclose(found, np.array([1, -1]) * away * np.sqrt(1 - away**2 / 4), rtol=1e-12)
@@ -102,18 +114,14 @@ def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(awa
 def test_equations_that_are_one_turned_determine_an_angle_where_they_have_a_length(short: float, known: bool) -> None:
     x = Ring(("x",)).generator("x")
     rows = ({(1, 0): 3 * x, (0, 1): 4 * x, (0, 0): -5 * x}, {(1, 0): -4 * x, (0, 1): 3 * x})
-    solver = Solver(FloatField({}), lambda p: np.float64(sum(c * short ** e[0] for e, c in p.terms())), np.float64(1))
     formula = NodeFormula(NodeKind.TYPE_3, tuple(NodeEquation(row, 1, SOURCE) for row in rows))
-    assert bool(solver.degenerate(formula)) is not known
+    assert bool(solver_at(short).degenerate(formula)) is not known
 
 
 def test_a_length_that_may_be_negative_is_no_square_and_rounding_leaves_it_its_root() -> None:
     ring = Ring(("x",))
     terms = {(1, 0): ring.number(Fraction(1)), (0, 0): 1 - ring.generator("x")}
-    solver = Solver(
-        FloatField({}), lambda p: np.float64(sum(c * (-1e-16) ** e[0] for e, c in p.terms())), np.float64(1)
-    )
-    first, second = solver.solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 1, SOURCE),)))
+    first, second = solver_at(-1e-16).solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 1, SOURCE),)))
     assert (bool(first.exists), bool(first.boundary), bool(second.exists)) == (True, True, False)
 
 
@@ -129,3 +137,157 @@ def test_two_entries_of_a_rotation_are_nowhere_degenerate_and_nothing_is_compute
 
 def _refuse(p: Polynomial) -> np.float64:
     raise AssertionError(p)
+
+
+Array = np.ndarray
+
+
+def conics_through(angles: Array, random: np.random.Generator) -> list[Array]:
+    """Coefficients of a conic through four points of the circle each: two chords, and any multiple of the circle."""
+    first, second = (
+        [np.cos(0.5 * (a + b)), np.sin(0.5 * (a + b)), -np.cos(0.5 * (a - b))] for a, b in (angles[:2], angles[2:])
+    )
+    product = np.einsum("i...,j...->ij...", first, second)
+    product = product + np.swapaxes(product, 0, 1)
+    of_circle = random.normal(size=angles.shape[1])
+    diagonal = [product[0, 0] / 2 + of_circle, product[1, 1] / 2 + of_circle, product[2, 2] / 2 - of_circle]
+    return [diagonal[0], product[0, 1], diagonal[1], product[0, 2], product[1, 2], diagonal[2]]
+
+
+def points(coefficients: list[Array]) -> tuple[Array, Array]:
+    """Angles of the four points, not a number where there is none, and which are double."""
+    found = line_points(FloatField({}), coefficients)
+    angles = [np.where(exists, np.arctan2(sine, cosine), np.nan) for cosine, sine, exists, *_ in found]
+    return np.array(angles), np.array([double for *_, double, _ in found])
+
+
+def worst(angles: Array, wanted: Array) -> Array:
+    """How far each wanted point is from the nearest that was found, the largest of each conic."""
+    apart = np.abs(np.angle(np.exp(1j * (angles[:, None] - wanted[None]))))
+    return np.asarray(np.where(np.isnan(apart), np.inf, apart).min(axis=0).max(axis=0))
+
+
+@pytest.mark.parametrize(("gap", "error"), [(1.0, 1e-11), (1e-3, 1e-10), (0.0, 1e-11)])
+def test_two_points_that_are_close_are_as_exact_as_others(gap: float, error: float) -> None:
+    random = np.random.default_rng(3)
+    a = random.uniform(-3, 3, 500)
+    for order in ((0, 1, 2, 3), (0, 2, 1, 3)):
+        wanted = np.array([a, a + gap, a + 1.9, a - 1.7])
+        angles, double = points(conics_through(wanted[list(order)], random))
+        assert worst(angles, wanted).max() < error
+        assert double.any(axis=0).all() == (gap == 0)
+        assert (np.isfinite(angles).sum(axis=0) == (3 if gap == 0 else 4)).all()
+
+
+def test_four_right_angles_are_found_wherever_the_lines_are() -> None:
+    wanted = np.array([0.0, 0.5, 1.0, -0.5])[:, None] * np.pi
+    for order in ((0, 1, 2, 3), (0, 2, 1, 3), (0, 3, 1, 2)):
+        angles, _ = points(conics_through(wanted[list(order)], np.random.default_rng(1)))
+        assert worst(angles, wanted).max() < 1e-14
+
+
+def test_random_conics_have_as_many_points_as_their_quartics_have_real_roots() -> None:
+    cc, cs, ss, c, s, one = coefficients = list(np.random.default_rng(5).normal(size=(6, 400)))
+    ascending = np.array([cc + c + one, 2 * (cs + s), 2 * (one - cc) + 4 * ss, 2 * (s - cs), cc - c + one])
+    numbers = [int((abs(np.roots(row[::-1]).imag) < 1e-9).sum()) for row in ascending.T]
+    angles, _ = points(coefficients)
+    assert np.isfinite(angles).sum(axis=0).tolist() == numbers
+    assert set(numbers) == {0, 2, 4}
+    x, y = np.cos(angles), np.sin(angles)
+    assert np.nanmax(abs(cc * x * x + cs * x * y + ss * y * y + c * x + s * y + one)) < 1e-14
+
+
+def test_where_four_points_are_one_rounding_is_said_to_decide() -> None:
+    touching = [np.array([x]) for x in (2.0, 0.0, 1.0, -2.0, 0.0, 0.0)]  # c^2 + s^2 - 1 + (c - 1)^2
+    found = line_points(FloatField({}), touching)
+    assert all(np.all(doubt) for *_, doubt in found)
+    apart = [np.array([x]) for x in (1.0, 0.0, -1.0, 0.0, 0.0, 0.0)]
+    assert not any(np.any(doubt) for *_, doubt in line_points(FloatField({}), apart))
+
+
+def ring() -> Ring:
+    made = Ring(["s", "c", "r", "a", "x", "y", "z"])
+    made.relate_angle("s", "c")
+    return made
+
+
+def generators(made: Ring) -> list[Polynomial]:
+    return [made.generator(name) for name in ("c", "s", "r", "a", "x", "y", "z")]
+
+
+def test_a_pair_of_the_first_degree_loses_its_angle_or_its_slide() -> None:
+    made = ring()
+    c, s, _, a, x, y, z = generators(made)
+    found = without_angle(made, ("c", "s"), x * c + y * s - z, 2 * a * (x * s - y * c) - a)
+    assert found is not None
+    assert found == a * a * (4 * z * z + 1 - 4 * (x * x + y * y))
+    found = without_angle(made, ("c", "s"), a * c - x, z * s - y)
+    assert found == a * a * (y * y) + z * z * (x * x) - a * a * (z * z)
+    assert without_angle(made, ("c", "s"), a * c * s - x, z * s - y) is None
+    _, _, r, a, x, y, _ = generators(made)
+    found = without_length(made, "r", a * r - x, 2 * a * r - y)
+    assert found is not None
+    assert found == y - 2 * x
+    assert without_length(made, "r", a * r * r - x, a * r - y) is None
+    assert without_length(made, "r", x, a * r - y) is None
+
+
+def pose_of(name: str) -> Pose:
+    robot = Robot.load(name)
+    return Derivation(robot, robot.inverse.task).pose
+
+
+def test_a_rotation_has_two_numbers_with_parallel_axes_and_nine_in_space() -> None:
+    (a, b, x), (c, d, y), (u, v, z) = pose_of("scara-perugia").atoms.rotation
+    assert not any((x, y, u, v))
+    assert z.is_constant
+    assert z * z == 1
+    assert (a * d - b * c) * z in (a * a + c * c, -(a * a) - c * c)
+    entries = [entry for row in pose_of("puma560-corke").atoms.rotation for entry in row]
+    assert len({str(entry) for entry in entries}) == 9
+    assert not any(entry.is_constant for entry in entries)
+
+
+def test_what_is_defined_comes_after_what_it_needs() -> None:
+    known: set[str] = set()
+    definitions = pose_of("puma560-corke").definitions
+    for name, value in definitions.items():
+        used = {other for other, degree in zip(value.ring.names, value.degrees(), strict=True) if degree}
+        assert used & set(definitions) <= known
+        known.add(name)
+
+
+@pytest.mark.parametrize(
+    ("joints", "task"),
+    [
+        ("{type: revolute, a: 0.5}, {type: revolute, a: 0.5}", "[x, y]"),
+        ("{type: revolute, d: 0.3, alpha: pi/2}, {type: revolute, a: 0.5}, {type: revolute, a: 0.5}", "position"),
+        ("{type: revolute, d: 0.3, alpha: pi/2}, {type: revolute, a: 1}", "[x, z]"),
+        ("{type: revolute, d: 1, alpha: pi/2}, {type: revolute, a: 1}, {type: revolute, a: 1}", "position"),
+    ],
+)
+def test_equal_lengths_do_not_make_a_position_depend_on_the_orientation(joints: str, task: str) -> None:
+    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{joints}]\ninverse: {{task: {task}}}\n")
+    solver = InverseSolver.of(robot, solve(robot))
+    pose = NumericChain.of(robot).pose_and_jacobian(np.full((1, robot.n), 0.7))[0][0]
+    found = solver.solve(pose)
+    pose[:3, :3] = [[0, 0.6, 0.8], [1, 0, 0], [0, 0.8, -0.6]]
+    assert found.status.any()
+    assert solver.solve(pose).q == pytest.approx(found.q, nan_ok=True)
+
+
+@pytest.mark.parametrize("name", ["planar-3r", "puma560-corke"])
+def test_each_joint_follows_from_those_before_it_and_sums_are_those_of_their_joints(name: str) -> None:
+    robot = Robot.load(name)
+    graph = Derivation(robot, robot.inverse.task).graph()
+    assert [graph.joint_node(k).unknown.joints for k in range(robot.n)] == [(k,) for k in range(robot.n)]
+    sums = [node for node in graph.nodes if node.kind is Kind.SUM]
+    assert sums
+    for node in graph.nodes:
+        assert all(need < node.index for need in node.needs)
+    for node in sums:
+        total: Counter[int] = Counter()
+        for part, sign in node.formulas[0].parts:
+            total.update({joint: sign * own for joint, own in zip(part.joints, part.signs, strict=True)})
+        wanted = dict(zip(node.unknown.joints, node.unknown.signs, strict=True))
+        assert {joint: count for joint, count in total.items() if count} == wanted

@@ -44,20 +44,33 @@ def test_the_order_and_the_number_of_solutions_are_those_of_books(name: str, unk
     assert (graph.count, graph.leaves, graph.complete) == (count, count, True)
 
 
+def numbers_of(robot: Robot, rng: np.random.Generator) -> dict[str, float]:
+    """A number for every symbol, a random one where the file has none."""
+    values = dict(parameter_values(robot))
+    missing = (symbol for symbol in free_symbols(robot) if symbol not in values)
+    return values | {symbol: float(rng.uniform(0.2, 1)) for symbol in missing}
+
+
+def run_at(graph: SolutionGraph, pose: np.ndarray, values: dict[str, float], given: Any = ()) -> Run:
+    return Run(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose], list(map(np.float64, given)))
+
+
+def assert_the_solutions_are_those_of(graph: SolutionGraph, q: np.ndarray, values: dict[str, float]) -> None:
+    """The configuration is among them, and all lead to its pose."""
+    pose = _pose(graph.robot, q, values)
+    run = run_at(graph, pose, values)
+    found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
+    assert 0 < len(found) <= graph.count
+    assert max(np.abs(_pose(graph.robot, other, values) - pose).max() for other in found) < 1e-10
+    assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
+
+
 @pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "puma560-usp", "anthropomorphic-wrist", "kuka-kr5"])
 def test_the_configuration_is_among_the_solutions_and_all_lead_to_its_pose(name: str) -> None:
-    robot = Robot.load(name)
-    graph, rng = solve(robot), np.random.default_rng(5)
-    values = dict(parameter_values(robot))
-    values.update({symbol: float(rng.uniform(0.2, 1)) for symbol in free_symbols(robot) if symbol not in values})
+    robot, rng = Robot.load(name), np.random.default_rng(5)
+    values = numbers_of(robot, rng)
     for _ in range(5):
-        q = rng.uniform(-3, 3, robot.n)
-        pose = _pose(robot, q, values)
-        run = GraphWalk(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
-        found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
-        assert 0 < len(found) <= graph.count
-        assert max(np.abs(_pose(robot, other, values) - pose).max() for other in found) < 1e-10
-        assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
+        assert_the_solutions_are_those_of(solve(robot), rng.uniform(-3, 3, robot.n), values)
 
 
 def test_who_asks_again_has_the_same_graph_and_another_task_another_one() -> None:
@@ -72,16 +85,13 @@ def _pose(robot: Robot, q: np.ndarray, values: dict[str, float]) -> np.ndarray:
     return np.array(value_at(replace(robot, parameters=numbers), "T", list(q)))
 
 
-def test_of_a_redundant_arm_the_swivel_of_the_elbow_is_given_or_the_last_joint() -> None:
+def test_of_a_redundant_arm_the_swivel_of_the_elbow_is_given_or_the_last_joint_and_too_few_are_refused() -> None:
     assert solve(Robot.load("kuka-lwr4")).given == (2,)
     planar = Robot.load("planar-3r")
     graph = solve(planar, ("x", "y"))
     assert graph.given == (2,)
     assert graph.count == 2
     assert solve(planar, ("x", "y", "phi")).count == 2
-
-
-def test_given_joints_that_leave_others_free_are_refused() -> None:
     with pytest.raises(QuantityError, match=r"1 joint more to be given of q1, q2, q3"):
         solve(Robot.load("planar-3r"), ("x", "y"), ())
 
@@ -138,13 +148,11 @@ joints:
 def test_at_singular_poses_there_is_a_solution_and_joints_that_are_free_are_said_to_be(name: str) -> None:
     robot = Robot.from_text(PARALLEL_WHEN_STRAIGHT) if name == "parallel-when-straight" else Robot.load(name)
     graph, rng = solve(robot), np.random.default_rng(8)
-    values = dict(parameter_values(robot))
-    values.update({symbol: float(rng.uniform(0.2, 1)) for symbol in free_symbols(robot) if symbol not in values})
-    free = 0
+    values, free = numbers_of(robot, rng), 0
     for _ in range(12):
         q = rng.choice([0, np.pi / 2, -np.pi / 2, np.pi, 0.7], robot.n)
         pose = _pose(robot, q, values)
-        run = GraphWalk(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
+        run = run_at(graph, pose, values)
         found = [leaf for leaf in run.leaves() if leaf.exists]
         rests = [np.abs(_pose(robot, np.array(run.angles(leaf)), values) - pose).max() for leaf in found]
         assert min(rests) < 1e-7
@@ -171,12 +179,7 @@ def test_a_wrist_on_three_skew_axes_has_the_quartic_of_pieper() -> None:
     assert graph.nodes[0].kind == "conic"
     assert order(graph)[0] == "3"
     assert (graph.leaves, graph.count) == (8, 8)
-    q = rng.uniform(-3, 3, 6)
-    pose = _pose(robot, q, {})
-    run = GraphWalk(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose])
-    found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
-    assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
-    assert max(np.abs(_pose(robot, other, {}) - pose).max() for other in found) < 1e-9
+    assert_the_solutions_are_those_of(graph, rng.uniform(-3, 3, 6), {})
 
 
 def test_a_given_joint_may_have_an_offset() -> None:
@@ -185,9 +188,7 @@ def test_a_given_joint_may_have_an_offset() -> None:
     graph = solve(robot, ("x", "y", "z"), (2, 3, 4, 5))
     assert graph.count == 1
     q = np.array([0.3, -1.2, 0.4, 0.5, 0.6, 0.7])
-    pose = _pose(robot, q, {})
-    given = [np.float64(x) for x in q[2:]]
-    run = GraphWalk(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose], given)
+    run = run_at(graph, _pose(robot, q, {}), {}, q[2:])
     assert min(np.abs(np.array(run.angles(leaf)) - q).max() for leaf in run.leaves() if leaf.exists) < 1e-9
 
 

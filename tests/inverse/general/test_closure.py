@@ -1,11 +1,26 @@
-"""Numbers carried around the loop, and the equations from which joints are eliminated."""
+"""Closure, elimination and candidates of a general arm."""
+
+from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from derive.inverse.general.candidates import candidates, finished
+from derive.inverse.general.choice import eliminations
 from derive.inverse.general.closure import Loop, closures, middle_part
-from derive.inverse.general.rigid_motion import joint_motion, motion_by, pose_features
-from tests.inverse.general.test_rigid_motion import random_frames
+from derive.inverse.general.elimination import EigenProblem
+from derive.inverse.general.rigid_motion import (
+    BESIDE,
+    axis_action,
+    beside,
+    frame_action,
+    inverse_features,
+    joint_motion,
+    motion_by,
+    point_action,
+    pose_features,
+    rigid_inverse,
+)
 
 PRIME = 2147483647
 
@@ -70,15 +85,12 @@ def test_residues_follow_the_same_path_as_floats():
         assert (carried == loop.settle(way.unknown_part(loop, pose_features(pose)).reshape(15, 27) @ right)).all()
 
 
-def test_a_loop_read_from_another_joint_has_the_same_configurations():
+def test_a_loop_may_be_read_from_another_joint_and_locked_joints_become_part_of_its_gaps():
     loop = random_loop("RRRPRR")
     q = np.random.default_rng(4).uniform(-2, 2, 6)
     motions = [motion_by(turns, x) for turns, x in zip(loop.revolute, q, strict=True)]
     turned, constant = loop.rotated(2, loop.pose(motions)[None])
     np.testing.assert_allclose(turned.pose(motions[2:] + motions[:2]), constant, atol=1e-12)
-
-
-def test_locked_joints_become_part_of_the_gaps():
     loop = random_loop("RRRRRRR")
     q = np.random.default_rng(5).uniform(-2, 2, 7)
     motions = [motion_by(True, x) for x in q]
@@ -96,3 +108,111 @@ def test_the_middle_of_three_joints_moves_what_the_last_one_carries():
     moved = near @ motion_by(True, -way.direction * q[1]) @ far
     seen = np.einsum("k,kj->j", (1, np.cos(q[1]), np.sin(q[1])), parts)
     np.testing.assert_allclose(seen, carried.action(moved) @ carried.start, atol=1e-12)
+
+
+def random_frames(random, count):
+    """Rigid motions, (count, 4, 4)."""
+    frames = np.tile(np.eye(4), (count, 1, 1))
+    for k in range(count):
+        rotation = np.linalg.qr(random.normal(size=(3, 3)))[0]
+        frames[k, :3, :3] = rotation * np.linalg.det(rotation)
+        frames[k, :3, 3] = random.normal(size=3)
+    return frames
+
+
+def axis_numbers(u, p):
+    """The fifteen numbers by their definition."""
+    return np.concatenate([[1], u, p, [p @ p, p @ u], np.cross(p, u), (p @ p) * u - 2 * (p @ u) * p])
+
+
+def test_axis_action_maps_the_numbers_of_an_axis_to_those_of_the_moved_axis():
+    random = np.random.default_rng(1)
+    for frame in random_frames(random, 5):
+        u, p = random.normal(size=3), random.normal(size=3)
+        moved = axis_numbers(frame[:3, :3] @ u, frame[:3, :3] @ p + frame[:3, 3])
+        np.testing.assert_allclose(axis_action(pose_features(frame)) @ axis_numbers(u, p), moved, atol=1e-12)
+
+
+@pytest.mark.parametrize("action", [axis_action, frame_action, point_action])
+def test_actions_of_motions_one_after_the_other_are_multiplied(action):
+    first, second = random_frames(np.random.default_rng(2), 2)
+    one, two, both = (action(pose_features(frame)) for frame in (first, second, first @ second))
+    np.testing.assert_allclose(both, one @ two, atol=1e-12)
+    back = action(inverse_features(pose_features(first)))
+    np.testing.assert_allclose(back @ one, np.eye(len(one)), atol=1e-12)
+    np.testing.assert_allclose(back, action(pose_features(rigid_inverse(first))), atol=1e-12)
+
+
+def test_poses_beside_are_poses_at_a_small_distance_that_grows_with_the_unit():
+    frames = random_frames(np.random.default_rng(5), 4)
+    unit = np.array([1.0, 2.0, 10.0, 1e-3])
+    for which in range(len(BESIDE)):
+        moved = beside(frames, which, unit)
+        turn = moved[:, :3, :3] @ frames[:, :3, :3].transpose(0, 2, 1)
+        np.testing.assert_allclose(turn @ turn.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (4, 3, 3)), atol=1e-15)
+        shift = moved[:, :3, 3] - (turn @ frames[:, :3, 3:])[..., 0]
+        np.testing.assert_allclose(shift / unit[:, None], np.broadcast_to(shift[0], (4, 3)), atol=1e-12)
+        assert 1e-4 < np.abs(turn - np.eye(3)).max() < 0.1
+        assert (moved[:, 3] == (0, 0, 0, 1)).all()
+
+
+@pytest.mark.parametrize("types", ["RRRRRR", "PRRPRR", "RRRRR"])
+def test_the_hidden_joint_is_among_the_eigenvalues_and_the_others_in_the_eigenvector(types):
+    loop = random_loop(types)
+    q = np.random.default_rng(2).uniform(-2, 2, loop.n)
+    pose = pose_of(loop, q)
+    tried = sorted(eliminations(loop, pose), key=lambda each: each.eigenvalues)[:6]
+    assert tried
+    for elimination in tried:
+        problem = EigenProblem.of(loop, elimination)
+        values, vectors, turn, singular = problem.eigen(pose)
+        assert not singular.any()
+        assert values.shape == (1, elimination.eigenvalues)
+        hidden = q[elimination.hidden]
+        wanted = np.tan((hidden - turn[0]) / 2) if loop.revolute[elimination.hidden] else hidden
+        which = np.abs(values[0] - wanted).argmin()
+        assert abs(values[0, which] - wanted) < 1e-6 * (1 + wanted**2)
+        product = np.ones(1)
+        for joint, size in zip(problem.others, problem.shape, strict=True):
+            x = q[joint]
+            line = (1, np.cos(x), np.sin(x)) if loop.revolute[joint] else (1, x, x * x, x**3)[:size]
+            if size == 4 and loop.revolute[joint]:
+                line = (np.cos(1.5 * x), np.sin(1.5 * x), np.cos(0.5 * x), np.sin(0.5 * x))
+            product = np.multiply.outer(product, line).reshape(-1)
+        vector = vectors[0, :, which]
+        parallel = abs(np.vdot(vector, product)) / np.linalg.norm(vector) / np.linalg.norm(product)
+        assert parallel > 1 - 1e-6
+
+
+def apart(loop, joints, q):
+    """Differences of joints from q, full turns aside; NaN where a joint is not known."""
+    difference = joints - q
+    return np.abs(np.where(loop.revolute, 2 * np.sin(difference / 2), difference))
+
+
+@pytest.mark.parametrize("types", ["RRRRRR", "PRRPRR", "RRRRR"])
+def test_a_configuration_is_among_the_candidates_of_its_pose_first_in_part_and_then_whole(types):
+    loop = random_loop(types)
+    q = np.random.default_rng(7).uniform(-2, 2, (3, loop.n))
+    pose = np.concatenate([pose_of(loop, one) for one in q])
+    elimination = min(eliminations(loop, pose[:1]), key=lambda each: each.eigenvalues)
+    problem = EigenProblem.of(loop, elimination)
+    found = candidates(problem, pose)
+    known = list(elimination.unknowns)
+    whole = finished(problem, found, pose)
+    assert np.isnan(np.delete(found.joints, known, axis=1)).all()
+    assert not found.doubtful.any()
+    for place, one in enumerate(q):
+        part = apart(loop, found.joints[found.place == place], one)[:, known]
+        assert part.max(axis=1).min() < 1e-6
+        assert apart(loop, whole.joints[whole.place == place], one).max(axis=1).min() < 1e-6
+
+
+def test_the_joints_of_an_arm_whose_position_is_wanted_follow_from_linear_equations():
+    loop = random_loop("RRR").with_tip
+    q = np.array([0.4, -1.1, 0.8])
+    pose = pose_of(random_loop("RRR"), q)
+    elimination = min(eliminations(loop, pose), key=lambda each: each.eigenvalues)
+    problem = EigenProblem.of(loop, elimination)
+    whole = finished(problem, candidates(problem, pose), pose)
+    assert apart(loop, whole.joints, np.append(q, 0.0)).max(axis=1).min() < 1e-6

@@ -1,6 +1,12 @@
-"""Arms that no order of one-joint equations solves."""
+"""The search of all solutions of a general arm, the choice of its elimination, and their number."""
+
+from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
+import warnings
 from dataclasses import replace
 from functools import cache
 
@@ -12,19 +18,22 @@ from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
 from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.general.candidates import finished
-from derive.inverse.general.choice import find_general
+from derive.inverse.general.choice import eliminations, find_general
+from derive.inverse.general.count import count_solutions, residue_loop
 from derive.inverse.general.search import GeneralSolution, _distinct, free_loop, scaled
-from derive.inverse.numeric.chain import POSE, NumericChain
+from derive.inverse.numeric.chain import POSE, POSITION, NumericChain
 from tests.inverse.arms import PUBLISHED, random_arm
+from tests.inverse.general.test_closure import pose_of, random_loop
 from tests.inverse.truth import AllSolutions, Chain
+from tests.places import ROOT
+from tests.random_robots import swept
 
 CASES = {case.name: case for case in PUBLISHED}
 
 
 @cache
 def solution_of(name) -> tuple[NumericChain, GeneralSolution]:
-    """An arm's numbers and its eliminations."""
-    case = CASES[name] if name in CASES else random_arm(name.split()[0], int(name.split()[1]))
+    case = case_of(name)
     chain = NumericChain.of(case.robot(choice=False), case.values)
     found = find_general(chain, case.given)
     assert found
@@ -32,25 +41,18 @@ def solution_of(name) -> tuple[NumericChain, GeneralSolution]:
 
 
 def configurations(chain, count, seed=0):
-    """Random configurations, slides within the reach."""
     span = np.where(chain.revolute, math.pi, 0.5 * chain.reach)
     return np.random.default_rng(seed).uniform(-span, span, (count, chain.n))
 
 
 def distance(chain, a, b):
-    """Of configurations, full turns aside."""
     apart = np.abs(a - b)
     return np.where(chain.revolute, np.minimum(apart, 2 * math.pi - apart), apart).max(axis=-1)
 
 
 ARMS = [
     "jaco",
-    pytest.param("manseur-doty", marks=pytest.mark.sweep),
-    pytest.param("crx-10ia", marks=pytest.mark.sweep),
-    pytest.param("5R1P-general 0", marks=pytest.mark.sweep),
-    pytest.param("4R2P-general 1", marks=pytest.mark.sweep),
-    pytest.param("6R-wrist-middle 0", marks=pytest.mark.sweep),
-    pytest.param("panda", marks=pytest.mark.sweep),
+    *swept("manseur-doty", "crx-10ia", "5R1P-general 0", "4R2P-general 1", "6R-wrist-middle 0", "panda"),
 ]
 
 
@@ -67,10 +69,16 @@ def test_every_configuration_is_among_the_solutions_of_its_pose(name):
     assert not np.isnan(found[exists]).any()
 
 
-def test_joints_that_are_given_keep_their_numbers_beyond_a_turn_too():
+def test_joints_that_are_given_keep_their_numbers_and_stand_in_the_gaps_of_the_free_loop():
     chain = NumericChain.of(CASES["jaco"].robot(choice=False), {})
     table = np.full((1, 2, chain.n), 4.0)
     assert (_distinct(table, chain, (2,))[0, 0] == [4.0 - 2 * math.pi] * 2 + [4.0] + [4.0 - 2 * math.pi] * 3).all()
+    case = CASES["panda"]
+    chain = NumericChain.of(case.robot(choice=False))
+    q = configurations(chain, 3)
+    loop, free = free_loop(chain, case.given, q[:, list(case.given)])
+    assert loop.n == 6
+    assert list(free) == [i for i in range(7) if i not in case.given]
 
 
 def test_no_solution_is_lost_where_an_elimination_is_so_inexact_that_its_candidates_are_only_near(monkeypatch):
@@ -168,15 +176,6 @@ def test_units_of_length_make_no_difference():
         assert all(distance(chain, other, each).min() < 1e-7 for each in one)
 
 
-def test_the_free_loop_has_the_given_joints_in_its_gaps():
-    case = CASES["panda"]
-    chain = NumericChain.of(case.robot(choice=False))
-    q = configurations(chain, 3)
-    loop, free = free_loop(chain, case.given, q[:, list(case.given)])
-    assert loop.n == 6
-    assert list(free) == [i for i in range(7) if i not in case.given]
-
-
 def test_a_general_node_runs_in_the_graph_of_its_arm():
     case = CASES["manseur-doty"]
     robot = case.robot(choice=False)
@@ -191,3 +190,113 @@ def test_a_general_node_runs_in_the_graph_of_its_arm():
     assert len(found) == 16
     apart = [np.where(exists, distance(chain, own, q), 9.0) for own, exists in found]
     assert (np.min(apart, axis=0) < 1e-6).all()
+
+
+@pytest.mark.parametrize("types", ["RRRRRR", "RRPRRR"])
+def test_a_general_arm_has_sixteen_eigenvalues(types):
+    loop = random_loop(types)
+    pose = pose_of(loop, np.random.default_rng(1).uniform(-2, 2, 6))
+    assert min(each.eigenvalues for each in eliminations(loop, pose)) == 16
+
+
+def test_the_best_elimination_is_first_and_no_two_hide_the_same_joint():
+    arm = next(case for case in PUBLISHED if case.name == "jaco")
+    found = find_general(NumericChain.of(arm.robot(choice=False), arm.values))
+    places = [(each.start, each.hidden) for each in found]
+    assert len(set(places)) == len(places) > 1
+    assert found[0].eigenvalues == 16
+    for each in found:
+        kept = [joint for joint in each.unknowns if joint != each.hidden]
+        sizes = [(2 if joint in each.straight else 3) + (joint == each.multiplied) for joint in kept]
+        assert sum(each.rows) == math.prod(sizes)
+
+
+def test_an_arm_of_two_joints_has_no_elimination():
+    loop = random_loop("RR")
+    chain = NumericChain(
+        np.array([True, True]), np.ones(2), np.array(loop.gaps[:2]), loop.gaps[2], np.full((2, 2), (-math.pi, math.pi))
+    )
+    assert find_general(chain) == ()
+
+
+CHOICE = """
+from derive.inverse.general.choice import find_general
+from derive.inverse.numeric.chain import NumericChain
+from tests.inverse.arms import PUBLISHED
+from tests.places import ROOT
+for case in PUBLISHED:
+    if case.name in ("crx-10ia", "jaco"):
+        print(find_general(NumericChain.of(case.robot())))
+"""
+
+
+@pytest.mark.sweep
+def test_no_rounding_of_a_processor_decides_which_elimination_is_taken() -> None:
+    """Kernels of OpenBLAS for other processors round otherwise; where the variable means nothing all are the same."""
+    found = set()
+    for processor in ("Haswell", "Prescott", "SkylakeX"):
+        kernels = {"OPENBLAS_CORETYPE": processor, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
+        command = [sys.executable, "-c", CHOICE]
+        said = {"capture_output": True, "text": True, "check": True}
+        found.add(subprocess.run(command, env=os.environ | kernels, cwd=ROOT, **said).stdout)
+    assert len(found) == 1
+
+
+@pytest.mark.sweep
+def test_joints_that_are_nowhere_near_a_solution_are_tried_in_silence() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert find_general(NumericChain.of(random_arm("6DOF-P-other", 1505).robot()))
+
+
+COUNTS = [
+    ("manseur-doty", 16),
+    *swept(("puma560", 8), ("crx-10ia", 16), ("jaco", 16), ("panda", 8)),
+    *swept(("5R1P-general 0", 16), ("4R2P-general 1", 8), ("5dof 1", 2)),
+]
+"""Known from the literature, or by continuation of all solutions over the complex numbers (`tests.inverse.truth`)."""
+
+POSITIONS = {6: 2, 7: 4}
+"""Random arms of three joints whose end's position is wanted: P-R-P without squares of lengths, R-R-R."""
+
+
+def case_of(name):
+    """A published arm, or one of a class by ``class number``."""
+    return CASES[name] if name in CASES else random_arm(name.split()[0], int(name.split()[1]))
+
+
+@pytest.mark.parametrize(("name", "count"), COUNTS)
+def test_eliminations_that_count_agree_with_the_known_number(name, count):
+    case = case_of(name)
+    robot = case.robot(choice=False)
+    chain = NumericChain.of(robot, case.values)
+    q = np.random.default_rng(1).uniform(-1, 1, (1, chain.n))
+    loop, _ = free_loop(chain, case.given, q[:, list(case.given)])
+    pose = scaled(chain.pose_and_jacobian(q)[0], chain.reach)
+    found = sorted(eliminations(loop, pose), key=lambda each: (each.eigenvalues, each.hidden))
+    numbers = {count_solutions(robot, each, case.given, seed) for each in found[::5] for seed in (0, 1)}
+    assert numbers - {0} == {count}
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize(("number", "count"), POSITIONS.items())
+def test_positions_of_three_joints_have_as_many_solutions_as_continuation_finds(number, count):
+    case = random_arm("3dof-spatial-position", number)
+    robot = case.robot(choice=False)
+    chain = NumericChain.of(robot, case.values)
+    found = find_general(chain, (), POSITION)
+    assert {count_solutions(robot, each, tip=True) for each in found} == {count}
+    general = GeneralSolution((), POSITION, found, count)
+    q = np.random.default_rng(2).uniform(-1, 1, (5, 3))
+    solutions = general.solve(chain, chain.pose_and_jacobian(q)[0])
+    for mine, true in zip(solutions, AllSolutions(Chain(case.arm, POSITION)).real(q)[0], strict=True):
+        mine = mine[np.isfinite(mine[:, 0])]
+        assert len(mine) == len(true)
+        assert all(np.abs(np.sin((mine - one) / 2)).max(axis=1).min() < 1e-6 for one in true)
+
+
+def test_the_loop_modulo_a_prime_has_orthogonal_gaps():
+    loop = residue_loop(case_of("crx-10ia").robot(choice=False))
+    for gap in loop.gaps:
+        square = (gap[:3, :3].T @ gap[:3, :3]) % loop.prime
+        assert (square == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]).all()

@@ -1,4 +1,4 @@
-"""Damped Newton from many starts: every branch, double roots, self-motions, limits, and what is out of reach."""
+"""Inverse kinematics by Newton's method."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import pytest
 
 from derive.inverse.numeric.chain import POSITION, NumericChain, Problem
 from derive.inverse.numeric.newton import Status, fit, polish, solve
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
-from tests.inverse.numeric.test_chain import oracle_arm
 
 RNG = np.random.default_rng(3)
 
@@ -101,3 +101,20 @@ def test_what_is_no_pose_is_refused(pose):
         solve(chain, pose)
     with pytest.raises(ValueError, match="given joints are 0 to 1"):
         solve(chain, np.eye(4), given={2: 0.0})
+
+
+def oracle_arm(robot, parameters):
+    """The oracle's arm; masses and the like do not matter."""
+    return numeric_arm(robot, {**dict.fromkeys(free_symbols(robot), 1.0), **parameters})
+
+
+def test_pose_and_slopes_are_those_of_the_independent_recursion():
+    robot = Robot.load("stanford-deluca")
+    values = {"d1": 0.4, "d2": 0.15, "d6": 0.26}
+    chain, arm = NumericChain.of(robot, values), oracle_arm(robot, values)
+    q = RNG.uniform(-2, 2, (3, 6))
+    pose, slope = chain.pose_and_jacobian(q)
+    assert np.allclose(pose, forward_kinematics(arm, q), atol=1e-14)
+    step = 1e-30j * np.eye(6)
+    exact = forward_kinematics(arm, q[:, None, :] + step).imag[..., :3, :] / 1e-30
+    assert np.allclose(slope, exact, atol=1e-13)

@@ -1,8 +1,10 @@
-"""Elementary equations are solved in print as they are in numbers, in the forms of textbooks."""
+"""Elementary equations, their origins and solutions in words."""
 
 from __future__ import annotations
 
+import random
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import mpmath
@@ -10,8 +12,17 @@ import pytest
 import sympy
 
 from derive.algebra.ring import Polynomial, Ring
+from derive.inverse.closed.nodes import Source
+from derive.inverse.words.derivation import Derivation, pose_names
 from derive.inverse.words.elementary import Scribe, Sign, Solved
+from derive.inverse.words.origins import Form, Origin, origin
+from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.point import value_of
+from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.model.model import Model
+from derive.robot.options.style import Contraction
+from derive.robot.robot import Robot
+from tests.inverse.closed.test_pool import PLANAR, planar_graph
 
 NAMES = ("x", "y", "a", "b", "d")
 RING = Ring(NAMES)
@@ -117,16 +128,184 @@ def test_names_clash_with_nothing() -> None:
     assert by.name(("D", "E", "F"), "2") == "D_1"
 
 
-def test_a_law_of_cosines_has_the_form_of_textbooks() -> None:
+def test_laws_of_cosines_and_offsets_beside_an_axis_have_the_form_of_textbooks() -> None:
     by = scribe()
     solved = by.one_equation("2", (2 * a * b, zero, x * x + y * y - a * a - b * b))
     assert str(by.lines[0].symbol) == "D"
     assert str(by.lines[0].value) == "(-a**2 - b**2 + x**2 + y**2)/(2*a*b)"
     assert str(solved.value) == "atan2(epsilon_2*sqrt(1 - D**2), D)"
-
-
-def test_an_offset_beside_an_axis_has_the_form_of_textbooks() -> None:
-    by = scribe()
     solved = by.one_equation("1", (y, -x, d))
     assert str(solved.value) == "-atan2(d, epsilon_1*sqrt(-d**2 + x**2 + y**2)) + atan2(y, x)"
     assert str(solved.exists) == "x**2 + y**2 >= d**2"
+
+
+OFFSETS = """
+name: offsets
+convention: modified
+units: {angle: deg}
+joints:
+  - {type: revolute, theta: q1 - 172.22}
+  - {type: revolute, theta: q2 - 102.78, a: 0.3}
+  - {type: revolute, a: 0.25}
+"""
+"""An arm whose first two angles together have the offset -275 degrees."""
+
+
+def test_the_equations_of_a_step_hold_the_unknown_on_their_left_and_what_is_known_on_their_right() -> None:
+    robot = Robot.from_text(PLANAR)
+    steps = Derivation(planar_graph(), robot, robot.style).steps
+    assert [step.unknown for step in steps] == list(sympy.symbols("q2 q1"))
+    q1, q2, a1, a2, px, py = sympy.symbols("q1 q2 a1 a2 px py")
+    assert steps[0].equations[0].left == 2 * a1 * a2 * sympy.cos(q2)
+    assert steps[0].equations[0].right == px**2 + py**2 - a1**2 - a2**2
+    assert [(e.left, e.right) for e in steps[1].equations] == [
+        (a1 * sympy.cos(q1) + a2 * sympy.cos(q1 + q2), px),
+        (a1 * sympy.sin(q1) + a2 * sympy.sin(q1 + q2), py),
+    ]
+
+
+def test_sums_of_angles_may_have_offsets_that_no_joint_has() -> None:
+    robot = Robot.from_text(OFFSETS)
+    found = inverse_kinematics(robot, robot.style)
+    assert found.count == 2
+    assert len(found.solutions) == 2
+    assert found.verified
+
+
+def test_the_pose_has_other_names_where_the_robot_has_these() -> None:
+    names = pose_names(Robot.from_text(PLANAR.replace("a1", "r11")))
+    assert names[1, 1] == "R11"
+    assert names[1, 4] == "Px"
+    assert len(set(names.values())) == 12
+
+
+def test_where_an_unknown_is_free_no_constant_stands_before_what_vanishes() -> None:
+    table = ((0.1, "pi/3"), (0.2, "pi/2"), (0.3, "pi/3"))
+    rows = "".join(f"  - {{type: revolute, d: {d}, alpha: {twist}}}\n" for d, twist in table)
+    robot = Robot.from_text(f"name: tilted\nconvention: standard\njoints:\n{rows}")
+    found = inverse_kinematics(robot, robot.style)
+    vanishing = {str(value) for step in found.steps for value in step.fails}
+    assert "wz" in vanishing
+    assert not any("sqrt(3)" in text for text in vanishing)
+
+
+@pytest.fixture(scope="module")
+def planar() -> InverseKinematics:
+    robot = Robot.from_text(PLANAR)
+    return InverseKinematics(planar_graph(), robot, robot.style)
+
+
+def test_each_choice_of_signs_has_a_solution_of_pose_and_parameters_alone_and_what_is_free_is_said(
+    planar: InverseKinematics,
+) -> None:
+    assert len(planar.solutions) == planar.graph.leaves == 2
+    assert [list(solution.signs.values()) for solution in planar.solutions] == [[1], [-1]]
+    allowed = set(sympy.symbols("px py a1 a2"))
+    for solution in planar.solutions:
+        assert set(solution.explicit) == set(sympy.symbols("q1 q2"))
+        assert all(value.free_symbols <= allowed for value in solution.explicit.values())
+    (degenerate,) = planar.degenerate
+    assert degenerate.unknown == sympy.Symbol("q1")
+    assert set(degenerate.conditions) == set(sympy.symbols("px py"))
+
+
+def test_who_asks_again_has_the_same_solutions_and_another_style_others() -> None:
+    robot = Robot.load("planar-3r")
+    found = inverse_kinematics(robot, robot.style)
+    assert inverse_kinematics(Robot.load("planar-3r"), robot.style) is found
+    assert inverse_kinematics(robot, replace(robot.style, contraction=Contraction.OPPOSED)) is not found
+
+
+CRAIG = """
+name: puma-craig
+convention: modified
+joints:
+  - {type: revolute}
+  - {type: revolute, alpha: -pi/2}
+  - {type: revolute, a: a2, d: d3}
+  - {type: revolute, alpha: -pi/2, a: a3, d: d4}
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, alpha: -pi/2}
+"""
+SCARA = """
+name: scara
+convention: standard
+joints:
+  - {type: revolute, d: d3, a: a2}
+  - {type: revolute, a: a3, alpha: pi}
+  - {type: prismatic}
+inverse: {task: position}
+"""
+TURNED = """
+name: turned
+convention: standard
+base: [[2/3, -1/3, 2/3, 1/10], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]
+tool: [[1, 0, 0, 1/5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+joints:
+  - {type: revolute, a: a2}
+  - {type: revolute, a: a3}
+  - {type: revolute, a: d3}
+inverse: {task: [x, y, phi]}
+"""
+ARMS = {
+    "standard": Robot.load("puma560-corke"),
+    "modified": Robot.from_text(CRAIG),
+    "scara": Robot.from_text(SCARA),
+    "turned": Robot.from_text(TURNED),
+}
+TOLERANCE = mpmath.mpf(10) ** -20
+
+
+def test_columns_are_counted_behind_the_twist_and_positions_are_those_of_the_last_frame_that_has_them() -> None:
+    robot = ARMS["standard"]
+    assert origin(robot, Source(5, 5, "R[3,2]"), to_end=False) == Origin(Form.ENTRY, 5, 5, ((3, 3),))
+    assert origin(robot, Source(3, 6, "R[3,2]"), to_end=False) == Origin(Form.ENTRY, 3, 6, ((3, 2),))
+    assert origin(robot, Source(2, 4, "p[3]"), to_end=False) == Origin(Form.ENTRY, 2, 6, ((3, 4),))
+    assert origin(robot, Source(2, 4, "p.p"), to_end=False).form is Form.SQUARES
+    robot = ARMS["scara"]
+    assert origin(robot, Source(1, 1, "p[3]"), to_end=False) == Origin(Form.ENTRY, 1, 1, ((3, 4),))
+
+
+def numbers(model: Model, rng: random.Random) -> dict[sympy.Expr, mpmath.mpf]:
+    return {symbol: mpmath.mpf(rng.randint(-300, 300)) / 101 for symbol in model.q}
+
+
+def frame(rows) -> sympy.Matrix:
+    return sympy.Matrix(4, 4, [expression_to_sympy(cell) for row in rows for cell in row])
+
+
+def valued(matrix: sympy.Matrix, known: dict[sympy.Expr, mpmath.mpf]) -> sympy.Matrix:
+    return sympy.Matrix(*matrix.shape, [value_of(entry, dict(known)) for entry in matrix])
+
+
+@pytest.mark.parametrize("arm", ARMS.values(), ids=ARMS)
+def test_an_equation_is_the_difference_of_the_entries_that_are_compared(arm: Robot) -> None:
+    """At poses that are not those of the configuration, so that both sides differ: always by the same factor."""
+    model = Model(arm)
+    found, rng = model.inverse, random.Random(4)
+    factors: dict[sympy.Expr, list[mpmath.mpf]] = {}
+    with mpmath.workdps(40):
+        for _ in range(3):
+            parameters = {s: mpmath.mpf(rng.randint(20, 90)) / 97 for s in sympy.symbols("a2 a3 d3 d4")}
+            there, here = numbers(model, rng), numbers(model, rng)
+            pose = valued(model.T, {**parameters, **there})
+            known = {**parameters, **here, **dict(zip(found.pose[:3, :], pose[:3, :], strict=True))}
+            for line in found.definitions:
+                known[line.symbol] = value_of(line.value, dict(known))
+            matrices = [sympy.eye(4), *(valued(model.A(i), known) for i in range(1, arm.n + 1))]
+            ends = [valued(frame(rows), {}) for rows in (arm.base, arm.tool)]
+            for equation in (equation for step in found.steps for equation in step.equations):
+                place, *eliminated = equation.origins
+                if place.form is Form.ENTRY and not eliminated:
+                    base, first = (sympy.eye(4), ends[0]) if place.has_base else (ends[0], sympy.eye(4))
+                    tool, last = (sympy.eye(4), ends[1]) if place.has_tool else (ends[1], sympy.eye(4))
+                    left = sympy.prod(matrices[: place.first], start=base)
+                    right = sympy.prod(matrices[place.last + 1 :], start=sympy.eye(4)) * tool
+                    inside = sympy.prod(matrices[place.first : place.last + 1], start=first) * last
+                    ((row, column),) = place.entries
+                    gap = (inside - left.inv() * pose * right.inv())[row - 1, column - 1]
+                    difference = value_of(equation.left - equation.right, dict(known))
+                    factors.setdefault(equation.left - equation.right, []).append(difference / gap)
+    assert len(factors) >= arm.n
+    for ratios in factors.values():
+        assert all(abs(abs(ratio) - abs(ratios[0])) < TOLERANCE for ratio in ratios)

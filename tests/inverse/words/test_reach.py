@@ -1,18 +1,33 @@
-"""What an arm reaches, read off the square roots of its inverse kinematics, against poses that it does reach."""
+"""Branches, postures and reach in words."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
 import sympy
 
+from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain
+from derive.inverse.numeric.in_numbers import ArrayDomain, array_value
+from derive.inverse.words.branch_names import Placed, Shape, Word, placed
+from derive.inverse.words.elementary import Line
+from derive.inverse.words.postures import LOOKED_AT, postures
 from derive.inverse.words.reach import Reach
+from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
+from derive.mechanics.chain import build_chain
+from derive.mechanics.floats import FloatDomain
 from derive.model.model import Model
+from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
+from tests.inverse.arms import PUBLISHED, random_arm
+from tests.inverse.closed.test_pool import PLANAR, planar_graph
 
 CONVENTION = "name: arm\nconvention: standard\njoints: "
 OFFSET = "[{alpha: pi/2, a: a1}, {a: a2}, {a: a3}]"
@@ -21,13 +36,11 @@ ORTHOGONAL = "[{a: 1, alpha: -pi/2}, {d: 1, a: 2, alpha: pi/2}, {a: 1.5}]"
 
 @cache
 def reach_of(robot: Robot) -> Reach:
-    """The workspace of a robot."""
     return Model(robot).workspace
 
 
 @cache
 def catalogue(name: str) -> Robot:
-    """A robot of the catalogue."""
     return Robot.load(name)
 
 
@@ -55,16 +68,13 @@ def test_a_puma_has_a_bore_and_a_hollow() -> None:
     assert sympy.expand(hollow.most - (a2 + forearm) ** 2 - d3**2) == 0
 
 
-def test_an_offset_of_the_shoulder_makes_tori() -> None:
+def test_an_offset_of_the_shoulder_makes_tori_and_a_quartic_leaves_no_bound() -> None:
     found = reach_of(three(OFFSET))
     (bound,) = found.bounds
     pz, rho, a1, a2, a3 = sympy.symbols("pz rho a1 a2 a3")
     assert sympy.expand(bound.quantity - (rho - a1) ** 2 - pz**2) == 0
     assert bound.radii == (sympy.Abs(a2 - a3), a2 + a3)
     assert [str(line.symbol) for line in found.names] == ["rho"]
-
-
-def test_a_quartic_leaves_no_bound_of_the_position() -> None:
     found = reach_of(three(ORTHOGONAL))
     assert found.bounds == ()
     assert not found.is_whole
@@ -112,3 +122,111 @@ def test_a_slide_that_is_found_before_bounds_no_place() -> None:
     found = reach_of(Robot.from_text("name: arm\nconvention: modified\njoints: " + rows))
     assert [str(bound.least) for bound in found.bounds] == ["a2**2"]
     assert sympy.Symbol("q1") in found.others
+
+
+USUAL = ("planar-3r", "scara-perugia", "spherical-wrist", "stanford-deluca")
+"""And ``scara-wrist``, where a factor of an equation moves."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [*USUAL, "scara-wrist", *(pytest.param(n, marks=pytest.mark.sweep) for n in catalogue_names() if n not in USUAL)],
+)
+def test_printed_solutions_stand_in_the_order_of_the_graph_under_its_names(name: str) -> None:
+    found = None if name in catalogue_names() else next(case.robot() for case in PUBLISHED if case.name == name)
+    robot = found or Robot.load(name)
+    inverse = inverse_kinematics(robot, robot.style)
+    if len(inverse.solutions) < 2:
+        return
+    looked = postures(robot, inverse.graph)
+    assert tuple(solution.name for solution in inverse.solutions) == looked.names[: len(inverse.solutions)]
+    met = 0
+    for solution, branch in zip(inverse.solutions, looked.branches, strict=False):
+        own = in_numbers(inverse, solution.lines)
+        real = np.isfinite(own).all(axis=0)
+        met += int(real.sum())
+        assert np.abs(np.exp(1j * own) - np.exp(1j * branch))[:, real].max(initial=0.0) < 1e-5
+    assert met >= LOOKED_AT
+
+
+def in_numbers(inverse: InverseKinematics, lines: Sequence[Line]) -> np.ndarray:
+    """The joint variables of a solution at the poses looked at, not a number where it is none."""
+    looked, robot = postures(inverse.robot, inverse.graph), inverse.robot
+    variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
+    q = dict(zip(variables, looked.q, strict=True))
+    known = inverse.values_at({sympy.Symbol(k): float(x) for k, x in looked.parameters.items()}, q, ArrayDomain)
+    with np.errstate(all="ignore"):
+        for line in lines:
+            known[line.symbol] = array_value(line.value, known)
+    return np.stack([np.broadcast_to(known.get(symbol, own), own.shape) for symbol, own in q.items()])
+
+
+def test_solutions_are_told_apart_wherever_rounding_puts_them() -> None:
+    robot = Robot.from_text(PLANAR)
+    looked = postures(robot, planar_graph())
+    assert looked.names == ("elbow down", "elbow up")
+    turned = [np.where(np.arange(LOOKED_AT) < 20, a, b) for a, b in (looked.branches, looked.branches[::-1])]
+    assert looked.places(turned) == [1, 0]
+    assert looked.places(looked.branches) == [0, 1]
+
+
+def test_an_arm_with_one_solution_has_no_names() -> None:
+    robot = Robot.load("spherical-arm")
+    inverse = inverse_kinematics(robot, robot.style)
+    assert postures(robot, inverse.graph).names == ("",)
+    assert [solution.name for solution in inverse.solutions] == [""]
+
+
+def test_branches_that_do_not_exist_raise_no_warning() -> None:
+    robot = random_arm("5dof", 2).robot()
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        assert len(postures(robot, solve(robot)).branches) > 1
+
+
+NUMBERS = {"a1": 0.5, "a2": 0.4, "a3": 0.3, "d3": 0.15, "d4": 0.4, "d2": 0.15, "d6": 0.1}
+
+
+def looked_at(robot: Robot, q: list[float]) -> Placed:
+    chain = build_chain(replace(robot, links=(), gravity=None), FloatDomain(robot, q, NUMBERS))
+    return placed(chain, q, 1)[0]
+
+
+def words(robot: Robot, q: list[float]) -> set[str | None]:
+    return set(Shape(robot, looked_at(robot, [0.3] * robot.n), None).words(looked_at(robot, q)))
+
+
+RIGHT_ANGLE = (math.pi / 4, math.pi)  # upper arm 45 degrees upwards, forearm 45 degrees downwards
+PLACED = [
+    (PLANAR, [math.pi / 4, -math.pi / 2], Word.ELBOW_UP),
+    (PLANAR, [-math.pi / 4, math.pi / 2], Word.ELBOW_DOWN),
+    ("scara-perugia", [-0.5, 1.0, 0.1, 0.0], Word.ELBOW_RIGHT),
+    ("scara-perugia", [0.5, -1.0, 0.1, 0.0], Word.ELBOW_LEFT),
+    ("puma560-corke", [0.0, *RIGHT_ANGLE, 0.3, 0.4, 0.5], Word.ELBOW_UP),
+    ("puma560-corke", [0.0, -math.pi / 4, 0.0, 0.3, 0.4, 0.5], Word.ELBOW_DOWN),
+    ("puma560-corke", [0.0, *RIGHT_ANGLE, 0.3, 0.4, 0.5], Word.WRIST),
+    ("puma560-corke", [0.0, *RIGHT_ANGLE, 0.3, -0.4, 0.5], Word.WRIST_FLIPPED),
+]
+"""The elbow of an arm that reaches to the right is up above the line to the hand, of an articulated one above wrist
+and shoulder; a SCARA has it to the left or right of that line; a wrist is flipped where its middle joint turns back."""
+
+
+@pytest.mark.parametrize(("name", "q", "word"), PLACED)
+def test_elbows_and_wrists_have_the_words_of_where_they_are(name: str, q: list[float], word: Word) -> None:
+    assert word in words(Robot.from_text(name) if name == PLANAR else Robot.load(name), q)
+
+
+NAMES = {
+    "planar-3r": {"elbow up", "elbow down"},
+    "spherical-wrist": {"wrist flipped", "wrist not flipped"},
+    "puma560-corke": {
+        f"shoulder {shoulder}, elbow {elbow}, wrist {wrist}"
+        for shoulder, elbow, wrist in product(("left", "right"), ("up", "down"), ("flipped", "not flipped"))
+    },
+}
+
+
+@pytest.mark.parametrize("robot", NAMES)
+def test_every_branch_has_a_name_of_its_own(robot: str) -> None:
+    found = [solution.name for solution in Model(Robot.load(robot)).inverse.solutions]
+    assert len(found) == len(set(found))
+    assert set(found) == NAMES[robot]

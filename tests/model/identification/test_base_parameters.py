@@ -1,4 +1,4 @@
-"""Base parameters: as many as the rank of the regressor, and the torques of the originals."""
+"""Base parameters, exactly."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import math
 import random
 from collections.abc import Callable
 from dataclasses import fields, replace
+from fractions import Fraction
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -14,20 +16,25 @@ import pytest
 
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.ring import Polynomial
+from derive.errors import ExpressionError, Location
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
+from derive.mechanics.space import exactly
 from derive.model.identification.base_parameters import BaseSet, Coefficient, base_set
+from derive.model.identification.exact_scalars import ExactDomain, as_fraction, is_rational, is_zero, null_space
 from derive.model.identification.parameter_values import base_values, grouped_values, standard_values
+from derive.model.identification.regressor_null_space import WIDTH, bare_chain, combined, directions, keeping
 from derive.robot.description import Inertia, Joint, Link, Motor
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, multiply, power, substitute
-from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter, standard_parameters
+from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.places import ROOT
-from tests.random_robots import RandomRobot, catalogue, random_robot, robot_text
+from tests.random_robots import RandomRobot, catalogue, random_robot, robot_text, seeds
 
 BENCH = ROOT / "bench" / "robots"
 SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]
@@ -40,16 +47,15 @@ def names(robot: Robot) -> list[str]:
     return [parameter.name for parameter in base_set(robot).parameters]
 
 
-def arm(rows: list[str], gravity: str = "[0, 0, -9.81]", convention: str = "modified", link: str = LINK) -> Robot:
+def arm_text(rows: list[str], gravity: str = "[0, 0, -9.81]", convention: str = "modified", link: str = LINK) -> str:
     joints = "\n".join(f"  - {{{row}}}" for row in rows)
     links = "\n".join(f"  - {link}" for _ in rows)
     gravity = f"gravity: {gravity}\n" if gravity else ""
-    return Robot.from_text(
-        f"name: arm\ntitle: arm\nconvention: {convention}\njoints:\n{joints}\n{gravity}links:\n{links}\n"
-    )
+    return f"name: arm\ntitle: arm\nconvention: {convention}\njoints:\n{joints}\n{gravity}links:\n{links}\n"
 
 
-# -- the same torques
+def arm(rows: list[str], gravity: str = "[0, 0, -9.81]", convention: str = "modified", link: str = LINK) -> Robot:
+    return Robot.from_text(arm_text(rows, gravity, convention, link))
 
 
 def exact_torques(robot: Robot) -> tuple[list[Polynomial], list[Polynomial], list[Polynomial]]:
@@ -125,16 +131,12 @@ def test_regrouped_parameters_give_the_same_torques_identically(robot: Robot) ->
     assert originals == standard == base
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_random_robots_have_the_same_torques_identically(seed: int) -> None:
-    originals, standard, base = exact_torques(Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)))
-    assert originals == standard == base
+OF_FOUR = [pytest.param(seed, 4, marks=[pytest.mark.slow] + [pytest.mark.sweep] * (seed > 1)) for seed in range(6)]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
-def test_random_robots_of_four_joints_have_the_same_torques_identically(seed: int) -> None:
-    originals, standard, base = exact_torques(Robot.from_text(robot_text(random.Random(seed), 4)))
+@pytest.mark.parametrize(("seed", "joints"), [*((seed, 1 + seed % 3) for seed in range(12)), *OF_FOUR])
+def test_random_robots_have_the_same_torques_identically(seed: int, joints: int) -> None:
+    originals, standard, base = exact_torques(Robot.from_text(robot_text(random.Random(seed), joints)))
     assert originals == standard == base
 
 
@@ -160,20 +162,9 @@ def sign(value: float) -> float:
     return float(np.sign(value))
 
 
-@pytest.mark.parametrize("seed", range(14))
+@pytest.mark.parametrize("seed", seeds(200, 14, 200))
 def test_torques_of_random_robots_agree_with_the_oracle(seed: int) -> None:
     assert max(torque_errors(random_robot(random.Random(seed), 1 + seed % 7), seed)) < 1e-12
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("count", [70, pytest.param(200, marks=pytest.mark.sweep)])
-def test_torques_of_many_random_robots_agree_with_the_oracle(count: int) -> None:
-    robots = {seed: random_robot(random.Random(seed), 1 + seed % 7) for seed in range(100, 100 + count)}
-    worst = [max(torque_errors(robot, seed)) for seed, robot in robots.items()]
-    assert max(worst) < 1e-12
-
-
-# -- as few as possible
 
 
 def rank(robot: Robot, values: dict[str, float]) -> tuple[int, int]:
@@ -240,14 +231,11 @@ def test_a_link_that_slides_at_an_angle_has_two_first_moments() -> None:
     assert [(p.name, not c.denominator.is_constant) for p, c in relation.terms] == [("my2", True)]
 
 
-def test_a_rotor_beside_an_armature_is_no_parameter_of_its_own() -> None:
+def test_rotors_beside_armatures_are_no_parameters_of_their_own_and_friction_always_is_one() -> None:
     link = LINK.replace("{mass", "{motor: {mass: mm, inertia: Im, ratio: k}, armature: Ia, mass")
     found = names(arm(["type: revolute", "type: revolute, alpha: al"], link=link))
     assert "Ia2" in found
     assert not {"Im1", "Im2", "mm1", "mm2", "Ia1"} & set(found)
-
-
-def test_friction_is_always_identifiable() -> None:
     link = LINK.replace("{mass", "{friction: {viscous: b, coulomb: f}, mass")
     assert {"b1", "f1", "b2", "f2"} <= set(names(arm(["type: revolute", "type: revolute"], link=link)))
 
@@ -255,10 +243,9 @@ def test_friction_is_always_identifiable() -> None:
 def test_numbers_decide_where_they_are_given() -> None:
     rows = ["type: revolute", "type: revolute, alpha: al, a: l"]
     generic = arm(rows, "[0, -9.81, 0]")
-    text = (
-        "name: arm\ntitle: arm\nconvention: modified\njoints:\n  - {type: revolute}\n  - {type: revolute, alpha: al}\n"
+    parallel = Robot.from_text(
+        arm_text([rows[0], "type: revolute, alpha: al"], "[0, -9.81, 0]") + "parameters: {al: 0}\n"
     )
-    parallel = Robot.from_text(f"{text}gravity: [0, -9.81, 0]\nlinks:\n  - {LINK}\n  - {LINK}\nparameters: {{al: 0}}\n")
     assert "Ixx2" in names(generic)
     assert names(parallel) == ["mx1", "my1", "Izz1", "mx2", "my2", "Izz2"]
 
@@ -270,3 +257,76 @@ def test_the_set_does_not_depend_on_the_order_of_calls(make: Callable[[], Robot]
     second = base_set(make())
     assert first.parameters == second.parameters
     assert [r.parameter for r in first.relations] == [r.parameter for r in second.relations]
+
+
+def cell(text: str) -> Expression:
+    return parse_expression(text, Location("cell"))
+
+
+def test_rational_cells_and_cosines_stay_rational_and_others_are_enclosed() -> None:
+    with exactly():
+        domain = ExactDomain(Robot.load("puma560-corke"))
+        product = domain.constant(cell("a2*a3 - 0.4318**2/2"))
+        assert is_rational(product)
+        assert as_fraction(product) == Fraction("0.4318") * Fraction("0.0203") - Fraction("0.4318") ** 2 / 2
+        for text, value in (("sqrt(2)*pi", math.sqrt(2) * math.pi), ("sin(1/3)", math.sin(1 / 3))):
+            found = domain.constant(cell(text))
+            assert not is_rational(found)
+            assert abs(float(found) - value) < 1e-15
+        assert is_zero(domain.constant(cell("sin(pi)")))
+        with pytest.raises(ExpressionError):
+            domain.constant(cell("1/sin(pi)"))
+    with exactly():
+        domain = ExactDomain(Robot.load("puma560-corke"))
+        cosine, sine = domain.cosine_sine(cell("-3*pi/2"))
+        assert is_rational(cosine)
+        assert (cosine, sine) == (0, 1)
+        cosine, sine = domain.cosine_sine(cell("pi/3"))
+        assert not is_rational(cosine)
+        assert cosine.overlaps(domain.number(Fraction(1, 2)) + 0 * cosine)
+
+
+def test_symbols_without_numbers_are_named() -> None:
+    robot = Robot.load("puma560-corke")
+    with pytest.raises(ExpressionError, match="no number for a2, d3, d4, g"):
+        ExactDomain(replace(robot, parameters=tuple(pair for pair in robot.parameters if pair[0] == "a3")))
+
+
+def test_the_null_space_is_what_all_rows_send_to_zero() -> None:
+    with exactly():
+        domain = ExactDomain(Robot.load("puma560-corke"))
+        root = domain.constant(cell("sqrt(2)"))
+        rows = [[domain.number(k) for k in (1, 2, 3)] + [root], [domain.number(k) for k in (2, 4, 6)] + [2 * root]]
+        basis = null_space(rows, 4)
+        assert set(basis) == {1, 2, 3}
+        assert all(is_zero(sum(map(mul, row, vector))) for row in rows for vector in basis.values())
+
+
+@pytest.mark.parametrize("name", ["puma560-corke", "scara-matlab"])
+def test_no_torque_notices_any_direction_and_there_are_no_more(name: str) -> None:
+    robot = Robot.load(name)
+    with exactly():
+        domain = ExactDomain(robot)
+        basis = directions(robot, bare_chain(robot, domain), domain)
+        matrix = np.array([[float(entry) for entry in direction] for direction in basis])
+    # the oracle's columns in joint frames: any link parameter may be asked for as if it were a base parameter
+    columns = tuple(Parameter(i, part) for i in range(1, robot.n + 1) for part in LINK_PARTS)
+    q, qd, qdd = np.random.default_rng(1).uniform(-2, 2, (3, 60, robot.n))
+    regressor = Oracle.of(robot, base=columns).evaluate("base_regressor", q, qd, qdd).reshape(-1, len(columns))
+    assert np.abs(regressor @ matrix.T).max() <= 1e-12 * np.abs(regressor).max()
+    rank = np.linalg.matrix_rank(regressor, tol=1e-9 * np.abs(regressor).max())
+    assert np.linalg.matrix_rank(matrix) == len(matrix) == len(columns) - rank
+    assert rank <= len(base_set(robot).parameters)
+
+
+def test_links_that_are_to_stay_do_not_change() -> None:
+    robot = Robot.load("puma560-corke")
+    with exactly():
+        domain = ExactDomain(robot)
+        basis = directions(robot, bare_chain(robot, domain), domain)
+        fewer = keeping(basis, [1, 3])
+        assert 0 < len(fewer) < len(basis)
+        for direction in fewer:
+            assert all(is_zero(direction[WIDTH * i + k]) for i in (1, 3) for k in range(WIDTH))
+        total = combined(fewer, [domain.number(k) for k in range(len(fewer))])
+        assert all(total[k] == sum(w * d[k] for w, d in enumerate(fewer)) for k in range(len(total)))

@@ -15,10 +15,10 @@ from derive.model.identification.possible import possible
 from derive.model.identification.regressor_null_space import bare_chain, combined, directions, parameters_of
 from derive.robot.description import Inertia, Link
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import Expression, number
+from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.bodied import TABLES, arm, with_links
+from tests.exchange.arms import TABLES, arm, with_links
 from tests.motion.mjcf import mjcf
 
 pytest.importorskip("clarabel")
@@ -58,10 +58,6 @@ def slack(robot: Robot) -> float:
     return float(((moments[:, 0] + moments[:, 1] - moments[:, 2]) / moments[:, 2]).min())
 
 
-def float_of(cell: Expression) -> float:
-    return to_float(cell, {})
-
-
 def same_torques(one: Robot, other: Robot) -> None:
     random = np.random.default_rng(3)
     q, qd, qdd = random.uniform(-2, 2, (3, 30, one.n))
@@ -86,7 +82,7 @@ def test_corke_s_puma_has_bodies_that_exist_and_move_the_same() -> None:
     for i in (1, 3, 4, 5):  # nothing moved that need not
         assert found.robot.links[i] == robot.links[i]
     assert not found.border
-    assert float_of(found.robot.links[0].mass) > 0.1  # not a body of a gram that is kilometres wide
+    assert to_float(found.robot.links[0].mass, {}) > 0.1  # not a body of a gram that is kilometres wide
     assert "2 of 6 links changed" in found.report[0]
 
 
@@ -109,7 +105,7 @@ def test_mujoco_takes_the_bodies_and_accelerates_as_the_given_ones() -> None:
 
 
 @pytest.mark.parametrize("name", TABLES)
-def test_bodies_that_exist_are_found_from_others_with_the_same_torques(name: str) -> None:
+def test_bodies_that_exist_are_found_from_others_with_the_same_torques_and_stay_as_they_are(name: str) -> None:
     robot = arm(name, "modified")
     wrong = spoiled(robot, 0.5)
     same_torques(robot, wrong)
@@ -117,14 +113,9 @@ def test_bodies_that_exist_are_found_from_others_with_the_same_torques(name: str
     same_torques(robot, found.robot)
     assert found.changes
     assert slack(found.robot) > 1e-6
-
-
-@pytest.mark.parametrize("name", TABLES)
-def test_bodies_that_exist_stay_as_they_are(name: str) -> None:
-    robot = arm(name)
-    found = possible(robot)
-    assert found.robot == robot
-    assert found.report == ("all links exist as they are",)
+    kept = possible(arm(name))
+    assert kept.robot == arm(name)
+    assert kept.report == ("all links exist as they are",)
 
 
 def test_robots_without_numbers_or_links_are_refused_by_name() -> None:
@@ -178,8 +169,7 @@ def test_a_last_link_that_weighs_nothing_stays_so_beside_one_that_changes() -> N
 
 def test_a_symbol_whose_cells_become_numbers_is_no_parameter_any_more() -> None:
     """Otherwise the file that is written could not be read: no cell uses this parameter."""
-    text = TABLE_WITH_SYMBOLS
-    found = possible(Robot.from_text(text))
+    found = possible(Robot.from_text(TABLE_WITH_SYMBOLS))
     assert [change.link for change in found.changes] == [1, 2]
     again = Robot.from_text(found.text)
     assert dict(again.parameters).keys() == {"a1", "g"}

@@ -1,4 +1,4 @@
-"""Witnesses that no bodies move as some numbers say, checked by numbers that share nothing with them."""
+"""Bodies near those that are given, proofs that there are none, and semidefinite programs."""
 
 from __future__ import annotations
 
@@ -8,17 +8,32 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from derive.errors import DeriveError
 from derive.mechanics.space import exactly
 from derive.model.identification.exact_scalars import ExactDomain
+from derive.model.identification.nearest_bodies import (
+    MARGIN,
+    Bodies,
+    in_own_units,
+    least_eigenvalues,
+    most_room,
+    nearest,
+    needed,
+    pseudo_inertias,
+    size_of,
+    targets,
+    weighed,
+)
 from derive.model.identification.possible import possible
-from derive.model.identification.regressor_null_space import bare_chain, parameters_of
-from derive.model.identification.witness import NoSuchBodies, Witness, function_matrix, is_semidefinite
-from derive.robot.description import Inertia
-from derive.robot.expression import number
+from derive.model.identification.regressor_null_space import bare_chain, directions, parameters_of
+from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
+from derive.model.identification.witness import NoSuchBodies, Witness, coefficients, function_matrix, is_semidefinite
+from derive.robot.description import Inertia, Link
+from derive.robot.expression import ZERO, number
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.bodied import arm, with_links
+from tests.exchange.arms import arm, with_links
 
 pytest.importorskip("clarabel")
 
@@ -52,7 +67,6 @@ def prove(robot: Robot) -> NoSuchBodies:
     with pytest.raises(NoSuchBodies, match="torques fix the integral") as caught:
         possible(robot)
     witness = caught.value.witness
-    assert witness is not None
     for _, matrix in witness.functions:
         values = np.linalg.eigvalsh(np.array([[float(entry) for entry in row] for row in matrix]))
         assert values[0] >= -1e-12 * values[-1]
@@ -75,7 +89,6 @@ def prove(robot: Robot) -> NoSuchBodies:
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_witness_is_exact_where_the_geometry_is_rational(turned: bool) -> None:
     error = prove(contradictory(turned))
-    assert error.witness is not None
     assert error.witness.exact is not turned
     assert str(error).startswith(
         "puma560-corke: no bodies have these torques: torques fix the integral of f dm over all links at -0.0001 "
@@ -83,46 +96,50 @@ def test_a_witness_is_exact_where_the_geometry_is_rational(turned: bool) -> None
     )
 
 
-def test_a_witness_is_found_where_slanted_axes_leave_points_that_never_move() -> None:
-    """On the first axis, and along it in the frame of the slide: rounding would make functions negative beside them."""
-    robot = with_links(
-        arm("spatial", "modified"),
+NO_BODIES = {
+    # points that never move on the first axis, and along it in the frame of the slide: rounding would make functions
+    # negative beside them
+    "slanted axes": (
         ("4.4", "0.14 0.04 0.28", "0.15 0.24 0.23 0.07 0.03 0.04"),
         ("0.72", "0.06 -0.39 0.07", "0.33 0.34 0.08 -0.02 -0.06 -0.09"),
         ("2.37", "0.05 -0.06 -0.18", "0.13 -0.01 0.1 0.02 -0.02 0"),
         ("3.12", "-0.08 0.31 -0.19", "0.07 0.1 0.05 0.01 0.04 -0.02"),
-    )
-    prove(robot)
-
-
-def test_a_witness_is_found_beside_a_last_link_that_weighs_nothing() -> None:
-    """Its function is of another size than those of links that weigh something; what is near is seen in their units."""
-    robot = with_links(
-        arm("spatial", "modified"),
+    ),
+    # the function of a link without weight is of another size; what is near is seen in their units
+    "a last link that weighs nothing": (
         ("0.9", "0.1 -0.2 0.1", "0.1 0.1 0.08 0 0 0.01"),
         ("1.9", "-0.13 -0.23 0.07", "0.4 0.015 0.2 -0.07 -0.01 -0.08"),
         ("1.7", "-0.11 0.01 0.25", "0.16 0.35 0.19 0.01 0.08 -0.02"),
         ("0", "0 0 0", "0 0 0 0 0 0"),
-    )
-    prove(robot)
+    ),
+}
+
+
+@pytest.mark.parametrize("links", NO_BODIES.values(), ids=NO_BODIES)
+def test_a_witness_is_found_beside_slanted_axes_and_links_without_weight(
+    links: tuple[tuple[str, str, str], ...],
+) -> None:
+    prove(with_links(arm("spatial", "modified"), *links))
+
+
+def cloud() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Masses, homogeneous places, and the ten parameters of their body."""
+    points, masses = np.random.default_rng(3).normal(size=(7, 3)), np.arange(1.0, 8.0)
+    second = np.einsum("p,pa,pb->ab", masses, points, points)
+    tensor = np.trace(second) * np.eye(3) - second
+    entries = [tensor[k] for k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    return masses, np.column_stack([points, np.ones(7)]), np.array([masses.sum(), *(masses @ points), *entries])
 
 
 def test_functions_and_factors_of_parameters_are_each_other_s_inverse() -> None:
     random = np.random.default_rng(2).normal(size=(4, 4))
     matrix = random + random.T
     assert np.allclose(np.array(function_matrix(list(coefficients(matrix)))), matrix)
-    points, masses = np.random.default_rng(3).normal(size=(7, 3)), np.arange(1.0, 8.0)
-    places = np.column_stack([points, np.ones(7)])
-    integral = np.einsum("p,pa,ab,pb->", masses, places, matrix, places)
-    second = np.einsum("p,pa,pb->ab", masses, points, points)
-    tensor = np.trace(second) * np.eye(3) - second
-    entries = [tensor[k] for k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-    assert np.isclose(coefficients(matrix) @ [masses.sum(), *(masses @ points), *entries], integral)
+    masses, places, parameters = cloud()
+    assert np.isclose(coefficients(matrix) @ parameters, np.einsum("p,pa,ab,pb->", masses, places, matrix, places))
 
 
 def test_semidefinite_matrices_are_told_from_others_exactly() -> None:
-    def rational(rows: list[list[int]]) -> list[list[Fraction]]:
-        return [[Fraction(entry) for entry in row] for row in rows]
 
     with exactly():
         domain = ExactDomain(Robot.load("puma560-corke"))
@@ -133,4 +150,83 @@ def test_semidefinite_matrices_are_told_from_others_exactly() -> None:
             ([[0, 1], [1, 5]], False),
             ([[-1]], False),
         ):
-            assert is_semidefinite([[domain.number(entry) for entry in row] for row in rational(rows)]) is expected
+            assert is_semidefinite([[domain.number(Fraction(entry)) for entry in row] for row in rows]) is expected
+
+
+def bodies_of(robot: Robot) -> Bodies:
+    with exactly():
+        domain = ExactDomain(robot)
+        chain = bare_chain(robot, domain)
+        parameters = [value for body in chain.bodies for value in parameters_of(body)]
+        return in_own_units(parameters, directions(robot, chain, domain), size_of(chain))
+
+
+def test_a_pseudo_inertia_is_the_integral_of_place_by_place() -> None:
+    masses, places, parameters = cloud()
+    assert np.allclose(pseudo_inertias(parameters[None]), [np.einsum("p,pa,pb->ab", masses, places, places)])
+
+
+def test_a_body_in_its_own_units_has_mass_one_and_no_first_moment() -> None:
+    found = bodies_of(arm("spatial"))
+    assert np.allclose(found.given[:, 6:9], 0, atol=1e-12)
+    assert np.allclose(found.given[:, 9], 1)
+    assert least_eigenvalues(found).min() > 0
+
+
+def test_steps_to_the_nearest_bodies_keep_to_the_targets() -> None:
+    robot = arm("spatial", "modified")
+    flat = replace(robot.links[1], inertia=Inertia(number(Fraction(4)), number(1), number(1), ZERO, ZERO, ZERO))
+    bodies = bodies_of(replace(robot, links=(robot.links[0], flat, *robot.links[2:])))
+    room = most_room(bodies)
+    target = targets(bodies, room)
+    assert least_eigenvalues(bodies).min() < 0 < target.min()
+    assert room.value == pytest.approx(MARGIN, rel=1e-3)
+    assert 1 in needed(bodies, target)
+    assert (least_eigenvalues(bodies, nearest(bodies, target)) >= 0.99 * target).all()
+
+
+def test_a_link_that_needs_a_little_changes_beside_one_that_needs_much() -> None:
+    given = packed(np.array([np.diag([-0.1, 1, 1, 1]), np.diag([0.0, 1, 1, 1]), np.diag([0.1, 1, 1, 1])]))
+    along = np.zeros((3, 10, 3))
+    along[[0, 1, 2], 0, [0, 1, 2]] = 1
+    bodies = Bodies(given, along, np.array([np.eye(4)] * 3), np.zeros(3))
+    assert needed(bodies, np.full(3, MARGIN / 2)) == [0, 1]
+
+
+def test_links_without_a_mass_get_as_much_of_one_as_torques_allow_each() -> None:
+    """A sole Izz bounds the mass of a link that has its centre off the axis; all or nothing would leave nothing."""
+    robot = arm("planar")
+    small = Inertia(number(Fraction(1, 10)), number(Fraction(1, 10)), number(Fraction(1, 50)), ZERO, ZERO, ZERO)
+    bare = replace(robot, links=(robot.links[0], Link(inertia=small), Link(inertia=small)))
+    bodies = bodies_of(bare)
+    target = targets(bodies, most_room(bodies))
+    found = weighed(bodies, target)
+    assert found.masses[0] == 0
+    assert (found.masses[1:] > 1e-3).all()
+    assert found.masses.min() < 0.4
+    steps = nearest(found, target)
+    assert (least_eigenvalues(found, steps) >= 0.99 * target).all()
+    assert ((found.given + found.along @ steps)[1:, -1] >= 0.99 * found.masses[1:]).all()
+
+
+def test_symmetric_matrices_and_vectors_turn_into_each_other_with_the_same_products() -> None:
+    random = np.random.default_rng(1)
+    one, other = random.normal(size=(2, 5, 4, 4))
+    one, other = one + one.swapaxes(1, 2), other + other.swapaxes(1, 2)
+    assert np.allclose(unpacked(packed(one)), one)
+    assert np.allclose((packed(one) * packed(other)).sum(axis=1), np.einsum("nab,nba->n", one, other))
+
+
+def test_the_least_of_linear_quadratic_and_semidefinite_programs_is_found_and_contradictions_told() -> None:
+    matrix = np.array([[1.0, 2.0, 0.0], [2.0, -1.0, 0.5], [0.0, 0.5, 0.3]])
+    found = least(np.ones(1), [Limit(Cone.SEMIDEFINITE, packed(matrix), packed(np.eye(3))[:, None])])
+    values, vectors = np.linalg.eigh(matrix)
+    assert abs(found.x[0] + values[0]) < 1e-8
+    assert np.allclose(unpacked(found.prices[0]), np.outer(vectors[:, 0], vectors[:, 0]), atol=1e-6)
+    bound = Limit(Cone.NOT_NEGATIVE, np.array([-1.0]), np.array([[1.0, 1.0]]))
+    assert np.allclose(least(np.zeros(2), [bound], np.diag([1.0, 3.0])).x, [0.75, 0.25], atol=1e-7)
+    length = Limit(Cone.LONGEST_FIRST, np.array([0.0, 3.0, 4.0]), np.array([[1.0], [0.0], [0.0]]))
+    assert abs(least(np.ones(1), [length]).x[0] - 5) < 1e-7
+    above, below = (Limit(Cone.NOT_NEGATIVE, np.array([-1.0]), np.array([[sign]])) for sign in (1.0, -1.0))
+    with pytest.raises(DeriveError, match="PrimalInfeasible"):
+        least(np.ones(1), [above, below])

@@ -26,13 +26,7 @@ SINGULAR = 1e-9
 
 
 def arm_text(rng: random.Random, n: int, share: float) -> str:
-    """A robot file: revolute and prismatic joints, axes that are parallel, intersect or are perpendicular.
-
-    Args:
-        rng: Source of randomness.
-        n: Number of joints.
-        share: Of twists that are multiples of right angles.
-    """
+    """A robot file: revolute and prismatic joints, axes that are parallel, intersect or are perpendicular."""
     rows = []
     for _ in range(n):
         slides = rng.random() < 0.2
@@ -53,12 +47,7 @@ def _length(rng: random.Random) -> str:
 
 
 class SingularArm:
-    """An arm, numbers for its symbols, and what the model says of its singularities.
-
-    Args:
-        robot: The arm.
-        seed: Of the numbers.
-    """
+    """An arm, numbers for its symbols, and what the model says of its singularities."""
 
     def __init__(self, robot: Robot, seed: int = 1) -> None:
         self.model = KinematicModel(robot)
@@ -116,13 +105,8 @@ class SingularArm:
         for _ in range(steps):
             left, values, right = np.linalg.svd(self._jacobian(q), full_matrices=False)
             u, v, size = left[:, :, rank - 1], right[:, rank - 1], values[:, rank - 1]
-            slopes = np.stack(
-                [
-                    np.einsum("ki,kij,kj->k", u, self._jacobian(q + 1e-30j * np.eye(n)[j]).imag * 1e30, v)
-                    for j in range(n)
-                ],
-                axis=-1,
-            )
+            steps_in_j = [self._jacobian(q + 1e-30j * row).imag * 1e30 for row in np.eye(n)]
+            slopes = np.stack([np.einsum("ki,kij,kj->k", u, step, v) for step in steps_in_j], axis=-1)
             way = slopes * (size / np.maximum(np.sum(slopes**2, axis=-1), 1e-12))[:, None]
             q = q - way * np.minimum(1.0, 0.5 / np.maximum(np.linalg.norm(way, axis=-1), 1e-12))[:, None]
         return q
@@ -145,20 +129,14 @@ class SingularArm:
             value = np.array([complex(x).real for x in self._families[family](list(q))])
             if np.abs(value).max() < 1e-13:
                 return q
-            slope = np.array(
-                [[complex(x).imag * 1e30 for x in self._families[family](list(q + 1e-30j * row))] for row in np.eye(n)]
-            ).T
+            steps = (self._families[family](list(q + 1e-30j * row)) for row in np.eye(n))
+            slope = np.array([[complex(x).imag * 1e30 for x in step] for step in steps]).T
             way = np.linalg.lstsq(slope, value, rcond=1e-12)[0]
             q = q - way * min(1.0, 1.0 / max(float(np.linalg.norm(way)), 1e-12))
         return q if np.abs(value).max() < 1e-9 else None
 
     def check(self, places: int, starts: int) -> None:
-        """The rank is less in every family, and nowhere else where the set is said to be complete.
-
-        Args:
-            places: Random configurations.
-            starts: Of the descent.
-        """
+        """The rank is less in every family, and nowhere else where the set is said to be complete."""
         if self.found.rank == 0:
             assert np.abs(self._jacobian(self.random(8))).max() < 1e-12
             return

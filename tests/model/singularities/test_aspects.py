@@ -1,4 +1,4 @@
-"""Aspects of arms whose type is known, and paths between solutions that meet no singularity."""
+"""Aspects, and paths between postures without a singularity."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from derive.inverse.numeric.chain import NumericChain
 from derive.model.model import Model
 from derive.model.singularities.aspects import Aspects, connected
+from derive.model.singularities.nonsingular_path import CLEAR, Roadmap, ScaledDeterminant, random_configurations
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, jacobian, numeric_arm
 from tests.inverse.arms import PUBLISHED
+from tests.random_robots import swept
 
 ORTHOGONAL = """name: arm
 convention: standard
@@ -32,7 +35,6 @@ def aspects(name: str) -> Aspects:
 
 
 def orthogonal(d3: float, d4: float, r2: float) -> Robot:
-    """An arm of three orthogonal axes."""
     return Robot.from_text(ORTHOGONAL.format(d3=d3, d4=d4, r2=r2))
 
 
@@ -52,7 +54,6 @@ def test_signs_of_the_factors_are_the_words_of_the_branches() -> None:
     elbow = [str(factor.posture) for factor in found.factors].index("elbow")
     wrist = [str(factor.posture) for factor in found.factors].index("wrist")
     for solution, signs in zip(found.inverse.solutions, found.signs, strict=True):
-        assert signs is not None
         assert (signs[wrist] > 0) == ("not flipped" in solution.name)
         left, up = "left" in solution.name, "elbow up" in solution.name
         assert (signs[elbow] > 0) == (left == up)
@@ -60,17 +61,13 @@ def test_signs_of_the_factors_are_the_words_of_the_branches() -> None:
 
 def assert_is_a_path(robot: Robot, found: Aspects, rows: slice) -> None:
     """The oracle's det J keeps its sign along the path, and its ends are two configurations of one pose."""
-    assert found.crossing is not None
     path, arm = found.crossing.path, numeric_arm(robot, {})
     ends = [forward_kinematics(arm, q) for q in (path[0], path[-1])]
     place = (slice(0, 3), 3) if rows == slice(0, 3) else (slice(None), slice(None))
     assert np.abs(ends[0][place] - ends[1][place]).max() < 1e-9
     assert np.abs(np.exp(1j * path[0]) - np.exp(1j * path[-1])).max() > 1e-2
-    values = [
-        np.linalg.det(jacobian(arm, a + s * (b - a))[rows])
-        for a, b in pairwise(path)
-        for s in np.linspace(0.0, 1.0, 200)
-    ]
+    places = (a + s * (b - a) for a, b in pairwise(path) for s in np.linspace(0.0, 1.0, 200))
+    values = [np.linalg.det(jacobian(arm, q)[rows]) for q in places]
     assert min(values) > 0.0 or max(values) < 0.0
 
 
@@ -88,7 +85,6 @@ def test_an_orthogonal_arm_that_cannot_fold_over_is_not_cuspidal() -> None:
     assert not found.is_cuspidal
 
 
-@pytest.mark.sweep
 def baili_bounds(d3: float, r2: float) -> tuple[float, float]:
     """Of orthogonal arms with d2 = 1, r3 = 0: below the first d4 none is cuspidal, from there to the second all are.
 
@@ -99,16 +95,7 @@ def baili_bounds(d3: float, r2: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(
-    ("d3", "r2"),
-    [
-        pytest.param(2.33, 1.02, marks=pytest.mark.sweep),
-        pytest.param(0.9, 0.39, marks=pytest.mark.sweep),
-        pytest.param(1.23, 0.44, marks=pytest.mark.sweep),
-        pytest.param(0.54, 0.66, marks=pytest.mark.sweep),
-        pytest.param(1.53, 0.55, marks=pytest.mark.sweep),
-        pytest.param(0.85, 1.13, marks=pytest.mark.sweep),
-        pytest.param(2.08, 0.47, marks=pytest.mark.sweep),
-    ],
+    ("d3", "r2"), swept((2.33, 1.02), (0.9, 0.39), (1.23, 0.44), (0.54, 0.66), (1.53, 0.55), (0.85, 1.13), (2.08, 0.47))
 )
 def test_orthogonal_arms_are_cuspidal_where_the_literature_says_so(d3: float, r2: float) -> None:
     first, second = baili_bounds(d3, r2)
@@ -143,3 +130,30 @@ def test_cells_hang_together_around_the_ends_of_an_angle() -> None:
     assert len(np.unique(connected(code, (False, False)))) == 4
     assert len(np.unique(connected(code, (True, False)))) == 3
     assert len(np.unique(connected(code, (True, True)))) == 2
+
+
+PLANAR = "name: planar\nconvention: standard\njoints: [{type: revolute, a: 1}, {type: revolute, a: 0.7}]\n"
+
+
+@pytest.fixture(scope="module")
+def chain() -> NumericChain:
+    return NumericChain.of(Robot.from_text(PLANAR))
+
+
+def test_the_determinant_of_a_planar_arm_is_the_sine_of_its_elbow(chain: NumericChain) -> None:
+    q = random_configurations(chain, 50, 1)
+    assert np.abs(ScaledDeterminant(chain)(q)) == pytest.approx(np.abs(np.sin(q[:, 1])), abs=1e-5)
+
+
+def test_a_path_leads_past_singularities_and_none_through_them(chain: NumericChain) -> None:
+    determinant = ScaledDeterminant(chain)
+    places = random_configurations(chain, 300, 2)
+    above = places[determinant(places) > CLEAR]
+    sign = float(np.sign(determinant(np.array([0.0, 1.0]))))
+    roads = Roadmap(chain, determinant, above if sign > 0 else places[determinant(places) < -CLEAR], (1,))
+    start, end = np.array([0.3, 0.2]), np.array([-2.0, 2.9])
+    found = roads.path(start, end)
+    assert found.path[0] == pytest.approx(start)
+    assert np.sin(found.path[-1] - end) == pytest.approx(np.zeros(2), abs=1e-12)
+    assert CLEAR < found.clearance <= np.sin(0.2) + 1e-5
+    assert roads.path(start, np.array([0.3, -0.2])) is None

@@ -1,15 +1,27 @@
-"""Arms whose Jacobian is no square task: the rank is less in every family that is stated, and nowhere else."""
+"""Families of singular configurations: blocks, zeros, coincidences, and paths without one."""
 
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
+import numpy as np
 import pytest
+import sympy
 
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.ring import Polynomial
+from derive.lecture.form import LectureForm
 from derive.model.kinematic_model import KinematicModel
+from derive.model.model import Model
+from derive.model.singularities.blocks import ALL, square_blocks
+from derive.model.singularities.coincidences import coincidences
 from derive.model.singularities.determinant import find_singularities
+from derive.model.singularities.rank import rank_loss
+from derive.model.singularities.real_zeros import RealZeros
 from derive.model.singularities.singularities import Outcome, statement
 from derive.robot.robot import Robot
+from tests.evaluate import evaluate
 from tests.model.singularities.singular_arms import SingularArm, arm_text
 
 
@@ -140,3 +152,117 @@ def test_random_arms_lose_rank_where_it_is_stated_and_nowhere_else(seed: int) ->
 def test_five_hundred_arms_lose_rank_where_it_is_stated_and_nowhere_else(block: int) -> None:
     for seed in range(1000 + 20 * block, 1020 + 20 * block):
         _check(seed, places=10_000, starts=8)
+
+
+ARMS = ("planar-2r-perugia", "planar-3r", "anthropomorphic-arm", "spherical-wrist", "spherical-arm", "stanford-deluca")
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_determinants_are_those_of_the_entries(name: str) -> None:
+    model = Model(Robot.load(name))
+    form = LectureForm(model.domain)
+    for block in square_blocks(model.kinematics):
+        assert len(block.rows) == len(block.columns) == len(block.entries)
+        assert set(block.rows) <= set(ALL)
+        entries = [[form.kinematic(p) for p in row] for row in block.entries]
+        determinant = form.determinant(block.determinant())
+        symbols = {s for row in entries for entry in row for s in getattr(entry, "free_symbols", ())}
+        values = {s.name: 0.4 + 0.3 * k for k, s in enumerate(sorted(symbols | determinant.free_symbols, key=str))}
+        numbers = np.array([[evaluate(entry, values) for entry in row] for row in entries])
+        assert evaluate(determinant, values) == pytest.approx(np.linalg.det(numbers), rel=1e-9, abs=1e-12)
+
+
+def seen(name: str) -> dict[str, tuple[list[str], list[str]]]:
+    model = Model(Robot.load(name))
+    pairs = coincidences(model.inverse, model.singularities.factors)
+    return {
+        str(step.unknown): ([str(f.expression) for f in merged], [str(f.expression) for f in free])
+        for step, (merged, free) in zip(model.inverse.steps, pairs, strict=True)
+    }
+
+
+SEEN = {
+    "anthropomorphic-wrist": {
+        "q3": (["cos(q3)"], []),
+        "q4": ([], ["sin(q5)"]),
+        "q1": ([], ["a2*cos(q2) + d4*sin(q2 + q3)"]),
+        "q6": ([], []),
+    },
+    "puma560-corke": {  # with an offset of the shoulder
+        "q1": (["a2*cos(q2) + a3*cos(q2 + q3) - d4*sin(q2 + q3)"], []),
+        "q3": (["a3*sin(q3) + d4*cos(q3)"], []),
+    },
+    "planar-3r": {"q2": (["sin(q2)"], [])},
+    "scara-perugia": {"q2": (["sin(q2)"], [])},
+}
+
+
+@pytest.mark.parametrize("name", SEEN)
+def test_elbows_are_where_two_values_are_one_and_wrists_where_a_joint_is_free(name: str) -> None:
+    assert SEEN[name].items() <= seen(name).items()
+
+
+def test_zeros_of_a_factor_are_as_near_as_the_rounding_of_its_terms_allows() -> None:
+    """Terms of an arm of 17 digits may be as large, and what they leave as small."""
+    model = Model(Robot.load("planar-3r"))
+    (factor,) = [factor for factor in model.singularities.factors if factor.condition is not None]
+    q2 = sympy.Symbol("q2")
+    steep = (1 + q2) * (10**30 * sympy.cos(q2) - 10**30 * sympy.cos(1)) - sympy.sin(q2)
+    pairs = coincidences(model.inverse, [replace(factor, expression=steep)])
+    assert not any(merged or free for merged, free in pairs)
+
+
+ARM = """
+name: arm
+convention: standard
+parameters: {a: 0.5, b: 0.5}
+joints:
+  - {type: revolute, a: a, alpha: pi/2}
+  - {type: revolute, a: b, alpha: x}
+  - {type: prismatic, a: k}
+"""
+DOMAIN = PolynomialDomain(Robot.from_text(ARM), rates=False)
+C1, S1 = DOMAIN.cosine_sine_of(0)
+C2, S2 = DOMAIN.cosine_sine_of(1)
+A, B, K, Q3 = (DOMAIN.ring.generator(name) for name in ("a", "b", "k", "q3"))
+
+
+@pytest.mark.parametrize(
+    ("polynomials", "exist"),
+    [
+        ([K * C1 + S1], True),  # changes its sign by half a turn
+        ([Q3 + K * Q3 * C1], True),
+        ([K * K + Q3 * Q3], None),  # k may be zero
+        ([1 + K * K + Q3 * Q3], False),
+        ([1 + C1 * C1], False),
+        ([K + C1], None),  # depends on k
+        ([A + B * C1], None),  # touches zero
+        ([A + C1], True),
+        ([3 * A + B * C1 + B * S2], False),
+        ([2 + C1 * C2 + S1 * S2], False),
+        ([C1 - 2 * S1 * C2, C2 + 2 * C1 - 5], False),
+        ([C1 - C2, S1 - S2], None),
+    ],
+)
+def test_what_is_said_of_zeros_is_true(polynomials: list[Polynomial], exist: bool | None) -> None:
+    assert RealZeros(DOMAIN).exist(polynomials) is exist
+
+
+def test_numbers_of_the_file_decide_what_vanishes() -> None:
+    zeros = RealZeros(DOMAIN)
+    assert zeros.vanishes(A - B)
+    assert zeros.vanishes(K * (A - B) * C1 + (A - B) * S2)
+    assert not zeros.vanishes(A + B)
+    assert not zeros.vanishes(A - K)
+    assert not zeros.vanishes((A - B) * C1 + K * S2)
+
+
+def test_what_vanishes_in_numbers_is_no_pivot_and_the_rank_is_less_where_all_minors_are_zero() -> None:
+    zero, still = DOMAIN.ring.zero, K * (A - B)
+    loss = rank_loss(DOMAIN, [[[still, C1, zero], [zero, S2, still * C1 + (A - B) * S1]]])
+    assert (loss.rank, loss.unless, loss.complete) == (1, (), True)
+    assert [len(family) for family in loss.families] == [2]
+    loss = rank_loss(DOMAIN, [[[C1, K * S2], [DOMAIN.ring.zero, S2 * C1], [Q3 * S2, Q3]]])
+    found = {frozenset(str(zero.factor.value.raw) for zero in family) for family in loss.families}
+    assert (loss.rank, loss.complete) == (2, True)
+    assert found == {frozenset({"cos q1", "sin q2"}), frozenset({"cos q1", "q3"}), frozenset({"sin q2", "q3"})}

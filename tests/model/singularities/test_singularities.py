@@ -75,9 +75,13 @@ def check_determinant(arm: Arm) -> None:
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
-def test_the_factors_multiply_to_the_determinant_of_the_recursion(name: str) -> None:
+def test_the_catalogue_has_the_determinant_of_the_recursion_within_seconds(name: str) -> None:
     for seed in range(3):
         check_determinant(Arm(Robot.load(name), seed))
+    model = KinematicModel(Robot.load(name))
+    start = time.process_time()
+    assert model.singularities is model.singularities
+    assert time.process_time() - start < 5
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
@@ -115,14 +119,6 @@ def test_rank_drops_where_it_is_stated_and_nowhere_else(name: str) -> None:
     SingularArm(Robot.load(name)).check(places=200, starts=6)
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_the_catalogue_takes_seconds_at_most(name: str) -> None:
-    model = KinematicModel(Robot.load(name))
-    start = time.process_time()
-    assert model.singularities is model.singularities
-    assert time.process_time() - start < 5
-
-
 # -- what the books say
 
 
@@ -132,6 +128,7 @@ def determinant(name: str) -> Any:
 
 A1, A2, A3, D4 = sympy.symbols("a1 a2 a3 d4")
 Q1, Q2, Q3, Q4, Q5 = sympy.symbols("q1 q2 q3 q4 q5")
+ELBOW = A3 * sympy.sin(Q3) + D4 * sympy.cos(Q3)
 
 
 @pytest.mark.parametrize(
@@ -146,10 +143,7 @@ Q1, Q2, Q3, Q4, Q5 = sympy.symbols("q1 q2 q3 q4 q5")
         ("stanford-deluca", Q3**2 * sympy.sin(Q2) * sympy.sin(Q5)),
         (
             "puma560-corke",
-            A2
-            * sympy.sin(Q5)
-            * (A3 * sympy.sin(Q3) + D4 * sympy.cos(Q3))
-            * (A2 * sympy.cos(Q2) + A3 * sympy.cos(Q2 + Q3) - D4 * sympy.sin(Q2 + Q3)),
+            A2 * sympy.sin(Q5) * ELBOW * (A2 * sympy.cos(Q2) + A3 * sympy.cos(Q2 + Q3) - D4 * sympy.sin(Q2 + Q3)),
         ),
     ],
 )
@@ -176,10 +170,14 @@ def arm_of(joints: list[str], base: str = "") -> KinematicModel:
     return KinematicModel(Robot.from_text(f"name: arm\ntitle: Arm\nconvention: standard\njoints:\n{rows}{base}"))
 
 
-def test_an_arm_with_two_joints_on_one_axis_is_singular_everywhere() -> None:
+def test_arms_are_singular_everywhere_or_never_where_their_axes_say_so() -> None:
     model = arm_of(["type: revolute, a: a1", "type: revolute, alpha: pi/2", "type: revolute, a: a3"])
     assert arm_of(["type: revolute", "type: revolute, a: a1"]).singularities.outcome is Outcome.EVERYWHERE
     assert model.singularities.outcome is not Outcome.EVERYWHERE
+    joints = ["type: prismatic, alpha: -pi/2", "type: prismatic, theta: pi/2, alpha: -pi/2", "type: prismatic"]
+    found = arm_of(joints).singularities
+    assert found.outcome is Outcome.NEVER
+    assert abs(found.determinant) == 1
 
 
 def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
@@ -191,17 +189,10 @@ def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
     assert found.conditions[0].values == (0, sympy.pi)
 
 
-def test_a_cartesian_arm_is_never_singular() -> None:
-    joints = ["type: prismatic, alpha: -pi/2", "type: prismatic, theta: pi/2, alpha: -pi/2", "type: prismatic"]
-    found = arm_of(joints).singularities
-    assert found.outcome is Outcome.NEVER
-    assert abs(found.determinant) == 1
-
-
 # -- robots never seen
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 6))
 @example(seed=897535, n=2)  # a twist of -0.07 degrees: cos^2 - 1 would lose ten of its digits
 def test_random_arms_have_the_determinant_of_the_recursion(seed: int, n: int) -> None:

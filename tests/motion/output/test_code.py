@@ -1,21 +1,27 @@
-"""Motions in C and CasADi: as Python computes them, or not written."""
+"""Generated code of motions, and its polynomials."""
 
 from __future__ import annotations
 
 import re
 import subprocess
+from fractions import Fraction
 from pathlib import Path
 
 import casadi
 import numpy as np
 import pytest
+from sympy import Abs, Integer, Rational, Symbol, cos, exp, lambdify, pi, sin, sqrt, sympify, tan
 
 from derive.api.move import move
 from derive.errors import OutputError, QuantityError, VerificationError
 from derive.motion.motion import Motion
 from derive.motion.output import code
-from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, verify_code
-from derive.motion.torques.functions import module_of
+from derive.motion.output.code import MotionCode, VerifiedCode, verify_code
+from derive.motion.output.kernels import CLOCK, ROW, kernel_name, kernel_of, row_of
+from derive.motion.output.polynomials import printed
+from derive.plans.hermite import TIME, Piece
+from derive.plans.profile import Cosine, Curve
+from derive.programs.tape.tape import evaluate
 from derive.targets.compiler import find_compiler
 from tests.cli.command import derive
 from tests.motion.plans import PICK_AND_PLACE
@@ -38,7 +44,6 @@ PLANS = {
 points: {a: [0.3, 0.5], b: [0.3001, 0.5002]}\npath: [a, {to: b, time: 1.5, line: yes}]\n""",
     "standing": POINTS + "path: [a, {to: a, time: 1}]\n",
 }
-
 
 LONG = {
     "fastest": """robot: puma560-corke
@@ -66,10 +71,7 @@ def test_code_of_many_pieces_is_right_strict_and_not_large(name: str, tmp_path: 
     assert write_code(motion, tmp_path / "code").worst < 1e-11
     count = sum(len(pieces) for segment in motion.trajectory.segments for pieces in segment.joints)
     assert (tmp_path / "code/motion.c").stat().st_size < 4000 + 200 * count
-    compiler = find_compiler()
-    assert compiler is not None
-    options = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror", "-c", "motion.c"]
-    subprocess.run([*compiler, *options], cwd=tmp_path / "code", check=True)
+    compile_strictly(tmp_path / "code", "-Wconversion")
 
 
 @needs_compiler
@@ -83,14 +85,11 @@ def test_generated_code_is_as_python_computes(name: str) -> None:
 @needs_compiler
 @pytest.mark.parametrize("name", ["every profile", "curves"])
 def test_c_compiles_without_warnings(name: str, tmp_path: Path) -> None:
-    compiler = find_compiler()
-    assert compiler is not None
     write_code(Motion.from_text(PLANS[name]), tmp_path)
-    options = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", "-c", "motion.c"]
-    subprocess.run([*compiler, *options], cwd=tmp_path, check=True)
+    compile_strictly(tmp_path)
 
 
-def test_casadi_differentiates_it(tmp_path: Path) -> None:
+def test_casadi_differentiates_it_and_takes_many_times_side_by_side(tmp_path: Path) -> None:
     """d q/dt is qd and d qd/dt is qdd, by CasADi's own differentiation; nothing moves outside."""
     motion = Motion.from_text(PLANS["every profile"])
     module = loaded(motion, tmp_path)
@@ -104,11 +103,8 @@ def test_casadi_differentiates_it(tmp_path: Path) -> None:
         assert found[1] == pytest.approx(acceleration, abs=1e-11)
     assert not np.array(rates(-1)[0]).any()
     assert not np.array(rates(99)[0]).any()
-
-
-def test_casadi_takes_many_times_side_by_side(tmp_path: Path) -> None:
     motion = Motion.from_text(PICK_AND_PLACE)
-    module = loaded(motion, tmp_path)
+    module = loaded(motion, tmp_path / "pick")
     times = np.linspace(0, 15, 31)
     assert pytest.approx(motion(times)[0], abs=1e-14) == np.array(module.motion(times[None, :])[0]).T
     assert (module.START, module.END, module.JOINT_NAMES) == (0.0, 15.0, ("q1", "q2", "q3", "q4"))
@@ -118,6 +114,11 @@ def write_code(motion: Motion, folder: Path, *, force: bool = False) -> Verified
     made = move(motion, code=folder, force=force).code
     assert made is not None
     return made
+
+
+def compile_strictly(folder: Path, *more: str) -> None:
+    options = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", *more, "-c", "motion.c"]
+    subprocess.run([*(find_compiler() or ()), *options], cwd=folder, check=True)
 
 
 def loaded(motion: Motion, folder: Path):
@@ -141,7 +142,7 @@ def test_wrong_code_is_not_written(
     assert not (tmp_path / "out").exists()
 
 
-def test_files_of_others_stay(tmp_path: Path) -> None:
+def test_no_file_of_others_is_overwritten_and_none_is_written_of_too_many_pieces(tmp_path: Path) -> None:
     (tmp_path / "motion.c").write_text("int mine;\n")
     motion = Motion.from_text(PLANS["standing"])
     with pytest.raises(OutputError, match="exists already"):
@@ -201,9 +202,7 @@ def test_the_program_of_the_page_about_c_prints_the_motion(tmp_path: Path) -> No
     motion = Motion.from_text(plan[1])
     write_code(motion, tmp_path / "lifting")
     (tmp_path / "main.c").write_text(program[1])
-    compiler = find_compiler()
-    assert compiler is not None
-    subprocess.run([*compiler, *program[2].split(), "-o", "main"], cwd=tmp_path, check=True)
+    subprocess.run([*(find_compiler() or ()), *program[2].split(), "-o", "main"], cwd=tmp_path, check=True)
     printed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
     t, *q = np.array([[float(cell) for cell in line.split()] for line in printed.splitlines()]).T
     assert t.size == 51
@@ -216,6 +215,115 @@ def test_the_command_writes_three_files(tmp_path: Path) -> None:
     plan.write_text(PICK_AND_PLACE)
     said = derive("move", "plan.yaml", "--out", "code", "--name", "pick-1", folder=tmp_path).stdout
     assert "code: motion.h, motion.c, motion_casadi.py, verified to" in said
-    assert (
-        "void pick_1_motion(double t, double *q, double *qd, double *qdd);" in (tmp_path / "code/motion.h").read_text()
-    )
+    header = (tmp_path / "code/motion.h").read_text()
+    assert "void pick_1_motion(double t, double *q, double *qd, double *qdd);" in header
+
+
+ZERO = Integer(0)
+
+
+def values(piece, t, row, arithmetic):
+    return evaluate(kernel_of(piece, "q1").tape, {CLOCK: [t], ROW: row}, arithmetic)
+
+
+@pytest.mark.parametrize("k", [2, 3, 4])
+def test_polynomials_are_exact_in_rationals(k: int) -> None:
+    """Against the polynomial that SymPy expands, differentiated by SymPy."""
+    ends = tuple(tuple(Rational(7 * i + 3 * end + 1, 5) for i in range(k)) for end in range(2))
+    piece = Piece(Rational(1, 3), Rational(5, 4), ends)
+    polynomial = piece.in_unit_time()
+    row = [Fraction(1, 3), Fraction(5, 4), *(Fraction(int(v.p), int(v.q)) for end in ends for v in end)]
+    for u in (Fraction(0), Fraction(2, 7), Fraction(1)):
+        found = values(piece, row[0] + u * row[1], row, {"number": Fraction})
+        for order, value in enumerate(found):
+            wanted = polynomial.eval(Rational(u.numerator, u.denominator)) / piece.duration**order
+            assert Rational(value.numerator, value.denominator) == wanted
+            polynomial = polynomial.diff() if order < 2 else piece.in_unit_time()
+
+
+def sympy_arithmetic():
+    return {
+        "number": lambda value: Rational(value.numerator, value.denominator) if isinstance(value, Fraction) else pi,
+        "sin": sin,
+        "cos": cos,
+        "sqrt": sqrt,
+        "less": lambda a, b: int(bool(a < b)),
+        "select": lambda case, a, b: a if case else b,
+        "absolute": Abs,
+    }
+
+
+@pytest.mark.parametrize("u", [ZERO, Rational(1, 3), Rational(1, 2), Rational(5, 6), Integer(1)])
+def test_harmonic_pieces_are_cosines(u: Integer) -> None:
+    piece = Cosine(Integer(2), Integer(3), ((Integer(1),), (Integer(5),)))
+    found = values(piece, 2 + 3 * u, [2, 3, 1, 5], sympy_arithmetic())
+    formula = 1 + 4 * (1 - cos(pi * (TIME - 2) / 3)) / 2
+    for order, value in enumerate(found):
+        assert (value - formula.diff(TIME, order).subs(TIME, 2 + 3 * u)).equals(0)
+
+
+def test_curves_are_derived_exactly() -> None:
+    formula = sqrt(1 + TIME**2) * tan(TIME / 9) / (2 + sin(TIME)) ** 3
+    piece = Curve(ZERO, Integer(5), (formula, formula.diff(TIME), formula.diff(TIME, 2)))
+    found = values(piece, Rational(7, 5), [], sympy_arithmetic())
+    for value, wanted in zip(found, piece.formulas, strict=True):
+        assert abs((value - wanted.subs(TIME, Rational(7, 5))).evalf(40)) < 1e-30
+
+
+def test_a_formula_that_no_language_has_is_refused() -> None:
+    formula = exp(TIME)
+    with pytest.raises(QuantityError, match="has no place in generated code"):
+        kernel_of(Curve(ZERO, Integer(1), (formula,) * 3), "q1")
+
+
+def test_rows_begin_with_start_and_duration() -> None:
+    piece = Cosine(Integer(2), Rational(1, 2), ((pi,), (ZERO,)))
+    assert row_of(piece) == (2.0, 0.5, float(pi), 0.0)
+    assert row_of(Curve(ZERO, Integer(5), (TIME,) * 3)) == (0.0, 5.0)
+    assert kernel_name(Curve(ZERO, Integer(5), (TIME,) * 3), "q2") == "curve_q2"
+
+
+def test_a_quintic_is_printed_by_powers_of_time() -> None:
+    lines = list(printed(Motion.from_text(PICK_AND_PLACE)))
+    assert lines[:2] == ["rest -> A, 0 <= t <= 3 s", "  q1 = 5*pi*t**3/27 - 5*pi*t**4/54 + pi*t**5/81"]
+    assert "  q3 = 1 + 20*t**3/27 - 10*t**4/27 + 4*t**5/81" in lines
+
+
+@pytest.mark.parametrize("profile", ["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline"])
+def test_what_is_printed_is_what_moves(profile: str) -> None:
+    motion = Motion.from_text(PICK_AND_PLACE.replace("quintic", profile))
+    starts = {segment.name: float(segment.start) for segment in motion.trajectory.segments}
+    start, checked, symbol = 0.0, 0, Symbol("t")
+    names = [joint.variable for joint in motion.plan.robot.joints]
+    for line in printed(motion):
+        if not line.startswith("  "):
+            start = starts[line.split(",")[0]]
+            continue
+        name, rest = line.strip().split(" = ")
+        text, _, span = rest.partition("  for ")
+        low, high = (float(sympify(part)) for part in (span or "0 <= t <= 3").split(" <= t <= "))
+        t = np.linspace(low, high, 5)
+        value = lambdify(symbol, sympify(text), "numpy")(t)
+        assert motion(start + t)[0][:, names.index(name)] == pytest.approx(np.broadcast_to(value, 5), abs=1e-12)
+        checked += 1
+    assert checked >= 20
+
+
+def test_latex_has_a_display_for_every_segment() -> None:
+    lines = list(printed(Motion.from_text(PICK_AND_PLACE), as_latex=True))
+    assert lines[:2] == ["% rest -> A, 0 <= t <= 3 s", r"\begin{align*}"]
+    assert lines[2] == r"  q_{1}(t) &= \frac{5 \pi t^{3}}{27} - \frac{5 \pi t^{4}}{54} + \frac{\pi t^{5}}{81} \\"
+    assert lines[5:7] == [r"  q_{4}(t) &= 0", r"\end{align*}"]
+
+
+def test_what_is_not_exact_is_printed_in_decimals_alone() -> None:
+    """A pose is reached by floats, and no polynomial has them beside powers of pi."""
+    text = PICK_AND_PLACE.replace("A: [pi/2, pi/2, 1, 0]", "A: {pose: {p: [-1.9, 2.1, -1], rpy: [pi, 0, 0]}}")
+    first, *lines = list(printed(Motion.from_text(text)))[:4]
+    assert first == "rest -> A, 0 <= t <= 3 s"
+    assert all(re.fullmatch(r"  q\d = [-+*t. e\d]+", line) for line in lines)
+
+
+def test_curves_are_printed_as_they_were_given() -> None:
+    motion = Motion.from_text("robot: planar-2r-perugia\ncurves: {q1: sin(2*t)}\ntime: 1\n")
+    assert list(printed(motion))[1:] == ["  q1 = sin(2*t)", "  q2 = 0"]

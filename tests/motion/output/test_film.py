@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
@@ -27,12 +26,9 @@ def short() -> Film:
     return Film(Motion.from_text(SHORT))
 
 
-def test_a_film_lasts_as_long_as_its_motion_and_ends_with_it(short: Film) -> None:
+def test_a_film_lasts_as_long_as_its_motion_and_a_long_one_is_shown_faster(short: Film) -> None:
     assert short.times.tolist() == pytest.approx([0.0, 0.05, 0.1, 0.15, 0.2, 0.25])
     assert short.pace == 1
-
-
-def test_a_long_motion_is_shown_faster() -> None:
     found = Film(Motion.from_text(PICK_AND_PLACE.replace("time: 3", "time: 300")))
     assert found.pace == 20
     assert found.times.size == 1501
@@ -73,13 +69,19 @@ control: {law: pd, kp: 3, kd: 1}
     assert ghost(Film(motion, motion.simulate())) > 100
 
 
+def put_ffmpeg(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None:
+    """A program in its place."""
+    (folder / "ffmpeg").write_text(f"#!/bin/sh\n{script}\n")
+    (folder / "ffmpeg").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:/usr/bin:/bin")
+
+
 def test_mp4_is_what_ffmpeg_makes_of_the_frames(short: Film, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A program in its place counts the bytes that it is given."""
-    program = tmp_path / "ffmpeg"
-    program.write_text('#!/bin/sh\nfor last; do :; done\nwc -c > "$last"\n')
-    program.chmod(program.stat().st_mode | stat.S_IXUSR)
-    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    put_ffmpeg(tmp_path, monkeypatch, 'for last; do :; done\nwc -c > "$last"')
     assert int(short.mp4()) == 6 * WIDTH * HEIGHT * 3
+    put_ffmpeg(tmp_path, monkeypatch, "cat > /dev/null\necho no encoder >&2\nexit 1")
+    with pytest.raises(OutputError, match="ffmpeg made no film: no encoder"):
+        short.mp4()
 
 
 def test_without_ffmpeg_one_message_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,12 +91,3 @@ def test_without_ffmpeg_one_message_says_what_to_do(monkeypatch: pytest.MonkeyPa
         film.ffmpeg()
     with pytest.raises(DeriveError, match=r"films need Pillow.*-m pip install 'pillow>="):
         film.require_pillow()
-
-
-def test_what_ffmpeg_refuses_is_said(short: Film, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    program = tmp_path / "ffmpeg"
-    program.write_text("#!/bin/sh\ncat > /dev/null\necho no encoder >&2\nexit 1\n")
-    program.chmod(program.stat().st_mode | stat.S_IXUSR)
-    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
-    with pytest.raises(OutputError, match="ffmpeg made no film: no encoder"):
-        short.mp4()

@@ -112,6 +112,10 @@ class Shown:
             self.page.wait_for_timeout(25)
         pytest.fail(condition)
 
+    def close(self) -> None:
+        self.page.context.close()
+        assert self.trouble == []
+
     def is_playing(self) -> bool:
         return bool(self.page.evaluate("deriveViewer.player.isPlaying()"))
 
@@ -129,8 +133,7 @@ class Shown:
 def shown(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
     made = Shown(browser, tmp_path_factory.mktemp("motion"), PLANS[request.param])
     yield made
-    made.page.context.close()
-    assert made.trouble == []
+    made.close()
 
 
 def test_the_page_moves_as_the_motion_does(shown: Shown) -> None:
@@ -159,8 +162,7 @@ def test_the_page_moves_as_any_motion_does(name: str, browser: Any, tmp_path: Pa
     test_on_a_phone_the_page_does_not_scroll_sideways(made)
     for scheme in ("light", "dark"):
         test_the_page_is_accessible(made, scheme)
-    made.page.context.close()
-    assert made.trouble == []
+    made.close()
 
 
 def test_the_arm_of_the_page_is_where_the_motion_is(shown: Shown) -> None:
@@ -174,8 +176,12 @@ def test_the_arm_of_the_page_is_where_the_motion_is(shown: Shown) -> None:
     assert said.split(" s, ")[1] == shown.page.locator(".player-segment option:checked").inner_text()
 
 
-def test_the_page_is_small(shown: Shown) -> None:
+def test_the_page_is_small_and_every_formula_is_set(shown: Shown) -> None:
     assert shown.size <= SIZE
+    shown.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert shown.page.locator(".katex-error").count() == 0
+    assert shown.page.locator("#plan .math.set").count() > 10
+    shown.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
 
 
 def test_curves_are_as_high_as_the_motion(shown: Shown) -> None:
@@ -258,13 +264,6 @@ def test_the_page_is_accessible(shown: Shown, scheme: Any) -> None:
     assert [(v["id"], v["nodes"][0]["html"][:90]) for v in found if v["impact"] in ("serious", "critical")] == []
 
 
-def test_every_formula_is_set(shown: Shown) -> None:
-    shown.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
-    assert shown.page.locator(".katex-error").count() == 0
-    assert shown.page.locator("#plan .math.set").count() > 10
-    shown.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
-
-
 def test_on_a_phone_the_page_does_not_scroll_sideways(shown: Shown) -> None:
     shown.page.set_viewport_size({"width": 360, "height": 740})
     shown.wait("document.documentElement.scrollWidth <= innerWidth")
@@ -288,7 +287,6 @@ def test_of_a_simulation_that_diverges_its_rows_are_played(browser: Any, tmp_pat
     plan = f"robot: {ARM}\npoints: {{a: [0, 0.1], b: [1, 0.5]}}\npath: [a, {{to: b, time: 1}}, {{to: a, time: 1}}]\n"
     law = "control: {law: pd, kp: 90000, kd: 900, period: 0.05}\n"
     made = Shown(browser, tmp_path, plan + law, simulate=True)
-    assert made.run is not None
     assert not made.run.reached
     end = made.page.evaluate("deriveViewer.motion.duration")
     assert end == made.run.t[-1] < 1
@@ -297,8 +295,7 @@ def test_of_a_simulation_that_diverges_its_rows_are_played(browser: Any, tmp_pat
     assert "The simulation diverges after 0." in made.page.locator(".player-notes").inner_text()
     test_the_page_is_accessible(made, "light")
     test_the_page_is_accessible(made, "dark")
-    made.page.context.close()
-    assert made.trouble == []
+    made.close()
 
 
 TIMED = """(() => {
@@ -333,8 +330,7 @@ def test_a_frame_takes_little_of_its_time_and_a_pause_none(browser: Any, tmp_pat
     made.page.evaluate("window.frames_.length = 0")
     made.page.wait_for_timeout(500)
     assert made.page.evaluate("window.frames_") == []
-    made.page.context.close()
-    assert made.trouble == []
+    made.close()
 
 
 @pytest.mark.sweep
@@ -345,8 +341,7 @@ def test_without_webgl_plots_and_values_still_move(browser: Any, tmp_path: Path)
     made.page.evaluate("deriveViewer.player.set(1)")
     assert made.page.locator(".player-values td span").first.inner_text() == "4.714"
     assert made.page.locator(".viewer-message").is_visible()
-    made.page.context.close()
-    assert made.trouble == []
+    made.close()
 
 
 def test_a_simulation_is_played_beside_what_is_wanted(browser: Any, tmp_path: Path) -> None:
@@ -355,7 +350,6 @@ def test_a_simulation_is_played_beside_what_is_wanted(browser: Any, tmp_path: Pa
     plan = f"robot: {arm}\npoints: {{a: [0, 0.1], b: [1, 0.5]}}\npath: [a, {{to: b, time: 1}}]\n"
     made = Shown(browser, tmp_path, plan + "control: {law: pd-gravity, kp: 300, kd: 30}\n", simulate=True)
     run, motion = made.run, made.motion
-    assert run is not None
     found = made.page.evaluate("times => times.map((t) => deriveViewer.motion.at(t))", run.t.tolist())
     q, qd, tau, error = np.array(found).transpose(1, 0, 2)
     for ours, theirs in ((run.q, q), (run.qd, qd), (run.tau, tau), (motion(run.t)[0] - run.q, error)):
@@ -370,8 +364,7 @@ def test_a_simulation_is_played_beside_what_is_wanted(browser: Any, tmp_path: Pa
     assert spoken.startswith("Velocity [rad/s]; q1 beyond its limit at 0.")
     assert made.page.locator(".player-notes").inner_text().startswith("Simulated: control law pd-gravity")
     assert found[0][0] == pytest.approx([0, 0.1])
-    made.page.context.close()
-    assert made.trouble == []
+    made.close()
 
 
 @pytest.mark.parametrize(("language", "word"), [("it", "Piano di moto"), ("pt", "Plano de movimento")])

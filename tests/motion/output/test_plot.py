@@ -74,7 +74,6 @@ sample: SAMPLE
 
 @pytest.fixture
 def figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """Those that were drawn."""
     found: list[Any] = []
     monkeypatch.setattr(plot, "figure_bytes", lambda figure, *_: found.append(figure) or b"")
     return found
@@ -120,12 +119,8 @@ def test_a_simulation_shows_what_is_wanted_and_the_error(figures: list[Any]) -> 
     run = motion.simulate()
     plot_bytes(motion, ".svg", run)
     panels = figures[0].axes
-    assert [axes.get_ylabel() for axes in panels[:4]] == [
-        "position [rad]",
-        "speed [rad/s]",
-        "error [rad]",
-        "torque [N m]",
-    ]
+    labels = ["position [rad]", "speed [rad/s]", "error [rad]", "torque [N m]"]
+    assert [axes.get_ylabel() for axes in panels[:4]] == labels
     dashed = [sum(line.is_dashed() for line in axes.get_lines()) for axes in panels[:4]]
     assert dashed[1:] == [6, 0, 6]
     assert figures[0].legends[0].get_texts()[-1].get_text() == "reference"

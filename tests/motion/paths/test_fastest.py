@@ -72,7 +72,7 @@ def test_speed_and_acceleration_make_a_trapezoid() -> None:
     assert np.abs(motion(np.linspace(0, motion.duration, 30_001))[1]).max() <= 0.8
 
 
-def test_viscous_friction_is_in_the_torque() -> None:
+def test_friction_is_in_the_torque_and_helps_to_brake() -> None:
     """With friction d the joint speeds up by (tau/d)(1 - e^{-d t}) and slows down by its mirror image in time."""
     torque, viscous, way = 2.0, 1.5, 2.0
 
@@ -91,10 +91,6 @@ def test_viscous_friction_is_in_the_torque() -> None:
     motion = wheel(f"torque: [{torque}]\n", f"{{viscous: {viscous}}}")
     assert sum(times(low)) <= motion.duration <= 1.005 * sum(times(low))
     assert excess(motion, np.array([torque])) <= 0
-
-
-def test_dry_friction_helps_to_brake() -> None:
-    """Up at tau - f, down at tau + f: T = sqrt(2 D I (1/(tau - f) + 1/(tau + f)))."""
     motion = wheel("torque: [5]\n", "{coulomb: 2}")
     assert motion.duration == pytest.approx(np.sqrt(2 * 2 * (1 / 3 + 1 / 7)), rel=3e-3)
 
@@ -147,16 +143,13 @@ def test_a_line_in_space_is_followed_as_fast_as_the_torques_allow() -> None:
     assert np.abs(across).max() < 1e-6
 
 
-def test_where_joints_stand_they_stand() -> None:
+def test_where_joints_stand_they_stand_and_a_line_without_length_for_a_second() -> None:
     motion = arm("path: [a, a, {to: b}]\n")
     assert motion.trajectory.segments[0].duration == 1
     text = ARM.replace("FIRST", "{}").replace("SECOND", "{}").replace("b: [0.4, 1.5]", "b: [0.4, 0.3]")
     joints = Motion.from_text(text + "path: [a, b]\n").trajectory.segments[0].joints
     assert len(joints[0]) > 100
     assert len(joints[1]) == 1
-
-
-def test_a_line_without_length_stands_for_a_second() -> None:
     text = ARM.replace("FIRST", "{}").replace("SECOND", "{}").replace("gravity:", "inverse: {task: [x, y]}, gravity:")
     for profile in ("fastest", "quintic"):
         path = f"profile: {profile}\npath: [b, {{to: b, line: yes}}]\n"
@@ -181,10 +174,7 @@ def test_bounds_by_themselves() -> None:
         (WHEEL, r"<text>:5:\d+: nothing limits the acceleration of the fastest motion; write acceleration: or"),
         (WHEEL + "speed: [1]\n", r"nothing limits the acceleration"),
         (WHEEL + "torque: [0]\n", r"torque.*not above zero"),
-        (
-            WHEEL.replace("path: [a, b]", "path: [a, {to: b, time: 2}]") + "torque: [1]\n",
-            r"takes the time that the lim",
-        ),
+        (WHEEL.replace("a, b]", "a, {to: b, time: 2}]") + "torque: [1]\n", r"takes the time that the lim"),
         (
             WHEEL.replace("[a, b]", "[a, {to: b, via: pass}, b]") + "torque: [1]\n",
             r"the arm does not move to b; leave it out, or write via: stop",

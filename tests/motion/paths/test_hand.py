@@ -1,18 +1,24 @@
-"""The end effector on lines and arcs, and poses as points."""
+"""Curves of the hand: lines, arcs and splines."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from sympy import pi
+from scipy.interpolate import CubicSpline
+from sympy import Integer, pi
 
-from derive.errors import QuantityError, RobotFileError
+from derive.errors import DeriveError, QuantityError, RobotFileError
+from derive.handouts.assemble import context_of
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.solve import solve
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.model import Model
+from derive.motion.hand_curve import HandCurve
 from derive.motion.motion import Motion
+from derive.motion.output.page import plan_part
 from derive.motion.paths.hand import Hand
+from derive.motion.paths.hand_spline import angular_motion, spline_way
+from derive.motion.paths.poses import rotation_of
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 
@@ -48,15 +54,12 @@ def test_a_pose_is_where_the_end_effector_is(lines: Motion) -> None:
         assert there[:3, 3] == pytest.approx([0.4, -0.3, 0.3], abs=1e-10)
 
 
-def test_the_end_effector_stays_on_the_line_with_the_profile_along_it(lines: Motion) -> None:
+def test_the_end_effector_stays_on_the_line_with_the_profile_along_it_and_on_the_circle(lines: Motion) -> None:
     times = np.linspace(1, 3, 401)
     found, u = poses(lines, times), np.linspace(0, 1, 401)
     fraction = 10 * u**3 - 15 * u**4 + 6 * u**5
     start, way = np.array([0.4, -0.3, 0.3]), np.array([0.1, 0.2, -0.1])
     assert found[:, :3, 3] == pytest.approx(start + fraction[:, None] * way, abs=1e-8)
-
-
-def test_the_end_effector_stays_on_the_circle(lines: Motion) -> None:
     places = poses(lines, np.linspace(3, 4, 201))[:, :3, 3]
     a, middle, b = np.array([0.5, -0.1, 0.2]), np.array([0.45, -0.2, 0.3]), np.array([0.4, -0.3, 0.3])
     normal = np.cross(middle - a, b - a)
@@ -65,18 +68,20 @@ def test_the_end_effector_stays_on_the_circle(lines: Motion) -> None:
     centre = np.linalg.solve(bisectors, [(middle - a) @ (middle + a) / 2, (b - a) @ (b + a) / 2, normal @ a])
     radii = np.linalg.norm(places - centre, axis=1)
     assert radii == pytest.approx(np.full(201, radii[0]), abs=1e-8)
-
-
-def test_velocities_are_derivatives_of_positions_on_a_line(lines: Motion) -> None:
     t, h = np.linspace(1.1, 2.9, 50), 1e-5
     before, _, after = (lines(t + d)[0] for d in (-h, 0, h))
     assert (after - before) / (2 * h) == pytest.approx(lines(t)[1], abs=1e-7)
 
 
-def test_a_pose_out_of_reach_is_refused_at_its_place() -> None:
+def test_poses_out_of_reach_and_lines_that_cannot_be_followed_are_refused_at_their_place() -> None:
     text = LINES.replace("[0.5, -0.1, 0.2]", "[5, -0.1, 0.2]")
     with pytest.raises(RobotFileError, match=r"<text>:5:\d+: the arm does not reach c"):
         _ = Motion.from_text(text.replace("line: yes", "via: stop")).trajectory
+    with pytest.raises(RobotFileError, match=r"does not reach the way|singular"):
+        _ = Motion.from_text(text).trajectory
+    text = "robot: puma560-corke\npoints: {a: [0, 30, 10, 5, 0, 5], b: [5, 30, 10, 5, 5, 5]}\n"
+    with pytest.raises(RobotFileError, match=r"starts at a singular configuration, where sin\(q5\) = 0"):
+        _ = Motion.from_text(text + "path: [a, {to: b, time: 1, line: yes}]\n").trajectory
 
 
 @pytest.mark.parametrize("branch", ["shoulder left, elbow up, wrist flipped", "Shoulder  right"])
@@ -96,19 +101,16 @@ def test_a_branch_is_chosen_by_its_name_or_words_of_it(branch: str) -> None:
 @pytest.mark.parametrize(
     ("branch", "message"),
     [
-        (
-            "elbow sideways",
-            r":4:3: point b: no branch 'elbow sideways' of puma560-corke; allowed: shoulder right, .*; or",
-        ),
+        ("elbow sideways", "point b: no branch 'elbow sideways' of puma560-corke; allowed: shoulder right, .*; or"),
         (
             "elbow down",
-            r":4:3: the arm does not reach b within its limits with branch 'elbow down'; with another branch it does",
+            "the arm does not reach b within its limits with branch 'elbow down'; with another branch it does",
         ),
     ],
 )
 def test_a_branch_that_there_is_not_is_refused(branch: str, message: str) -> None:
     text = LINES.replace("rpy: [6, 115, 17]}", f"rpy: [6, 115, 17]}}, branch: '{branch}'")
-    with pytest.raises(RobotFileError, match=message):
+    with pytest.raises(RobotFileError, match=f":4:3: {message}"):
         _ = Motion.from_text(text).trajectory
 
 
@@ -158,18 +160,6 @@ def test_the_branch_of_a_point_on_a_way_of_the_hand_is_kept_or_refused(
         assert Motion.from_text(text + path)(1.0)[0][2] < 0, "the elbow bends one way"
 
 
-def test_a_line_that_leaves_the_workspace_is_refused() -> None:
-    text = LINES.replace("[0.5, -0.1, 0.2]", "[5, -0.1, 0.2]")
-    with pytest.raises(RobotFileError, match=r"does not reach the way|singular"):
-        _ = Motion.from_text(text).trajectory
-
-
-def test_a_line_from_a_singular_configuration_is_refused() -> None:
-    text = "robot: puma560-corke\npoints: {a: [0, 30, 10, 5, 0, 5], b: [5, 30, 10, 5, 5, 5]}\n"
-    with pytest.raises(RobotFileError, match=r"starts at a singular configuration, where sin\(q5\) = 0"):
-        _ = Motion.from_text(text + "path: [a, {to: b, time: 1, line: yes}]\n").trajectory
-
-
 def test_a_planar_arm_goes_straight_in_its_task() -> None:
     robot = "{name: arm, convention: standard, inverse: {task: [x, y]}, joints: [JOINT, JOINT]}"
     robot = robot.replace("JOINT", "{type: revolute, a: 1}")
@@ -205,3 +195,129 @@ def test_a_trapezoid_along_a_line_has_its_corners_where_it_has_them() -> None:
     largest = np.abs(motion(np.linspace(1, 2.999999, 4000))[2]).max(axis=0)
     peaks = [abs(float(peak.value)) for peak in motion.peaks[1].accelerations]
     assert peaks == pytest.approx(largest, rel=1e-3)
+
+
+VIA = """\
+robot: {name: arm, convention: standard, inverse: {task: [x, y]}, joints: [
+  {type: revolute, q: b, theta: -b, a: 0.4}, {type: revolute, q: a, theta: -a, a: 0.3}]}
+profile: spline
+spline: hand
+points:
+  A: {pose: {p: [0.5, -0.1, 0]}}
+  B: {pose: {p: [0.4, -0.3, 0]}}
+  C: {pose: {p: [0.1, -0.5, 0]}}
+  D: {pose: {p: [-0.2, -0.4, 0]}}
+path: [A, {to: B, time: 1}, {to: C, time: 3/2}, {to: D, time: 1}]
+"""
+"""The arm of the skeleton, its root at rest."""
+
+PLACES = np.array([[0.5, -0.1], [0.4, -0.3], [0.1, -0.5], [-0.2, -0.4]])
+
+TURNING = """\
+robot: puma560-corke
+profile: spline
+spline: hand
+points:
+  a: {pose: {p: [0.4, -0.3, 0.3], rpy: [6, 115, 17]}}
+  b: {pose: {p: [0.5, -0.1, 0.2], rpy: [26, 126, 17]}}
+  c: {pose: {p: [0.45, -0.2, 0.35], rpy: [0, 115, 40]}}
+path: [a, {to: b, time: 1}, {to: c, time: 2}]
+"""
+
+
+@pytest.fixture(scope="module")
+def via() -> Motion:
+    return Motion.from_text(VIA)
+
+
+def test_slide_31_the_hand_goes_through_its_points_on_the_spline_of_scipy(via: Motion) -> None:
+    knots = [0, 1, 2.5, 3.5]
+    p, v = HandCurve(via)(np.array(knots))
+    assert p[:, :2] == pytest.approx(PLACES, abs=1e-11)
+    assert np.abs(v[[0, -1]]).max() < 1e-12
+    t = np.linspace(0, 3.5, 500)
+    expected = CubicSpline(knots, PLACES, bc_type="clamped")
+    p, v = HandCurve(via)(t)
+    assert p[:, :2] == pytest.approx(expected(t), abs=1e-9)
+    assert v[:, :2] == pytest.approx(expected(t, 1), abs=1e-7)
+
+
+def test_the_plan_in_print_says_that_the_hand_is_on_the_spline(via: Motion) -> None:
+    motion, context = via, context_of(via.plan.robot)
+    assert "rotation vector" in repr(plan_part(motion, context))
+    joints = Motion.from_text(VIA.replace("spline: hand\n", ""))
+    assert "rotation vector" not in repr(plan_part(joints, context))
+
+
+def test_joints_are_continuous_with_their_accelerations_at_the_points(via: Motion) -> None:
+    for joint in range(2):
+        before, after = (segment.joints[joint] for segment in via.trajectory.segments[:2])
+        assert before[-1].values[1] == after[0].values[0]
+        assert len(before[-1].values[1]) == 3
+
+
+def test_a_hand_that_turns_is_where_its_points_are_and_moves_smoothly() -> None:
+    motion, oracle = Motion.from_text(TURNING), Oracle.of(Robot.load("puma560-corke"))
+    there = oracle.evaluate("forward_kinematics", motion(np.array([0.0, 1.0, 3.0]))[0])
+    places = np.array([[0.4, -0.3, 0.3], [0.5, -0.1, 0.2], [0.45, -0.2, 0.35]])
+    assert there[:, :3, 3] == pytest.approx(places, abs=1e-10)
+    for pose, (roll, pitch, yaw) in zip(there, np.deg2rad([[6, 115, 17], [26, 126, 17], [0, 115, 40]]), strict=True):
+        turns = [angle * np.eye(3)[axis] for axis, angle in ((2, yaw), (1, pitch), (0, roll))]
+        assert pose[:3, :3] == pytest.approx(np.linalg.multi_dot([rotation_of(turn) for turn in turns]), abs=1e-10)
+    t, h = np.linspace(0.01, 2.99, 40), 1e-5
+    q, qd, qdd = (np.array(part) for part in zip(*(motion(t + d) for d in (-h, 0, h)), strict=True))
+    assert (q[2] - q[0]) / (2 * h) == pytest.approx(qd[1], abs=1e-6)
+    assert (qd[2] - qd[0]) / (2 * h) == pytest.approx(qdd[1], abs=1e-4)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-5, 0.3, 2.0, 5.0])
+def test_angular_velocity_and_acceleration_are_those_of_the_rotation(angle: float) -> None:
+    random = np.random.default_rng(7)
+    axis, rate, bend = random.normal(size=(3, 3))
+    w, h = angle * axis / np.linalg.norm(axis), 1e-4
+
+    def at(t: float) -> np.ndarray:
+        return rotation_of(w + rate * t + bend * t * t / 2)
+
+    omega, alpha = angular_motion(w, rate, bend)
+    spin = (at(h) - at(-h)) / (2 * h) @ at(0).T
+    assert omega == pytest.approx([spin[2, 1], spin[0, 2], spin[1, 0]], abs=1e-6)
+    tensor = (at(h) - 2 * at(0) + at(-h)) / h**2 @ at(0).T
+    skew = (tensor - tensor.T) / 2
+    assert alpha == pytest.approx([skew[2, 1], skew[0, 2], skew[1, 0]], abs=1e-5)
+
+
+def test_orientations_more_than_half_a_turn_from_the_first_go_on_turning() -> None:
+    poses = [np.eye(4) for _ in range(4)]
+    for k, pose in enumerate(poses):
+        pose[:3, :3] = rotation_of(np.array([0, 0, 1.5 * k]))
+    way = spline_way([Integer(k) for k in range(4)], poses)
+    _, omega, _ = way.turned(2.5)
+    assert omega[2] > 0
+    assert way.turned(3.0)[0] == pytest.approx(poses[3][:3, :3], abs=1e-12)
+
+
+def test_limits_set_the_times_in_the_proportion_of_the_ways_of_the_hand() -> None:
+    text = VIA.replace(", time: 1}", "}").replace(", time: 3/2}", "}")
+    motion = Motion.from_text(text.replace("spline: hand", "spline: hand\nspeed: [1, 2]"))
+    qd = motion(np.linspace(0, motion.duration, 4001))[1]
+    assert max(np.abs(qd[:, 0]).max(), np.abs(qd[:, 1]).max() / 2) == pytest.approx(1, abs=1e-4)
+    first, second, _ = (float(segment.duration) for segment in motion.trajectory.segments)
+    ways = np.linalg.norm(np.diff(PLACES, axis=0), axis=1)
+    assert first / second == pytest.approx(ways[0] / ways[1], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("profile: spline", "profile: cubic", r"<text>:4:9: spline: hand, and no profile is spline; write"),
+        ("spline: hand", "spline: foot", r"<text>:4:9: .*'foot'.*joints"),
+        ("{to: C, time: 3/2}", "{to: C}", r"<text>:10:\d+: no time from here to C"),
+        ("[0.1, -0.5, 0]", "[0.1, -0.9, 0]", r"<text>:10:\d+: the arm (does not reach|cannot follow) the way"),
+        ("[0.1, -0.5, 0]", "[-0.4, 0.1, 0]", r"<text>:10:\d+: .*(singular|does not reach the way|cannot follow)"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_place(old: str, new: str, message: str) -> None:
+    with pytest.raises(DeriveError, match=message) as caught:
+        _ = Motion.from_text(VIA.replace(old, new)).trajectory
+    assert caught.value.exit_status == 2

@@ -1,4 +1,4 @@
-"""From steps to segments: times by limits, what is passed, and what is refused."""
+"""Segments between points, poses among them, and singular places."""
 
 from __future__ import annotations
 
@@ -14,8 +14,12 @@ from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.curves.limits import Limits
 from derive.motion.curves.trajectory import Corner
 from derive.motion.motion import Motion
+from derive.motion.paths.poses import Way, rotation_of, rotation_vector
 from derive.motion.paths.segments import trajectory_of
+from derive.motion.paths.singular import usual_rank, vanishing_factor
+from derive.motion.torques.functions import Functions
 from derive.robot.expression import Expression
+from derive.robot.robot import Robot
 from tests.motion.random_arms import cells, points
 from tests.random_robots import seeds
 
@@ -44,14 +48,11 @@ def test_the_slowest_joint_sets_the_time_of_a_trapezoid_and_the_others_follow() 
     assert found(found.duration)[0] == pytest.approx([np.pi, 1], abs=1e-15)
 
 
-def test_a_short_trapezoid_has_no_constant_speed() -> None:
+def test_trapezoids_keep_to_the_limits_where_they_are_short_or_their_cruise_is_chosen() -> None:
     found = motion("profile: trapezoidal\nspeed: [10, 10]\nacceleration: [2, 8]\npath: [a, b]\n")
     assert (found.trajectory.duration - 2 * sqrt(pi / 2)).equals(0)
     assert len(found.trajectory.segments[0].joints[0]) == 2
     assert largest(found)[1] == pytest.approx([2, 2 / np.pi], rel=1e-9)
-
-
-def test_a_trapezoid_with_a_chosen_cruise_keeps_to_the_limits() -> None:
     text = "profile: trapezoidal\nspeed: [1, 9]\nacceleration: [9, 9]\npath: [a, {to: b, cruise: 1.2}]\n"
     found = motion(text)
     assert (found.trajectory.duration - 6 * pi / 5).equals(0)
@@ -66,10 +67,12 @@ def test_profiles_reach_one_limit_and_exceed_none(profile: str) -> None:
         assert max(np.abs(qd).max() / 2, np.abs(qdd).max() / 3) == pytest.approx(1, abs=1e-6)
 
 
-def test_the_speed_of_the_robot_file_is_the_default() -> None:
+def test_the_speed_of_the_robot_file_is_the_default_and_no_move_takes_a_second() -> None:
     assert motion("profile: cubic\npath: [a, b]\n", ", speed: 2").trajectory.duration == 3 * pi / 4
     text = "profile: cubic\nspeed: [1, 9]\npath: [a, b]\n"
     assert motion(text, ", speed: 2").trajectory.duration == 3 * pi / 2
+    found = motion("speed: [1, 1]\npath: [a, a, b]\n")
+    assert found.trajectory.segments[0].duration == 1
 
 
 @pytest.mark.parametrize("way", ["profile: spline", "profile: cubic\nvia: pass", "profile: quintic\nvia: pass"])
@@ -99,11 +102,6 @@ acceleration: [20, 20]
     assert slower(t)[0] == pytest.approx(found(t)[0], abs=1e-9)
 
 
-def test_no_move_takes_a_second() -> None:
-    found = motion("speed: [1, 1]\npath: [a, a, b]\n")
-    assert found.trajectory.segments[0].duration == 1
-
-
 class Told:
     """An arm that is told where its points are, and has no limits."""
 
@@ -119,10 +117,8 @@ class Told:
 def test_segments_follow_one_another_through_the_points_of_the_arm() -> None:
     plan = motion("path: [a, {to: b, time: 1}, {to: c, time: 2}]\n").plan
     found = trajectory_of(plan, Told())  # type: ignore[arg-type]
-    assert [(segment.name, segment.start, segment.duration) for segment in found.segments] == [
-        ("a -> b", 0, 1),
-        ("b -> c", 1, 2),
-    ]
+    spans = [(segment.name, segment.start, segment.duration) for segment in found.segments]
+    assert spans == [("a -> b", 0, 1), ("b -> c", 1, 2)]
     assert found(np.array([0.0, 1, 3]))[0].tolist() == [[0, 0], [np.pi, 1], [2, -1]]
 
 
@@ -193,3 +189,83 @@ def test_random_plans_reach_a_limit_exceed_none_and_pass_without_a_gap(seed: int
     for before, after in pairwise(segments):
         for first, second in zip(before.joints, after.joints, strict=True):
             assert first[-1].values[1] == second[0].values[0]  # type: ignore[union-attr]
+
+
+def pose(seed: int) -> np.ndarray:
+    random, found = np.random.default_rng(seed), np.eye(4)
+    found[:3, :3], found[:3, 3] = rotation_of(random.normal(size=3)), random.normal(size=3)
+    return found
+
+
+@pytest.mark.parametrize("angle", [0, 1e-12, 1e-7, 1e-3, 1, 3, np.pi - 1e-7, np.pi])
+def test_a_rotation_is_that_of_its_vector(angle: float) -> None:
+    for seed in range(5):
+        axis = np.random.default_rng(seed).normal(size=3)
+        rotation = rotation_of(angle * axis / np.linalg.norm(axis))
+        assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-14)
+        assert np.linalg.norm(rotation_vector(rotation)) == pytest.approx(angle, abs=1e-7)
+        assert rotation_of(rotation_vector(rotation)) == pytest.approx(rotation, abs=2e-7 if angle > 3.1 else 1e-14)
+
+
+def test_a_line_goes_straight_from_pose_to_pose() -> None:
+    a, b = pose(1), pose(2)
+    way = Way.line(a, b)
+    assert way.pose(0) == pytest.approx(a, abs=1e-14)
+    assert way.pose(1) == pytest.approx(b, abs=1e-14)
+    direction = b[:3, 3] - a[:3, 3]
+    for s in (0.2, 0.7):
+        assert np.linalg.norm(np.cross(way.pose(s)[:3, 3] - a[:3, 3], direction)) < 1e-14
+
+
+def test_an_arc_goes_through_three_positions_on_a_circle_and_none_through_a_line() -> None:
+    a, middle, b = pose(3), pose(4), pose(5)
+    way = Way.arc(a, middle, b)
+    assert way.pose(0) == pytest.approx(a, abs=1e-13)
+    assert way.pose(1) == pytest.approx(b, abs=1e-13)
+    places = np.array([way.place(s)[0] for s in np.linspace(0, 1, 20001)])
+    assert np.linalg.norm(places - middle[:3, 3], axis=1).min() < 1e-3
+    lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    assert lengths.max() == pytest.approx(lengths.min(), rel=1e-8)
+    way, h = Way.arc(pose(3), pose(4), pose(5)), 1e-4
+    for s in (0.1, 0.6):
+        before, here, after = (way.place(s + d)[0] for d in (-h, 0, h))
+        _, tangent, bend = way.place(s)
+        assert tangent == pytest.approx((after - before) / (2 * h), rel=1e-5, abs=1e-6)
+        assert bend == pytest.approx((after - 2 * here + before) / h**2, rel=1e-4, abs=1e-4)
+    a, b, middle = pose(1), pose(2), pose(1)
+    middle[:3, 3] = (a[:3, 3] + b[:3, 3]) / 2
+    with pytest.raises(ValueError, match="on one line"):
+        Way.arc(a, middle, b)
+
+
+LINE = """
+robot: {robot}
+points:
+  a: {start}
+  b: {{pose: {{p: {place}, rpy: [pi, 0, 0]}}}}
+path: [a, {{to: b, time: 1, line: yes}}]
+"""
+
+
+def test_the_rank_is_that_of_places_that_are_not_singular() -> None:
+    functions = Functions(Robot.load("scara-matlab"), frozenset({"jacobian"}), {})
+    assert usual_rank(functions, range(6)) == 4
+    assert usual_rank(functions, range(3)) == 3
+    assert usual_rank(functions, (3, 4)) == 0
+
+
+@pytest.mark.parametrize(
+    ("q", "factor"), [((0.3, 0.2, 0.1, 0, 1e-9, 0), "sin(q5)"), ((0.3, 0.2, 1.6178, 0, 1, 0), "q3")]
+)
+def test_the_factor_nearest_to_zero_is_named(q: tuple[float, ...], factor: str) -> None:
+    robot = Robot.load("puma560-corke")
+    numbers = {name: float(value.value) for name, value in robot.parameters}
+    assert factor in vanishing_factor(robot, numbers, np.array(q))
+
+
+def test_a_line_that_begins_at_a_singular_configuration_is_refused_and_one_beside_it_is_followed() -> None:
+    text = LINE.format(robot="scara-matlab", start="[0, 0, 1, 0]", place="[3, 0, -1]")
+    with pytest.raises(RobotFileError, match=r"6:11: the way starts at a singular configuration, where sin\(q2\) = 0"):
+        Motion.from_text(text)
+    text = LINE.format(robot="scara-matlab", start="[0, 0.3, 1, 0]", place="[3, 0.1, -1]")
+    assert Motion.from_text(text).duration == 1

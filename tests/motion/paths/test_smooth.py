@@ -11,15 +11,12 @@ from derive.motion.paths.smooth import INTERVALS, UNIFORM, Nodes, grid_of, one_s
 scipy = pytest.importorskip("scipy.interpolate")
 
 
-def test_between_two_points_the_path_is_straight() -> None:
+def test_the_path_between_two_points_is_straight_and_through_more_it_is_scipys_natural_spline() -> None:
     path = smooth_path(np.array([0.0, 1.0]), np.array([[1.0, 2.0], [3.0, -1.0]]))
     q, slope, bend = path(np.linspace(0, 1, 11))
     assert q == pytest.approx(np.linspace([1, 2], [3, -1], 11), abs=1e-15)
     assert slope == pytest.approx(np.tile([2.0, -3.0], (11, 1)), abs=1e-14)
     assert np.abs(bend).max() < 1e-13
-
-
-def test_through_points_it_is_scipys_natural_spline() -> None:
     knots, corners = np.array([0, 0.2, 0.7, 1]), np.array([[0.0, 1], [2, 1], [-1, 1], [3, 1]])
     path, s = smooth_path(knots, corners), np.linspace(0, 1, 101)
     theirs = scipy.CubicSpline(knots, corners, bc_type="natural")
@@ -53,7 +50,7 @@ def nodes() -> Nodes:
     return Nodes(np.array([0, 0.5, 0.7, 1.5, 2]), ends)
 
 
-def test_pieces_are_what_the_nodes_say_and_exact_where_positions_are(nodes: Nodes) -> None:
+def test_pieces_are_what_the_nodes_say_and_slower_is_the_same_way_in_more_time(nodes: Nodes) -> None:
     first, second = nodes.pieces(1, 4, {4: (pi, Integer(5))})
     assert len(first) == 3
     assert first[-1].values[1][0] == pi  # type: ignore[union-attr]
@@ -64,9 +61,6 @@ def test_pieces_are_what_the_nodes_say_and_exact_where_positions_are(nodes: Node
         times = nodes.times[:-1] + place * np.diff(nodes.times)
         for found, expected in zip(whole(times), nodes.inside(np.array([place])), strict=True):
             assert found == pytest.approx(expected[:, 0], rel=1e-9, abs=1e-9)
-
-
-def test_slower_is_the_same_way_in_more_time(nodes: Nodes) -> None:
     u = np.linspace(0, 1, 5)
     fast, slow = nodes.inside(u), nodes.slower(3).inside(u)
     for order in range(3):

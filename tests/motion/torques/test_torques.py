@@ -1,4 +1,4 @@
-"""Torques of an arm whose base moves, and what the base does to it."""
+"""Torques of motions on moving bases, with bodies that are carried, and their figures."""
 
 from __future__ import annotations
 
@@ -13,10 +13,15 @@ from sympy import Rational, cos, sin
 from derive.arrays import Array
 from derive.mechanics.floats import ArrayDomain
 from derive.motion.motion import Motion
-from derive.motion.torques.base_torques import BaseTorques
+from derive.motion.torques.base_torques import ArrayDomain, BaseTorques
+from derive.motion.torques.bodies import Body, OpenLink
+from derive.motion.torques.loads import loads
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import BaseCurve
+from derive.plans.points import Payload
 from derive.robot.evaluate import parameter_values
+from derive.robot.expression import Name, number
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from tests.random_robots import RandomRobot, random_robot, seeds
 from tests.verification.oracle.pinocchio_reference import _Builder, along
@@ -136,9 +141,8 @@ def test_they_are_those_of_an_arm_that_has_joints_for_its_base() -> None:
     t = np.linspace(0, 5, 41)
     assert moving.torques(t) == pytest.approx(joints.torques(t)[:, 2:], rel=1e-12, abs=1e-12)
     assert moving.torques(1.5) == pytest.approx(moving.torques(np.array([1.5]))[0], rel=1e-14)
-    assert [load.peak for load in moving.peaks[0].loads] == pytest.approx(
-        [load.peak for load in joints.peaks[0].loads[2:]], rel=1e-12
-    )
+    ours, theirs = ([load.peak for load in motion.peaks[0].loads] for motion in (moving, joints))
+    assert ours == pytest.approx(theirs[2:], rel=1e-12)
 
 
 def test_a_payload_is_carried_by_the_moving_base_too() -> None:
@@ -210,7 +214,6 @@ def turning_base() -> Motion:
 def test_what_one_time_gives_is_what_many_give_before_and_after_the_motion_too() -> None:
     motion = turning_base()
     added, load = motion.base_torques, motion.plan.steps[0].payload
-    assert added is not None
     t = np.linspace(-0.1, 1.1, 13)
     q, qd, _ = motion(t)
     single = added.single(load)
@@ -224,3 +227,91 @@ def test_computed_torque_follows_on_a_base_that_turns() -> None:
     run = motion.simulate()
     assert run.q == pytest.approx(motion(run.t)[0], abs=1e-8)
     assert run.energy_error < 1e-6
+
+
+def cloud(seed: int) -> tuple[Body, np.ndarray, np.ndarray]:
+    """A body of five points: its mass, centre and inertia by their sums."""
+    random = np.random.default_rng(seed)
+    masses, places = random.uniform(1, 2, 5), random.normal(size=(5, 3))
+    mass, com = masses.sum(), masses @ places / masses.sum()
+    off = places - com
+    inertia = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, off, strict=True))
+    return Body(float(mass), com, np.array(inertia)), masses, places
+
+
+def test_two_bodies_are_one_of_all_their_points_and_two_that_are_nothing_are_nothing() -> None:
+    (a, m, p), (b, n, r) = cloud(1), cloud(2)
+    masses, places = np.concatenate([m, n]), np.concatenate([p, r])
+    both = a + b
+    assert both.mass == pytest.approx(masses.sum())
+    assert both.com == pytest.approx(masses @ places / masses.sum())
+    about_origin = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, places, strict=True))
+    assert both.about(np.zeros(3)) == pytest.approx(np.array(about_origin))
+    none = Body(0.0, np.zeros(3), np.zeros((3, 3)))
+    assert (none + none).mass == 0
+    assert not (none + none).inertia.any()
+
+
+def test_columns_are_first_moments_and_inertia_about_the_origin() -> None:
+    body, masses, places = cloud(3)
+    columns = body.columns(6)
+    assert columns["mx6"] == pytest.approx(masses @ places[:, 0])
+    assert columns["Ixy6"] == pytest.approx(-(masses @ (places[:, 0] * places[:, 1])))
+    assert columns["Izz6"] == pytest.approx(masses @ (places[:, 0] ** 2 + places[:, 1] ** 2))
+    assert len(columns) == 10
+
+
+def test_a_payload_stands_in_the_frame_of_the_tool() -> None:
+    robot = Robot.from_text(
+        "{name: arm, convention: standard, joints: [{type: revolute, a: 1}], links: [{mass: 1}], gravity: [0, 0, -9],"
+        " tool: [[1, 0, 0, a], [0, 0, -1, 0], [0, 1, 0, 0.2], [0, 0, 0, 1]]}"
+    )
+    payload = Payload(number(2), (number(1), number(2), number(3)), (number(4), number(5), number(6)))
+    body = Body.payload(robot, payload, {"a": 0.5})
+    assert body.com.tolist() == [1.5, -3, 2.2]
+    assert np.diag(body.inertia).tolist() == [4, 6, 5]
+
+
+def test_an_open_link_has_ten_symbols_that_nobody_else_has() -> None:
+    robot = Robot.load("puma560-corke")
+    opened = OpenLink.of(robot)
+    assert free_symbols(opened.robot) == opened.names
+    again = OpenLink.of(opened.robot)
+    assert not set(again.names) & set(opened.names)
+    body = Body.last_link(robot, parameter_values(robot))  # type: ignore[arg-type]
+    assert opened.values(body)[opened.names[0]] == 0.09
+    assert opened.robot.links[-1].mass == Name(opened.names[0])
+
+
+def state(times: Array) -> tuple[Array, Array]:
+    """Two joints: tau = 3 sin(2 t), -t; qd = cos(t), 2."""
+    tau = np.stack([3 * np.sin(2 * times), -times], axis=-1)
+    return tau, np.stack([np.cos(times), np.full_like(times, 2.0)], axis=-1)
+
+
+@pytest.mark.parametrize("samples", [1, 7, 300])
+def test_peaks_lie_between_samples_and_integrals_are_exact(samples: int) -> None:
+    first, second = loads(0.0, 1.5, samples, state)
+    assert (first.peak, first.time) == pytest.approx((3.0, np.pi / 4), rel=1e-5)
+    assert first.peak == pytest.approx(3.0, rel=1e-10)
+    assert (second.peak, second.time) == pytest.approx((-1.5, 1.5))
+    assert second.work == pytest.approx(-(1.5**2))
+    assert second.rms == pytest.approx(1.5 / np.sqrt(3))
+    assert first.work == pytest.approx(2 * (1 - np.cos(1.5) ** 3), rel=1e-7)
+    u = np.sqrt(1 / 3)  # 6 sin t cos^2 t is largest where sin^2 t = 1/3
+    assert first.power == pytest.approx(6 * u * (1 - u**2), rel=1e-10)
+
+
+def test_integrals_stop_at_corners_and_the_load_of_the_next_segment_does_not_count() -> None:
+    """A torque of 1 that jumps to 3 at a third of the time: work 7/3, mean square 19/3."""
+
+    def jumping(t: Array) -> tuple[Array, Array]:
+        return np.where(t < 1 / 3, 1.0, 3.0)[..., None], np.ones((*t.shape, 1))
+
+    (load,) = loads(0.0, 1.0, 10, jumping, [1 / 3])
+    assert load.work == pytest.approx(7 / 3, rel=1e-12)
+    assert load.rms == pytest.approx(np.sqrt(19 / 3), rel=1e-12)
+    assert (load.peak, load.power) == (3, 3)
+    assert load.time == pytest.approx(1 / 3)
+    (load,) = loads(0.0, 1.0, 10, lambda t: (np.where(t < 1, 1.0, 9.0)[..., None], np.ones((*t.shape, 1))))
+    assert (load.peak, load.power, load.rms) == (1.0, 1.0, pytest.approx(1.0))
