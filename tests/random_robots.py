@@ -9,7 +9,7 @@ import json
 import math
 import os
 import random
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -386,6 +386,11 @@ def seeds(count: int, usual: int, swept: int | None = None) -> list[Any]:
     marks = [[]] * usual + [[pytest.mark.sweep]] * ((swept or count) - usual) + [[pytest.mark.release]] * count
     after = int(os.environ.get("DERIVE_NEW_EXAMPLES", "0"))
     return [pytest.param(seed + after * (seed >= usual), marks=marks[seed]) for seed in range(count)]
+
+
+def sampled(cases: Sequence[Any], usual: Collection[Any]) -> list[Any]:
+    """Cases: some of them for every run of the tests, the others for the sweep."""
+    return [pytest.param(case, marks=[] if case in usual else [pytest.mark.sweep]) for case in cases]
 
 
 SWEPT = ("kuka-kr5", "puma560-corke", "scara-matlab", "stanford-deluca", "thumb")
