@@ -25,13 +25,12 @@ from derive.version import __version__
 if TYPE_CHECKING:
     from derive.api.build import build, build_all, stale, verify
     from derive.api.check import check, check_formula, check_inverse, check_latex
-    from derive.api.convert import convert
+    from derive.api.convert import convert, possible
     from derive.api.export import export
     from derive.api.handout import fragment, handout
     from derive.api.importing import import_all, import_urdf, verify_import
     from derive.api.move import move
     from derive.api.plot import plot
-    from derive.api.possible import possible
     from derive.api.robots import Robot, catalogue, load
     from derive.api.style import Style, find_style
     from derive.errors import DeriveError, RobotFileWarning
@@ -94,7 +93,7 @@ _HOMES = {
     "load": "derive.api.robots",
     "move": "derive.api.move",
     "plot": "derive.api.plot",
-    "possible": "derive.api.possible",
+    "possible": "derive.api.convert",
     "stale": "derive.api.build",
     "verify": "derive.api.build",
     "verify_import": "derive.api.importing",

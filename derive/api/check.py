@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -103,10 +104,7 @@ def check(file: str | Path) -> CheckedFile:
         CheckError: A formula cannot be read.
     """
     checked = checked_file(file)
-    report = checked.report
-    verdicts = tuple(_verdict(finding, checked) for finding in report.findings)
-    text = "\n".join(report_lines(checked))
-    return CheckedFile(report.source, report.robot, verdicts, report.passed, text)
+    return _checked(checked, report_lines(checked))
 
 
 def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool = False) -> FormulaVerdict:
@@ -150,9 +148,7 @@ def check_latex(robot: RobotLike, latex: str | Path, quantity: str = "") -> Chec
         QuantityError: There is no such quantity.
     """
     reported = formula_printout(load(robot, remarks_on_bodies=False), quantity, str(latex), latex=True)
-    verdicts = tuple(_verdict(finding, reported) for finding in reported.report.findings)
-    report = reported.report
-    return CheckedFile(report.source, report.robot, verdicts, report.passed, "\n".join(formula_lines(reported)))
+    return _checked(reported, formula_lines(reported))
 
 
 def checked_file(file: str | Path) -> Printout:
@@ -190,9 +186,7 @@ def check_inverse(robot: RobotLike, solution: str | Path, *, latex: bool = False
         QuantityError: An unknown row.
     """
     reported = formula_printout(load(robot, remarks_on_bodies=False), "inverse", str(solution), latex=latex, task=task)
-    verdicts = tuple(_verdict(finding, reported) for finding in reported.report.findings)
-    report = reported.report
-    return CheckedFile(report.source, report.robot, verdicts, report.passed, "\n".join(formula_lines(reported)))
+    return _checked(reported, formula_lines(reported))
 
 
 def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool = False, task: str = "") -> Printout:
@@ -281,6 +275,12 @@ def formula_lines(reported: Printout) -> list[str]:
     if len(report.findings) > 1 or report.unread:
         lines.append(f"{report.source}: {summary(FileReport(report.source, report.robot, report.findings))}")
     return lines
+
+
+def _checked(reported: Printout, lines: Iterable[str]) -> CheckedFile:
+    report = reported.report
+    verdicts = tuple(_verdict(finding, reported) for finding in report.findings)
+    return CheckedFile(report.source, report.robot, verdicts, report.passed, "\n".join(lines))
 
 
 def _verdict(finding: Finding, reported: Printout) -> FormulaVerdict:

@@ -1,13 +1,14 @@
-"""The other Denavit-Hartenberg convention from Python."""
+"""The same arm otherwise, from Python: by the table of the other convention, or of bodies that exist."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
-from derive.api.robots import RobotLike, load
+from derive.api.robots import Robot, RobotLike, load
 from derive.exchange.convert import Converted, convention_named, converted
-from derive.model.identification.possible import wants_possible, with_chosen_bodies
+from derive.model.identification.possible import Possible, wants_possible, with_chosen_bodies
+from derive.model.identification.possible import possible as nearest
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.description import Convention
 
@@ -51,3 +52,19 @@ def convert(
     if path is not None:
         write_files({Path(path): made.text.encode()}, force=force)
     return made
+
+
+def possible(robot: RobotLike) -> Possible:
+    """The nearest bodies that exist and give the same torques.
+
+    Args:
+        robot: Path of a robot file, a name of the catalogue, or a robot; its symbols all have numbers.
+
+    Returns:
+        The robot with these links, what was changed, and the text of its robot file.
+
+    Raises:
+        NoSuchBodies: There are none; the message says why.
+        DeriveError: The robot has no links or symbols without numbers, or the packages of the extra are missing.
+    """
+    return nearest(Robot.of(load(robot, remarks_on_bodies=False)))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from derive.api.robots import tell
 from derive.errors import DeriveError
+from derive.handouts.figure.writers import require_matplotlib
 from derive.motion.motion import Motion
 from derive.motion.output.table import csv_bytes
 from derive.plans.catalogue import plan_names
@@ -16,8 +17,6 @@ from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 
 if TYPE_CHECKING:
     from derive.motion.output.code import VerifiedCode
-
-if TYPE_CHECKING:
     from derive.motion.simulation.simulation import Run
 
 MotionLike = Motion | str | Path
@@ -28,7 +27,7 @@ Writer = Callable[[Motion, "Run | None", str], bytes]
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class FileForm:
     """A kind of file.
 
     Attributes:
@@ -67,12 +66,6 @@ def _plot(motion: Motion, run: Run | None, ending: str) -> bytes:
     return plot_bytes(motion, ending, run)
 
 
-def _needs_figures() -> None:
-    from derive.handouts.figure.writers import require_matplotlib
-
-    require_matplotlib()
-
-
 def _needs_pictures() -> None:
     from derive.motion.output.film import require_pillow
 
@@ -87,12 +80,12 @@ def _needs_films() -> None:
 
 
 FORMS = {
-    "csv": Form((), lambda: None, lambda motion, run, _: csv_bytes(motion, run)),
-    "plot": Form((".pdf", ".svg", ".png"), _needs_figures, _plot),
-    "html": Form((".html", ".htm"), lambda: None, _page),
-    "part": Form((".tex", ".pdf"), lambda: None, _part),
-    "gif": Form((".gif",), _needs_pictures, _film),
-    "mp4": Form((".mp4",), _needs_films, _film),
+    "csv": FileForm((), lambda: None, lambda motion, run, _: csv_bytes(motion, run)),
+    "plot": FileForm((".pdf", ".svg", ".png"), require_matplotlib, _plot),
+    "html": FileForm((".html", ".htm"), lambda: None, _page),
+    "part": FileForm((".tex", ".pdf"), lambda: None, _part),
+    "gif": FileForm((".gif",), _needs_pictures, _film),
+    "mp4": FileForm((".mp4",), _needs_films, _film),
 }
 """What is written, by the name of its option."""
 

@@ -121,8 +121,13 @@ def workspace_summary(found: Workspace) -> str:
     if found.views[0].by_formula:
         boundary = "where the square roots of the inverse kinematics are zero"
     parts.append(f"origin of the end effector, boundary {boundary}")
-    if any(view.dexterous is None for view in found.views):
-        parts.append(_why_not_dexterous(found))
+    if found.wrist is None and any(view.dexterous is None for view in found.views):
+        parts.append("no wrist whose axes meet, so no dexterous part is looked for")
+    elif found.wrist and not found.wrist.complete and any(view.dexterous is None for view in found.views):
+        parts.append(
+            "within its limits the wrist does not reach every orientation from one posture of the arm, so no dexterous "
+            "part is looked for"
+        )
     if found.assumed:
         ways: dict[str, list[str]] = {way.interval: [] for way in found.assumed}
         for way in found.assumed:
@@ -132,7 +137,7 @@ def workspace_summary(found: Workspace) -> str:
 
 
 def _postures(view: WorkspaceView) -> str:
-    """In how many postures places are reached: `` (2 postures on 22.66 m2, 4 postures on 2.591 m2)``."""
+    """How many postures reach places: `` (2 postures on 22.66 m2, 4 postures on 2.591 m2)``."""
     words = [(f"{number} posture{'s' if number > 1 else ''}", region.area) for number, region in view.by_number]
     if len(words) == 1:
         return f" ({words[0][0]})"
@@ -145,18 +150,6 @@ def _measured(measure: Measure, unit: str) -> str:
         return f"{measure.value:.6g} {unit}"
     digits = max(0, 1 - math.floor(math.log10(measure.error)))
     return f"{measure.value:.{digits}f} +- {measure.error:.{digits}f} {unit}"
-
-
-def _why_not_dexterous(found: Workspace) -> str:
-    """Why nothing is said about places that are reached in every orientation."""
-    if found.wrist is None:
-        return "no wrist whose axes meet, so no dexterous part is looked for"
-    if not found.wrist.complete:
-        return (
-            "within its limits the wrist does not reach every orientation from one posture of the arm, so no dexterous "
-            "part is looked for"
-        )
-    return ""
 
 
 def _assumed(poses: RobotPoses) -> str:

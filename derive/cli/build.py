@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.options import add_shared
+from derive.cli.options import add_shared, keywords
 from derive.cli.terminal import FAILED, explain, positive, print_columns, print_error, print_json, progress
 
 if TYPE_CHECKING:
@@ -53,8 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     robots = load_all(arguments.robots or None)
     results: list[BuildResult | BuildFailure] | list[CheckResult | BuildFailure]
     with progress(len(robots), quiet=arguments.quiet or arguments.json) as tell:
-        how = {name: getattr(arguments, name) for name in ("only", "effort", "jobs")}
-        how |= {"targets": targets, "progress": tell}
+        how = {**keywords(arguments, "only", "effort", "jobs"), "targets": targets, "progress": tell}
         if arguments.check:
             results = stale(robots, arguments.out, **how)
         else:

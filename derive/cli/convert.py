@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.options import add_shared
+from derive.cli.options import add_shared, keywords
 from derive.cli.terminal import DONE, one_line, print_json
 from derive.errors import DeriveError
 
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise DeriveError(f"--format {arguments.format} without --derivation", remedy="add --derivation")
     if arguments.json and arguments.derivation:
         raise DeriveError("--json with --derivation", remedy="leave one out")
-    options = {"inertia": arguments.inertia, "name": arguments.name, "force": arguments.force}
+    options = keywords(arguments, "inertia", "name", "force")
     made = convert(arguments.robot, arguments.convention, arguments.out, **options)
     if arguments.derivation:
         from derive.exchange.derivation import derivation_latex, derivation_text

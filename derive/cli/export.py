@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from derive.cli.options import add_shared
+from derive.cli.options import add_shared, keywords
 from derive.cli.terminal import DONE, print_json
 
 DESCRIPTION = """\
@@ -48,8 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
             raise DeriveError(f"{quoted(name)[1:-1]} twice in --values", remedy="leave one of them out")
         values[name] = value
     robot = load(arguments.robot, remarks_on_bodies=not wants_possible(arguments.inertia))
-    options = {"inertia": arguments.inertia, "values": values, "force": arguments.force}
-    found = export_file(robot, arguments.format, arguments.out, **options)
+    options = keywords(arguments, "inertia", "force")
+    found = export_file(robot, arguments.format, arguments.out, values=values, **options)
     if arguments.json:
         where = {"file": str(arguments.out)} if arguments.out else {"text": found.text}
         report = {"format": arguments.format, "report": list(found.remarks)}

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from derive.cli.options import STDOUT, add_shared
+from derive.cli.options import STDOUT, add_shared, keywords
 from derive.cli.terminal import print_json, progress
 from derive.errors import DeriveError, OutputError
 from derive.robot.options.handout import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
@@ -111,12 +111,10 @@ def run(arguments: argparse.Namespace) -> int:
         allowed = "a fragment is LaTeX on standard output or in -o FILE"
         raise OutputError(f"--fragment with --{of_handouts[0]}", allowed=allowed)
     options = {
-        "parts": arguments.parts,
+        **keywords(arguments, "parts", "derivation", "style"),
         "language": arguments.lang,
-        "derivation": arguments.derivation,
         "notation": {name: value for chosen in arguments.notation or () for name, value in chosen.items()},
         "q": ",".join(arguments.at).split(",") if arguments.at else None,
-        "style": arguments.style,
     }
     robot = load(arguments.robot)
     found = None if arguments.style_from is None else find_style(robot, examples=[Path(arguments.style_from)])
@@ -125,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.fragment is not None:
         _write_fragment(robot, arguments, options)
         return 0
-    flags = {name: getattr(arguments, name) for name in ("exercise", "force", "pages", "plan")}
+    flags = keywords(arguments, "exercise", "force", "pages", "plan")
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:
         result = handout(robot, arguments.out or Path(), formats=formats, **options, **flags, progress=tell)
     if arguments.json:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.options import add_shared
+from derive.cli.options import add_shared, keywords
 from derive.cli.terminal import DONE, one_line, print_json
 from derive.errors import DeriveError
 
@@ -60,10 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.all and tip is not None:
         raise DeriveError("--all with --tip or --chain", remedy="leave one out")
     file = sys.stdin.buffer.read() if arguments.file == "-" else arguments.file
-    pairs = dict(_pair(text) for text in arguments.arg)
-    options = {"convention": arguments.convention, "snap": arguments.snap, "name": arguments.name}
-    options |= {"packages": arguments.packages, "arguments": pairs, "inertia": arguments.inertia}
-    options |= {"symbols": arguments.symbols}
+    options = keywords(arguments, "convention", "snap", "name", "packages", "inertia", "symbols")
+    options["arguments"] = dict(map(_pair, arguments.arg))
     if not arguments.all:
         refuse_taken([arguments.out] if arguments.out else [], force=arguments.force)
         folder = arguments.out.parent if arguments.out else Path()

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.options import STDOUT, add_shared
+from derive.cli.options import STDOUT, add_shared, keywords
 from derive.cli.terminal import DONE, FAILED, positive, print_columns, print_error, print_json
 
 if TYPE_CHECKING:
@@ -65,10 +65,10 @@ def run(arguments: argparse.Namespace) -> int:
     rows_alone = arguments.csv == STDOUT
     if rows_alone and (arguments.json or arguments.show or arguments.hand or arguments.increments):
         raise DeriveError(f"--csv {STDOUT} with another output", remedy="name a file")
-    files = {name: getattr(arguments, name) for name in FORMS if not (name == "csv" and rows_alone)}
+    files = keywords(arguments, *(name for name in FORMS if not (name == "csv" and rows_alone)))
     wrong = ""
-    of_code = {"code": arguments.out, "name": arguments.name, "force": arguments.force}
-    found = move(arguments.plan, simulate=arguments.simulate, language=arguments.lang, **files, **of_code)
+    options = {**files, **keywords(arguments, "simulate", "name", "force")}
+    found = move(arguments.plan, language=arguments.lang, code=arguments.out, **options)
     if rows_alone:
         from derive.motion.output.table import csv_bytes
 

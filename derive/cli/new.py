@@ -101,7 +101,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the file and say where."""
-    from derive.plans.catalogue import plan_bytes, plan_names
+    from derive.plans.catalogue import new_plan_text, plan_bytes, plan_names
     from derive.publish.atomic_folder import write_files
 
     if arguments.plan is not None and (arguments.joints is not None or arguments.model is not None):
@@ -110,7 +110,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.model is not None and arguments.joints is not None:
         raise OutputError("--joints with --from", allowed="a copy has the joints of its model", remedy="leave one out")
     if arguments.plan is not None:
-        text = _plan_text(arguments.name, arguments.plan)
+        from derive.api.robots import load
+
+        _check_name(arguments.name)
+        text = new_plan_text(arguments.name, load(arguments.plan, remarks_on_bodies=False), arguments.plan)
     elif arguments.model in plan_names():
         _check_name(arguments.name)
         text = plan_bytes(arguments.model).decode("utf-8")
@@ -124,14 +127,6 @@ def run(arguments: argparse.Namespace) -> int:
     elif not arguments.quiet:
         print(path)
     return 0
-
-
-def _plan_text(name: str, robot: str) -> str:
-    from derive.api.robots import load
-    from derive.plans.catalogue import new_plan_text
-
-    _check_name(name)
-    return new_plan_text(name, load(robot, remarks_on_bodies=False), robot)
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:

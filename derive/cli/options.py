@@ -44,3 +44,8 @@ def add_shared(parser: argparse._ActionsContainer, *names: str, **settings: Any)
     for name in names:
         flags, usual = SHARED[name]
         parser.add_argument(*flags, **usual | settings)
+
+
+def keywords(arguments: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Options that the Python API knows by the same names, as keywords of its functions."""
+    return {name: getattr(arguments, name) for name in names}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from derive.cli.options import add_shared
+from derive.cli.options import add_shared, keywords
 from derive.cli.terminal import magnification, print_json, progress
 
 DESCRIPTION = """\
@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.api.plot import plot
 
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:
-        how = {name: getattr(arguments, name) for name in ("workspace", "size", "force")}
+        how = keywords(arguments, "workspace", "size", "force")
         q = ",".join(arguments.at).split(",") if arguments.at else None
         result = plot(arguments.robot, arguments.out, q=q, **how, progress=tell)
     if arguments.json:

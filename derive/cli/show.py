@@ -95,19 +95,15 @@ def run(arguments: argparse.Namespace) -> int:
         part for name, value in shown if name not in DESCRIBED for part in getattr(value, "expressions", (value,))
     ]
     printer, loses = _printer(robot, form, digits, values, numbers=with_numbers)
+    written = [(name, _written(robot, form, name, value, digits, printer)) for name, value in shown]
     if form == "json":
-        quantities = {name: _as_json(robot, value, printer) for name, value in shown}
-        print_json({"robot": robot.name, "quantities": quantities, "remarks": robot.remarks_as_dicts})
+        print_json({"robot": robot.name, "quantities": dict(written), "remarks": robot.remarks_as_dicts})
         return 0
     if with_numbers:
         print(f"{COMMENTS[form]} {remark}")
     if loses and form in ("text", "latex"):
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
-    blocks = [
-        _derivation(robot, form, name, value, digits, printer) or _lines(form, name, value, printer)
-        for name, value in shown
-    ]
-    print("\n\n".join(map("\n".join, blocks)))
+    print("\n\n".join("\n".join(lines) for _, lines in written))
     return 0
 
 
@@ -169,62 +165,51 @@ def _wanted(model: Model, arguments: argparse.Namespace) -> list[str]:
     if names and len(names) == len(arguments.quantities) and all(parse(model, n)[0].name not in serve for n in names):
         allowed = f"allowed: with {', '.join(serve)}, workspace and aspects"
         raise QuantityError(f"{option} with {names[0]}", allowed=allowed)
-    return arguments.quantities or _usual(model.robot, arguments)
+    if arguments.quantities:
+        return list(arguments.quantities)
+    # what is printed at a point unless quantities are named
+    has_dynamics = model.robot.has_dynamics
+    asked = {"T": True, "J": True, "B": has_dynamics, "g": has_dynamics}
+    asked |= {"Cqd": has_dynamics and arguments.rates, "tau": has_dynamics and arguments.accelerations}
+    return [name for name, is_asked in asked.items() if is_asked]
 
 
-def _derivation(robot: Robot, form: str, name: str, value: Any, digits: int | None, printer: Printer) -> list[str]:
-    """The lines of an inverse kinematics, a workspace, aspects or singularities; none for any other quantity."""
-    if hasattr(value, "free_symbols"):  # an expression or a matrix, and inverse kinematics takes long to import
-        return []
-    from derive.handouts.notation.aspects import aspects_text
-    from derive.handouts.notation.derivation import derivation_lines
-    from derive.handouts.notation.notation import Notation
-    from derive.handouts.notation.singularities import singularities_lines
-    from derive.handouts.notation.text import TextPrinter
-    from derive.handouts.notation.workspace import workspace_lines
-    from derive.inverse.words.reach import Reach
-    from derive.inverse.words.solutions import InverseKinematics
-    from derive.model.singularities.aspects import Aspects
-    from derive.model.singularities.singularities import Singularities
+def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None, printer: Printer) -> Any:
+    """A quantity as lines; for JSON a matrix by rows, a scalar as text, everything else by its parts."""
+    if not hasattr(value, "free_symbols"):  # no expression and no matrix; inverse kinematics takes long to import
+        from derive.handouts.notation.derivation import derivation_lines, derivation_parts
+        from derive.handouts.notation.notation import Notation
+        from derive.handouts.notation.singularities import (
+            aspects_parts,
+            aspects_text,
+            singularities_lines,
+            singularities_parts,
+        )
+        from derive.handouts.notation.text import TextPrinter
+        from derive.handouts.notation.workspace import workspace_lines, workspace_parts
+        from derive.inverse.words.reach import Reach
+        from derive.inverse.words.solutions import InverseKinematics
+        from derive.model.singularities.aspects import Aspects
+        from derive.model.singularities.singularities import Singularities
 
-    if isinstance(value, Singularities):
-        return singularities_lines(value, name, form, printer)
-    notation = replace(Notation.of(robot), digits=digits)
-    if isinstance(value, Reach):
-        return workspace_lines(value, form, notation)
-    if isinstance(value, Aspects):
-        return aspects_text(value, TextPrinter(robot, notation).doprint, digits)
-    return derivation_lines(value, form, notation) if isinstance(value, InverseKinematics) else []
-
-
-def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
-    """A matrix by rows, a scalar as text, everything else by its parts."""
-    from derive.handouts.notation.aspects import aspects_parts
-    from derive.handouts.notation.derivation import derivation_parts
-    from derive.handouts.notation.singularities import singularities_parts
-    from derive.handouts.notation.workspace import workspace_parts
-    from derive.inverse.words.reach import Reach
-    from derive.inverse.words.solutions import InverseKinematics
-    from derive.model.singularities.aspects import Aspects
-    from derive.model.singularities.singularities import Singularities
-
-    if isinstance(value, InverseKinematics):
-        return derivation_parts(value)
-    if isinstance(value, Reach):
-        return workspace_parts(value)
-    if isinstance(value, Aspects):
-        return aspects_parts(value)
-    if isinstance(value, Singularities):
-        return singularities_parts(value, printer)
+        notation, as_json = replace(Notation.of(robot), digits=digits), form == "json"
+        match value:
+            case InverseKinematics():
+                return derivation_parts(value) if as_json else derivation_lines(value, form, notation)
+            case Reach():
+                return workspace_parts(value) if as_json else workspace_lines(value, form, notation)
+            case Aspects() if as_json:
+                return aspects_parts(value)
+            case Aspects():
+                return aspects_text(value, TextPrinter(robot, notation).doprint, digits)
+            case Singularities() if as_json:
+                return singularities_parts(value, printer)
+            case Singularities():
+                return singularities_lines(value, name, form, printer)
+    if form != "json":
+        return _lines(form, name, value, printer)
     rows = _entries(value, printer)
     return printer(value) if rows is None else rows
-
-
-def _usual(robot: Robot, arguments: argparse.Namespace) -> list[str]:
-    """What is printed at a point unless quantities are named."""
-    asked = {"T": True, "J": True, "B": robot.has_dynamics, "g": robot.has_dynamics}
-    asked |= {"Cqd": robot.has_dynamics and arguments.rates, "tau": robot.has_dynamics and arguments.accelerations}
-    return [name for name, is_asked in asked.items() if is_asked]
 
 
 def _put_in(

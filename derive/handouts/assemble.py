@@ -29,7 +29,7 @@ from derive.version import __version__
 from derive.workspace.poses import RobotPoses
 
 
-class Part(NamedTuple):
+class HandoutPart(NamedTuple):
     """A part of the handout."""
 
     title: str  # its heading
@@ -38,11 +38,7 @@ class Part(NamedTuple):
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
-    """What the handout of a robot is made from.
-
-    Args:
-        options: What is shown; None for what the robot file says.
-    """
+    """What the handout of a robot is made from; without options what its file says is shown."""
     chosen = options or robot.handout
     text = text_for(chosen.language)
     try:
@@ -53,37 +49,33 @@ def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
 
 
 def section_of(context: Context, name: str) -> Section | None:
-    """One part.
-
-    Returns:
-        Its section; None where the robot has nothing to show there.
-    """
+    """One part; None where the robot has nothing to show there."""
     _ = context.text
     of_motors = has_rotors(context.robot)
     parts = {
-        "figure": Part(_("The arm"), arm),
-        "table": Part(_("Denavit-Hartenberg table"), dh_table),
-        "convention": Part(_("Convention"), convention),
-        "parameters": Part(_("Parameters"), parameters),
-        "transforms": Part(_("Transforms between successive frames"), transforms),
-        "conversion": Part(_("The other convention"), conversion),
-        "kinematics": Part(_("End effector"), end_effector),
-        "orientation": Part(_("Position and orientation"), orientation),
-        "jacobian": Part(_("Geometric Jacobian"), jacobian),
-        "singularities": Part(_("Singularities"), singularities),
-        "inverse": Part(_("Inverse kinematics"), inverse),
-        "link-jacobians": Part(
+        "figure": HandoutPart(_("The arm"), arm),
+        "table": HandoutPart(_("Denavit-Hartenberg table"), dh_table),
+        "convention": HandoutPart(_("Convention"), convention),
+        "parameters": HandoutPart(_("Parameters"), parameters),
+        "transforms": HandoutPart(_("Transforms between successive frames"), transforms),
+        "conversion": HandoutPart(_("The other convention"), conversion),
+        "kinematics": HandoutPart(_("End effector"), end_effector),
+        "orientation": HandoutPart(_("Position and orientation"), orientation),
+        "jacobian": HandoutPart(_("Geometric Jacobian"), jacobian),
+        "singularities": HandoutPart(_("Singularities"), singularities),
+        "inverse": HandoutPart(_("Inverse kinematics"), inverse),
+        "link-jacobians": HandoutPart(
             _("Jacobians of links and motors") if of_motors else _("Jacobians of links"), link_jacobians, True
         ),
-        "energies": Part(_("Energies"), energies, True),
-        "inertia": Part(_("Inertia matrix"), inertia),
-        "christoffel": Part(_("Christoffel symbols"), christoffel, True),
-        "coriolis": Part(_("Coriolis matrix"), coriolis, True),
-        "skew": Part(_("Skew symmetry"), skew, True),
-        "gravity": Part(_("Gravity"), gravity, True),
-        "motion": Part(_("Equations of motion"), equations_of_motion, True),
-        "newton-euler": Part(_("Newton-Euler recursion"), newton_euler, True),
-        "example": Part(_("Example in numbers"), example),
+        "energies": HandoutPart(_("Energies"), energies, True),
+        "inertia": HandoutPart(_("Inertia matrix"), inertia),
+        "christoffel": HandoutPart(_("Christoffel symbols"), christoffel, True),
+        "coriolis": HandoutPart(_("Coriolis matrix"), coriolis, True),
+        "skew": HandoutPart(_("Skew symmetry"), skew, True),
+        "gravity": HandoutPart(_("Gravity"), gravity, True),
+        "motion": HandoutPart(_("Equations of motion"), equations_of_motion, True),
+        "newton-euler": HandoutPart(_("Newton-Euler recursion"), newton_euler, True),
+        "example": HandoutPart(_("Example in numbers"), example),
     }
     part = parts[name]
     if part.needs_closed_dynamics and not context.has_closed_dynamics:

@@ -17,11 +17,11 @@ from derive.handouts.sheet.document import (
     Block,
     Document,
     Figure,
-    Formula,
     Gap,
     Paragraph,
     Rows,
     Section,
+    SheetFormula,
     Steps,
     Table,
 )
@@ -46,7 +46,7 @@ class _Question:
     """Neighbouring formulas that answer the same task."""
 
     number: int  # from 1, through the whole sheet
-    formulas: tuple[Formula, ...]  # the answers
+    formulas: tuple[SheetFormula, ...]  # the answers
 
     @property
     def points(self) -> int:
@@ -75,21 +75,17 @@ def exercise(document: Document, text: Text) -> Document:
 
 def solutions(document: Document, text: Text) -> Document:
     """The same handout as the sheet of solutions: the answers have the numbers and points of the questions."""
-    numbered = {
-        id(question.formulas[0]): Paragraph(
-            text("Question %(number)s (%(points)s)", number=question.number, points=_points(question.points, text))
-        )
-        for _, items in _asked(document)
-        for question in items
-        if isinstance(question, _Question)
-    }
+    pending = [item for _, items in _asked(document) for item in items if isinstance(item, _Question)][::-1]
     sections = []
     for section in document.sections:
         blocks: list[Block] = []
         for block in section.blocks:
-            if id(block) in numbered:
+            if pending and block is pending[-1].formulas[0]:
+                question = pending.pop()
+                points = _points(question.points, text)
                 lead_in = [blocks.pop()] if blocks and _leads_in(blocks[-1]) else []
-                blocks += [numbered[id(block)], *lead_in]
+                head = text("Question %(number)s (%(points)s)", number=question.number, points=points)
+                blocks += [Paragraph(head), *lead_in]
             blocks.append(block)
         sections.append(replace(section, blocks=tuple(blocks)))
     return replace(document, subtitle=text("Solutions"), sections=tuple(sections))
@@ -103,7 +99,7 @@ def _asked(document: Document) -> Iterator[tuple[Section, Sequence[Block | _Ques
         for block in section.blocks:
             if isinstance(block, Steps) or (isinstance(block, Paragraph | Rows | Table | Figure) and block.is_answer):
                 continue
-            if not isinstance(block, Formula):
+            if not isinstance(block, SheetFormula):
                 items.append(block)
                 continue
             if items and _leads_in(items[-1]):
@@ -124,7 +120,7 @@ def _leads_in(item: Block | _Question) -> bool:
     return isinstance(item, Paragraph) and item.text.endswith(":")
 
 
-def _gaps(formula: Formula) -> list[Gap]:
+def _gaps(formula: SheetFormula) -> list[Gap]:
     """Room for the answers of one formula; those that share lines in print share them in the exercise, two on each."""
     lines, count = _lines(formula), len(formula.blanks)
     if lines and len(lines) < count:
@@ -140,12 +136,12 @@ def _rows(line: str) -> int:
     return max((matrix.count("\\\\") + 1 for matrix in _MATRIX.findall(line)), default=1)
 
 
-def _symbols(formula: Formula) -> int:
+def _symbols(formula: SheetFormula) -> int:
     """Symbols with an index and decimal numbers of a formula in print."""
     return sum(len(_SYMBOL.findall(line)) for line in _lines(formula))
 
 
-def _lines(formula: Formula) -> list[str]:
+def _lines(formula: SheetFormula) -> list[str]:
     return [*formula.named, *(line for part in formula.rows for line in part.lines)]
 
 

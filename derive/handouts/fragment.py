@@ -129,15 +129,9 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
             return _Name(Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row))
         case "christoffel", (i, j, k):
             symbol = symbols.christoffel(i, j, k)
-        case _:
-            symbol = _registered(name, indices, symbols.inertia_letter)
+        case _:  # the symbol of the registry, with its index and the letter of the inertia matrix
+            text = REGISTRY[name].symbol.replace("\\mathbf{B}", f"\\mathbf{{{symbols.inertia_letter}}}")
+            if indices:
+                text = _INDEX.sub(f"{{{','.join(map(str, indices))}}}", text.replace("i,\\ldots", "i"))
+            symbol = Box(text, _LETTER * len(_COMMAND.sub("", text)))
     return _Name(symbol, entry_namer(symbol, "," if context.robot.n > 9 else ""), is_derived=True)
-
-
-def _registered(name: str, indices: tuple[int, ...], inertia: str) -> Box:
-    """The symbol that the registry gives a quantity, with its index and the letter of the inertia matrix."""
-    symbol = REGISTRY[name].symbol.replace("\\mathbf{B}", f"\\mathbf{{{inertia}}}")
-    if indices:
-        listed_indices = ",".join(map(str, indices))
-        symbol = _INDEX.sub(f"{{{listed_indices}}}", symbol.replace("i,\\ldots", "i"))
-    return Box(symbol, _LETTER * len(_COMMAND.sub("", symbol)))

@@ -17,10 +17,10 @@ from derive.handouts.sheet.document import (
     Blank,
     Block,
     Figure,
-    Formula,
     Paragraph,
     Rows,
     Section,
+    SheetFormula,
     Steps,
     Table,
     blocks_of,
@@ -75,13 +75,12 @@ def _words(text: str) -> str:
 
 
 def _written(block: Block, text: Text) -> str:
-    """One block by its macro."""
     match block:
         case Paragraph(words):
             return _macro("paragraph", text=_words(words))
         case Rows(lines):
             return _rows(lines, text)
-        case Formula():
+        case SheetFormula():
             return "".join(_formula(block, text))
         case Blank(_, task):
             return _macro("paragraph", text=_words(task))
@@ -96,7 +95,7 @@ def _written(block: Block, text: Text) -> str:
             return _macro("steps", title=_words(title)) + "".join(_written(inner, text) for inner in blocks)
 
 
-def _formula(block: Formula, _: Text) -> Iterator[str]:
+def _formula(block: SheetFormula, _: Text) -> Iterator[str]:
     lines = [line for rows in block.rows for line in rows.lines]
     if block.named:
         yield _macro("paragraph", text=_words(_("With the abbreviations")))

@@ -1,8 +1,7 @@
 """From LaTeX to PDF with latexmk, in a folder of its own that nobody else sees.
 
 The same text gives the same bytes: no time of day, no path and no configuration of the user's enters the PDF. TeX may
-run no program and write nowhere else. What went wrong, what does not fit and how many pages there are is read in the
-log.
+run no program and write nowhere else. What went wrong and how many pages there are is read in the log.
 """
 
 from __future__ import annotations
@@ -41,9 +40,6 @@ _ENVIRONMENT = {
 }
 _FAULT = re.compile(r"^(?:! (?!\s*==>)(?P<plain>.+)|(?P<file>[^\s:][^:\n]*):(?P<line>\d+): (?P<message>.+))$", re.M)
 _PLACE = re.compile(r"^l\.(\d+) ", re.M)
-_OVERFULL = re.compile(
-    r"^Overfull \\[hv]box \((?P<size>[0-9.]+)pt too (?:wide|high)\)(?:.*?lines? (?P<line>\d+))?", re.M
-)
 _PAGES = re.compile(r"Output written on [^(]*\((\d+) page")
 
 
@@ -53,14 +49,6 @@ class Fault:
 
     message: str  # what LaTeX says
     line: int  # line of the input, counted from 1; 0 where LaTeX names none
-
-
-@dataclass(frozen=True, slots=True)
-class OverfullBox:
-    """Something that is too large for its place."""
-
-    points: float  # by how much [pt]
-    line: int  # line of the input where its paragraph begins; 0 where LaTeX names none
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,17 +75,6 @@ class LatexLog:
     def errors(self) -> list[str]:
         """What LaTeX says of each error."""
         return [fault.message for fault in self.faults]
-
-    @property
-    def overfull_boxes(self) -> list[OverfullBox]:
-        """Everything that is too large for its place, in its order."""
-        found = _OVERFULL.finditer(self.text)
-        return [OverfullBox(float(match["size"]), int(match["line"] or 0)) for match in found]
-
-    @property
-    def overfull(self) -> float:
-        """The worst overfull box [pt]; 0 if there is none."""
-        return max((box.points for box in self.overfull_boxes), default=0.0)
 
     @property
     def pages(self) -> int:

@@ -64,11 +64,7 @@ def handout_files(
     progress: Callable[[str, str], None] | None = None,
     addition: Addition | None = None,
 ) -> Handout:
-    """Makes the files of a handout, in memory.
-
-    Args:
-        addition: What stands in it besides; None for nothing.
-    """
+    """The files of a handout, in memory."""
     tell = progress or (lambda robot, stage: None)
     tell(robot.name, "formulas")
     context = context_of(robot, options)
@@ -99,17 +95,13 @@ def handout_files(
         files.update(printed)
         if Format.HTML in formats:
             tell(robot.name, "web page")
-            files[f"{name}.html"] = _page(made_from(whole), context, addition).encode()
+            from derive.handouts.page.writer import page
+
+            figure = addition.figure(context) if addition else _arm(context)
+            mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+            html = page(made_from(whole), context.text, figure).replace("<!DOCTYPE html>", mark, 1)
+            files[f"{name}.html"] = html.encode()
     return Handout(files, pages, tuple(section.part for section in whole.sections), shortened)
-
-
-def _page(sheet: Document, context: Context, addition: Addition | None) -> str:
-    """The web page of a sheet, with its arm."""
-    from derive.handouts.page.writer import page
-
-    figure = addition.figure(context) if addition else _arm(context)
-    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
-    return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
 
 
 def _arm(context: Context) -> Viewer | None:

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from math import acos, cos, pi, sqrt
 
-from derive.robot.description import Description, Inertia, Remark
+from derive.robot.description import INERTIA, Description, Remark
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import Expression, names
+from derive.robot.expression import names
 from derive.robot.reading.document import Document, KeyPath
 
 ROUNDING = Fraction(1, 10**9)  # part of the largest principal moment that rounding may have taken from A + B - C
@@ -49,7 +49,7 @@ def impossible_links(robot: Description, values: Mapping[str, Fraction | float])
     """By link what `lack_of` its tensor is, where it has numbers and no body has it."""
     lacks = {}
     for index, link in enumerate(robot.links):
-        cells = _cells(link.inertia)
+        cells = [getattr(link.inertia, key) for key in INERTIA]
         if any(name not in values for cell in cells for name in names(cell)):
             continue
         try:
@@ -67,10 +67,6 @@ def lack_of(tensor: Tensor) -> float:
     return 0.0 if is_planar else missing_moment(tensor)
 
 
-def _cells(inertia: Inertia) -> tuple[Expression, ...]:
-    return (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
-
-
 def missing_moment(tensor: Tensor) -> float:
     """By how much the largest principal moment is beyond the sum of the others; 0 where a body has the tensor.
 
@@ -79,18 +75,22 @@ def missing_moment(tensor: Tensor) -> float:
     Args:
         tensor: xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
     """
+    # Second moments about the centre of mass: S = tr(I)/2 - I, with diagonal tr(I)/2 - I_xx, ... and entries -I_xy, ...
     xx, yy, zz, xy, xz, yz = tensor
     half, slack = (xx + yy + zz) / 2, ROUNDING * max(map(abs, tensor))
     a, b, c = half - xx + slack, half - yy + slack, half - zz + slack
     determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * xz) - xz * (xy * yz + b * xz)
+    # S is positive semidefinite if and only if all of its principal minors are not negative (Sylvester).
     minors = (a, b, c, a * b - xy * xy, a * c - xz * xz, b * c - yz * yz, determinant)
     if all(minor >= 0 for minor in minors):
         return 0.0
+    # An eigenvalue s of S belongs to the principal moment tr(I)/2 - s, which exceeds the sum of the others by -2 s.
     return -2 * _least_eigenvalue(*map(float, (half - xx, half - yy, half - zz, -xy, -xz, -yz)))
 
 
 def _least_eigenvalue(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> float:
     """Of a symmetric matrix, by Cardano's formula with cosines."""
+    # A = mean 1 + spread B with tr B = 0: the eigenvalues of B are 2 cos of angle + 2 k pi/3, cos(3 angle) = det(B)/2.
     mean = (xx + yy + zz) / 3
     a, b, c = xx - mean, yy - mean, zz - mean
     spread = sqrt((a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6)

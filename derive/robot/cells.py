@@ -94,11 +94,7 @@ def _scaled(expression: Expression, unit: Expression, unitless: frozenset[str] =
 
 
 def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, ...]:
-    """Values of all joint variables that a user types beside the file, in the units of the file.
-
-    Returns:
-        The configuration [rad or m].
-    """
+    """The configuration [rad or m] that a user types beside the file, in the units of the file."""
     if len(texts) != robot.n:
         variables = ", ".join(joint.variable for joint in robot.joints)
         raise DeriveError(

@@ -14,6 +14,7 @@ from derive.robot.options.handout import FigureOptions, HandoutOptions
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.options.style import Style
 
+INERTIA = ("xx", "yy", "zz", "xy", "xz", "yz")  # entries of a tensor, in the order in which everything lists them
 Vector = tuple[Expression, Expression, Expression]  # three cells: a point, or a vector in space
 Matrix = tuple[tuple[Expression, ...], ...]  # rows of cells; a homogeneous transform has four of four
 # The transform that changes nothing.
@@ -125,8 +126,7 @@ class Inertia:
     yz: Expression = ZERO
 
     def __repr__(self) -> str:
-        cells = {"xx": self.xx, "yy": self.yy, "zz": self.zz, "xy": self.xy, "xz": self.xz, "yz": self.yz}
-        return f"Inertia({_cells_text(**cells)})"
+        return f"Inertia({_cells_text(**{key: getattr(self, key) for key in INERTIA})})"
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -86,7 +86,7 @@ def add(*terms: Expression) -> Expression:
                 place = len(flat) if place is None else place
             else:
                 flat.append(part)
-    if place is not None and total != 0:
+    if place is not None and total != 0:  # at its place: messages do not turn 1 - k round
         flat.insert(place, Number(total))
     if not flat:
         return ZERO
@@ -95,7 +95,7 @@ def add(*terms: Expression) -> Expression:
 
 def multiply(*factors: Expression) -> Expression:
     """Product with nested products flattened; all numbers become one coefficient in front."""
-    coefficient = Fraction(1)
+    coefficient = Fraction(1)  # exact, so that 3 (1/3) a is a
     flat: list[Expression] = []
     for factor in factors:
         for part in factor.factors if isinstance(factor, Product) else (factor,):
@@ -192,7 +192,7 @@ def linear_terms(expression: Expression) -> tuple[tuple[Fraction, Expression], .
             return ((value, ONE),)
         case Sum(terms):
             return tuple(pair for term in terms for pair in linear_terms(term))
-        case Product((Number(value), *rest)):
+        case Product((Number(value), *rest)):  # c (a + b) = c a + c b
             return tuple((value * c, term) for c, term in linear_terms(multiply(*rest)))
         case _:
             return ((Fraction(1), expression),)
@@ -207,11 +207,13 @@ def expanded_terms(expression: Expression, stop: int) -> int:
         case Sum(terms):
             count = sum(expanded_terms(term, stop) for term in terms)
         case Product(factors):
+            # (a + b)(c + d) has 2 2 terms; where the bits of the widths alone exceed the bound nothing is multiplied
             widths = [width for factor in factors if (width := expanded_terms(factor, stop)) > 1]
             bits = sum(width.bit_length() - 1 for width in widths)
             count = stop + 1 if bits > stop.bit_length() else prod(widths)
         case Power(base, exponent):
             width = expanded_terms(base, stop)
+            # terms of (x_1 + ... + x_t)^e: multisets of e out of t
             count = 1 if width == 1 else comb(width + abs(exponent) - 1, abs(exponent))
         case Call(_, arguments):
             inner = max(expanded_terms(argument, stop) for argument in arguments)
@@ -251,6 +253,7 @@ def multiple_of_pi(factor: Fraction) -> str:
 
 def _product_text(factors: tuple[Expression, ...], write: Callable[[Fraction], str]) -> str:
     """A product with a fraction's denominator and negative powers behind slashes: ``-2*a1/(3*b)`` as ``-2*a1/b/3``."""
+    # -2/3 a b^-1 as -2*a/b/3: the numerator in front, each divisor behind a slash, the denominator last
     coefficient = Fraction(1)
     if isinstance(factors[0], Number):
         coefficient, factors = factors[0].value, factors[1:]

@@ -33,7 +33,8 @@ MEANINGS = {
     "b": "viscous friction [N m s or N s/m]",
     "f": "Coulomb friction [N m or N]",
 }
-MAX_JOINTS = 16  # joints up to which regressors are generated: their entries grow with the square, each of them a sum
+# Regressors are generated up to so many joints: their entries grow with the square, each of them a sum.
+REGRESSOR_JOINTS = 16
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -56,7 +57,7 @@ class Parameter:
 
 def has_regressor(robot: Robot) -> bool:
     """Whether regressors are generated for a robot."""
-    return robot.has_dynamics and robot.n <= MAX_JOINTS
+    return robot.has_dynamics and robot.n <= REGRESSOR_JOINTS
 
 
 def standard_parameters(robot: Robot) -> tuple[Parameter, ...]:

@@ -115,8 +115,8 @@ def description_from_bytes(data: bytes, source: str) -> Description:
     base, tool = read_frame(document, cells, "base"), read_frame(document, cells, "tool")
     links = read_links(document, cells, len(joints))
     gravity = read_gravity(document, cells)
-    name = _name(document)
-    parameters = _parameters(document)
+    name, parameters = _name(document), _parameters(document)
+    head = takewhile(lambda line: line.startswith("#"), data.decode("utf-8-sig").splitlines())
     robot = Description(
         name=name,
         title=inert_text(document, ("title",), "\n\t") or name,
@@ -135,7 +135,7 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         units=units,
         digest=document.digest,
         source=document.source,
-        comments=_comments(data),
+        comments=tuple(line[1:].strip() for line in head),
     )
     if units.parameters:
         numbers = Cells(document, units)
@@ -148,12 +148,6 @@ def description_from_bytes(data: bytes, source: str) -> Description:
     found = (*remarks_on(document, robot), *remarks_on_bodies(document, robot))
     remarks = sorted(found, key=lambda remark: (remark.location.line, remark.location.column))
     return replace(robot, remarks=tuple(remarks))
-
-
-def _comments(data: bytes) -> tuple[str, ...]:
-    """The lines of comment at the head of a file that has been read, without their marks."""
-    head = takewhile(lambda line: line.startswith("#"), data.decode("utf-8-sig").splitlines())
-    return tuple(line[1:].strip() for line in head)
 
 
 def _parameters(document: Document) -> tuple[tuple[str, Expression], ...]:

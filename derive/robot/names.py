@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 from typing import TypeVar
 
-from derive.robot.description import Description
+from derive.robot.description import INERTIA, Description
 from derive.robot.expression import Expression, names
 from derive.robot.units import are_units_clear
 
@@ -31,18 +32,14 @@ def joint_label(variable: str) -> str:
 
 def expressions(robot: Description) -> Iterator[Expression]:
     """Every expression that enters a quantity; limits enter none."""
-    for row in robot.base:
-        yield from row
+    yield from chain.from_iterable(robot.base)
     for joint in robot.joints:
         yield from (joint.theta, joint.d, joint.a, joint.alpha)
-    for row in robot.tool:
-        yield from row
+    yield from chain.from_iterable(robot.tool)
     yield from robot.gravity or ()
     for link in robot.links:
-        inertia, motor = link.inertia, link.motor
-        yield from (link.mass, *link.com)
-        yield from (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
-        yield from (motor.mass, motor.inertia, motor.ratio) if motor else ()
+        yield from (link.mass, *link.com, *(getattr(link.inertia, key) for key in INERTIA))
+        yield from (link.motor.mass, link.motor.inertia, link.motor.ratio) if link.motor else ()
         yield from (link.armature, link.viscous, link.coulomb)
 
 
@@ -51,6 +48,11 @@ def robot_symbols(robot: Description) -> tuple[str, ...]:
     variables = {joint.variable for joint in robot.joints}
     found = dict.fromkeys(name for expression in expressions(robot) for name in names(expression))
     return tuple(name for name in found if name not in variables)
+
+
+def own_names(robot: Description) -> frozenset[str]:
+    """Symbols and joint variables, which no printed formula may mean otherwise."""
+    return frozenset((*robot_symbols(robot), *(joint.variable for joint in robot.joints)))
 
 
 def limit_symbols(robot: Description) -> tuple[str, ...]:

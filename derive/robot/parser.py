@@ -86,6 +86,7 @@ _GRAMMAR = "allowed: integers, decimals, names, + - * / **, parentheses, pi, sin
 
 def place(text: str, offset: int, start: Location) -> Location:
     """The place of a character in its file."""
+    # On later lines of a block scalar columns count from its own line, on the first one from where the cell begins.
     newlines = text.count("\n", 0, offset)
     if newlines == 0:
         return Location(start.source, start.line, start.column + offset)
@@ -165,6 +166,7 @@ class _Parser:
         expression = self._sum()
         if self._next.kind is not TokenKind.END:
             raise self._unexpected(self._next)
+        # Multiplying out is what costs later: bounded here, without doing it.
         if expanded_terms(expression, self._limits.expanded_terms) > self._limits.expanded_terms:
             raise self._error(
                 "expression has too many terms when multiplied out",
@@ -218,8 +220,9 @@ class _Parser:
             return base
         token = self._next
         self._enter(operator)
-        exponent = self._sign()
+        exponent = self._sign()  # right of **: -x**-2**2 is -(x**(-(2**2)))
         self._depth -= 1
+        # With integers alone a tree is a rational function of symbols, sines, cosines and roots, as the algebra needs.
         if not isinstance(exponent, Number) or exponent.value.denominator != 1:
             half = isinstance(exponent, Number) and exponent.value.denominator == 2
             remedy = "write sqrt(...) for the exponent 1/2" if half else "write the power out"
@@ -232,6 +235,7 @@ class _Parser:
         if isinstance(base, Number):
             if base.value == 0 and exponent < 0:
                 raise self._error("division by zero", token, "remove it")
+            # A power has about as many bits as base bits times exponent: refused before it is computed.
             if _bits(base.value) * abs(exponent) > 2 * self._limits.number_bits:
                 raise self._number_too_large(token)
         return self._bounded(power(base, exponent), token)
@@ -256,7 +260,7 @@ class _Parser:
             raise self._error("number with too many digits", token, f"at most {self._limits.digits}")
         if exponent and (len(exponent) > 6 or abs(int(exponent)) > self._limits.decimal_exponent):
             raise self._error("decimal exponent too large", token, f"at most {self._limits.decimal_exponent}")
-        return Number(Fraction(mantissa) * Fraction(10) ** int(exponent or 0))
+        return Number(Fraction(mantissa) * Fraction(10) ** int(exponent or 0))  # 0.1 is 1/10, no float
 
     def _name(self, token: Token) -> Expression:
         name, known = token.text, f"allowed: {listed(sorted(self._functions))}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import fields
 from enum import StrEnum
 from typing import TypeVar
 
@@ -15,15 +16,9 @@ from derive.robot.expression import Expression
 from derive.robot.options.handout import (
     PARTS,
     USUAL_PARTS,
-    AngleLetter,
     FigureOptions,
-    FrameIndices,
-    Functions,
     HandoutOptions,
-    InertiaLetter,
     NotationOptions,
-    PoseEntries,
-    SliderLetter,
     chosen_pages,
 )
 from derive.robot.options.inverse import POSE, InverseOptions, chosen_given, chosen_task
@@ -32,7 +27,6 @@ from derive.robot.reading.document import Document, KeyPath, YamlMapping
 
 # How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated.
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
-_NOTATION: KeyPath = ("handout", "notation")
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
@@ -69,21 +63,17 @@ def read_handout(document: Document) -> HandoutOptions:
             "allowed: two lower-case letters, with a country if need be",
             "write for instance en, it, pt or pt_BR",
         )
-    notation = NotationOptions(
-        angle=_chosen((*_NOTATION, "angle"), AngleLetter.NAME),
-        prismatic=_chosen((*_NOTATION, "prismatic"), SliderLetter.NAME),
-        functions=_chosen((*_NOTATION, "functions"), Functions.SHORT),
-        frames=_chosen((*_NOTATION, "frames"), FrameIndices.RIGHT),
-        inertia=_chosen((*_NOTATION, "inertia"), InertiaLetter.B),
-        pose=_chosen((*_NOTATION, "pose"), PoseEntries.ENTRIES),
-    )
+    usual = {option.name: getattr(default.notation, option.name) for option in fields(NotationOptions)}
+    letters = {name: _chosen(("handout", "notation", name), choice) for name, choice in usual.items()}
     path, pages = ("handout", "pages"), default.pages
     if (limit := document.scalar(path)) is not None:
         try:
             pages = chosen_pages(limit.text)
         except QuantityError as error:
             raise document.error(path, error.found, error.allowed) from None
-    return HandoutOptions(parts, derivation, language.text if language else default.language, notation, pages)
+    return HandoutOptions(
+        parts, derivation, language.text if language else default.language, NotationOptions(**letters), pages
+    )
 
 
 def _parts(document: Document) -> tuple[str, ...]:

@@ -70,7 +70,6 @@ def remarks_on(document: Document, robot: Description) -> tuple[Remark, ...]:
 
 
 def _symbol_paths(robot: Description) -> list[KeyPath]:
-    """Where the numbers of symbols stand."""
     drawn: list[KeyPath] = [("figure", "values", name) for name, _ in robot.figure.values]
     return [*(("parameters", name) for name, _ in robot.parameters), *drawn]
 

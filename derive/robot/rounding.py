@@ -24,15 +24,12 @@ def is_given_in_decimals(robot: Description) -> bool:
 
 
 def shown(value: Fraction, *, decimals: bool, digits: int | None = DIGITS) -> Fraction | Decimal:
-    """A number as it is shown.
-
-    Args:
-        digits: Significant digits; None for all of them.
-    """
+    """A number as it is shown, with so many significant digits; None for all of them."""
     longest = max(len(str(abs(value.numerator))), len(str(value.denominator)))
     if value.denominator == 1 and (digits is None or longest <= digits):
         return value
-    is_finite = _odd_part(value.denominator) == 1
+    # A decimal ends where the denominator divides a power of ten: it is 2^a 5^b, and a, b are at most its bits.
+    is_finite = pow(10, value.denominator.bit_length(), value.denominator) == 0
     short = digits is None or longest <= LONGEST_FRACTION
     if short and value.denominator != 1 and not (decimals and is_finite):
         return value
@@ -41,20 +38,8 @@ def shown(value: Fraction, *, decimals: bool, digits: int | None = DIGITS) -> Fr
     return context.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(context)
 
 
-def _odd_part(denominator: int) -> int:
-    """What is left of a denominator without its factors 2 and 5: 1 where the number has a last decimal."""
-    for prime in (2, 5):
-        while denominator % prime == 0:
-            denominator //= prime
-    return denominator
-
-
 def number_text(value: Fraction, *, decimals: bool, digits: int | None = DIGITS) -> str:
-    """A number as text of the cell grammar: ``3/4``, ``0.4318``, ``2.25843``, ``1.5e-7``.
-
-    Args:
-        digits: Significant digits; None for all of them.
-    """
+    """A number as text of the cell grammar: ``3/4``, ``0.4318``, ``2.25843``, ``1.5e-7``; all digits for None."""
     found = shown(value, decimals=decimals and abs(value) not in _QUARTERS, digits=digits)
     if isinstance(found, Fraction):
         return str(found)

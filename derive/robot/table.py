@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from derive.errors import RobotFileError, quoted
 from derive.robot.cells import Cells, check_symbol, inert_text, length_in_metres
-from derive.robot.description import IDENTITY, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
+from derive.robot.description import IDENTITY, INERTIA, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import (
     ONE,
@@ -112,7 +112,7 @@ class _Row:
         own = Name(self._variable)
         path = (*self._path, self._moving)
         expression = self._cells.raw(path, own)
-        coefficient = Fraction(0)
+        coefficient = Fraction(0)  # cell = coefficient q + rest
         rest: list[Expression] = []
         for factor, term in linear_terms(expression):
             moved = next((name for name in names(term) if name in self._variables), None)
@@ -215,6 +215,7 @@ def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterabl
                     found = f"row {i + 1} of the rotation block has length {product**0.5:.9g}"
                 allowed = f"allowed: a rotation to within {ROTATION_TOLERANCE:g}"
                 raise document.error((key, i), found, allowed, remedy)
+        # orthogonal with determinant -1: a reflection, that is a left-handed frame
         determinant = (
             m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
             - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
@@ -243,7 +244,7 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
 def _link(document: Document, cells: Cells, path: KeyPath) -> Link:
     mass = cells.plain((*path, "mass"))
     x, y, z = (cells.length((*path, "com", index)) for index in range(3))
-    inertia = Inertia(**{key: cells.plain((*path, "inertia", key)) for key in ("xx", "yy", "zz", "xy", "xz", "yz")})
+    inertia = Inertia(**{key: cells.plain((*path, "inertia", key)) for key in INERTIA})
     motor = None
     if document.find((*path, "motor")) is not None:
         motor = Motor(**{key: cells.plain((*path, "motor", key)) for key in ("mass", "inertia", "ratio")})

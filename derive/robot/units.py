@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from derive.errors import RobotFileError
-from derive.robot.description import Description, FileUnits, Joint
+from derive.robot.description import INERTIA, Description, FileUnits, Joint
 from derive.robot.expression import (
     Call,
     Expression,
@@ -77,8 +77,7 @@ def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expressio
         row = ("links", index)
         yield (*row, "mass"), link.mass
         yield from (((*row, "com", k), entry) for k, entry in enumerate(link.com))
-        for key in ("xx", "yy", "zz", "xy", "xz", "yz"):
-            yield (*row, "inertia", key), getattr(link.inertia, key)
+        yield from (((*row, "inertia", key), getattr(link.inertia, key)) for key in INERTIA)
         for key in ("mass", "inertia", "ratio") if link.motor is not None else ():
             yield (*row, "motor", key), getattr(link.motor, key)
         yield (*row, "armature"), link.armature
@@ -110,6 +109,7 @@ def symbol_unit(robot: Description, name: str) -> Unit:
 
     A term ``2*cos(beta)*a1`` of a length cell says that a1 is a length; products of symbols say nothing.
     """
+    # alone: what the symbol is where it stands by itself; others: what it could be in products, where none tells
     alone, others = set[Unit](), set[Unit]()
     for path, cell in located_expressions(robot):
         unit = cell_unit(path, robot)
@@ -149,6 +149,7 @@ def in_file_units(cell: Expression, unit: Unit, units: FileUnits) -> Expression:
         if not is_constant(term):
             terms.append(multiply(number(coefficient), term))
             continue
+        # 180/pi times pi/4 is 45: pi and its inverse cancel
         parts = list(product.factors if isinstance(product := multiply(factor, term), Product) else (product,))
         if Pi() in parts and power(Pi(), -1) in parts:
             parts.remove(Pi())

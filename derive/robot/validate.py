@@ -97,7 +97,6 @@ def _check_symbols(document: Document, cells: Cells, robot: Description) -> None
 
 
 def _value(expression: Expression, values: Mapping[str, float]) -> float | None:
-    """The number of an expression, or None while a symbol has none."""
     return evaluate(expression, values) if all(name in values for name in names(expression)) else None
 
 

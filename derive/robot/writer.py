@@ -6,14 +6,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from fractions import Fraction
 
-from derive.robot.description import IDENTITY, Convention, Description, FileUnits, Inertia, Joint, Link, Matrix, Motor
+from derive.robot.description import (
+    IDENTITY,
+    INERTIA,
+    Convention,
+    Description,
+    FileUnits,
+    Inertia,
+    Joint,
+    Link,
+    Motor,
+)
 from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.options.handout import HandoutOptions, NotationOptions
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.rounding import shown
 from derive.robot.units import Unit, in_file_units, in_symbol_units, joint_in_file_units, position_unit
-
-_INERTIA = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
 def cell_text(cell: Expression) -> str:
@@ -34,7 +42,9 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
     rows = (_row(joint_in_file_units(joint, units), robot.convention) for joint in robot.joints)
     lines += [f"  - {{{', '.join(row)}}}" for row in rows]
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
-        lines += _frame(key, matrix, units)
+        if matrix != IDENTITY:
+            lengths = (f"  - [{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3])
+            lines += [f"{key}:", *lengths, f"  - {_list(matrix[3])}"]
     if robot.gravity is not None:
         lines += [f"gravity: {_list(robot.gravity)}"]
     if robot.links:
@@ -46,7 +56,6 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A free text in YAML."""
     plain = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
     return f'"{plain}"'
 
@@ -125,13 +134,6 @@ def _row(joint: Joint, convention: Convention) -> Iterator[str]:
         yield f"name: {_quoted(joint.name)}"
 
 
-def _frame(key: str, matrix: Matrix, units: FileUnits) -> Iterator[str]:
-    if matrix != IDENTITY:
-        yield f"{key}:"
-        yield from (f"  - [{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3])
-        yield f"  - {_list(matrix[3])}"
-
-
 def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
     """Some cells of a part in braces, without those that are zero; nothing where all are."""
     cells = {key: getattr(part, key) for key in keys}
@@ -141,7 +143,7 @@ def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
 
 def _link(link: Link, units: FileUnits) -> Iterator[str]:
     """The lines of a link; what is zero is left out."""
-    tensor = _cells(link.inertia, _INERTIA)
+    tensor = _cells(link.inertia, INERTIA)
     friction = _cells(link, ("viscous", "coulomb"))
     yield f"  - mass: {cell_text(link.mass)}"
     if any(cell != ZERO for cell in link.com):

@@ -3,7 +3,7 @@
 import pytest
 
 import derive
-from derive.api.possible import possible
+from derive.api.convert import possible
 
 pytest.importorskip("clarabel")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import PENDULUM, Outcome, derive, is_one_message
-from tests.handouts.latex_runner import require_latex, run_latex
+from tests.handouts.latex_runner import overfull, require_latex, run_latex
 
 BARE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n%s\n\\end{document}\n"
 
@@ -33,7 +33,7 @@ def test_the_latex_file_is_written_by_default(folder: Path) -> None:
     assert outcome.stdout.startswith("pendulum.tex\n")
     log = run_latex((folder / "pendulum.tex").read_text(), folder)
     assert not log.errors
-    assert log.overfull <= 1
+    assert overfull(log) <= 1
 
 
 def test_a_pdf_comes_with_its_source_and_the_number_of_pages(folder: Path) -> None:

@@ -16,10 +16,10 @@ TITLES = {
     "004": "Document 004: report on the SCARA manipulator (University of Perugia)",
 }
 HEAD = (
-    "What `derive check` finds wrong in five lecture documents. This page is written by the command itself "
+    "This page lists the errors that `derive check` finds in five lecture documents; the command itself wrote it "
     "(`make errata`). Formulas are in the shorthand of the notes: `c12` is the cosine of the sum of the first two "
     "joint angles, `**` a power. In the Newton-Euler equations `w`, `wd`, `v`, `vd` are velocities and accelerations, "
-    "`@` is the product with a matrix. The last section is about motions, where commands and numbers are printed."
+    "`@` is a matrix product. The last section is about motions; its items are commands and numbers."
 )
 
 

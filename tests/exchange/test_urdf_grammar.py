@@ -13,7 +13,7 @@ import pytest
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.from_urdf import Imported, import_urdf
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.urdf_grammar import READ, look
+from derive.exchange.urdf import READ, look
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import J, Reading, body, urdf
 from tests.random_robots import seeds

@@ -12,6 +12,20 @@ import pytest
 from derive.handouts.notation.pieces import Box
 from derive.handouts.pdf import LatexLog
 
+_OVERFULL = re.compile(
+    r"^Overfull \\[hv]box \((?P<size>[0-9.]+)pt too (?:wide|high)\)(?:.*?lines? (?P<line>\d+))?", re.M
+)
+
+
+def overfull_boxes(log: LatexLog) -> list[tuple[float, int]]:
+    """What is too large for its place: by how much [pt], and the line where its paragraph begins, 0 for none."""
+    return [(float(match["size"]), int(match["line"] or 0)) for match in _OVERFULL.finditer(log.text)]
+
+
+def overfull(log: LatexLog) -> float:
+    """The worst overfull box [pt]; 0 if there is none."""
+    return max((size for size, _ in overfull_boxes(log)), default=0.0)
+
 
 def require_latex() -> None:
     if shutil.which("pdflatex") is None:

@@ -12,11 +12,11 @@ from derive.handouts.assemble import context_of, document
 from derive.handouts.exercise import exercise, solutions
 from derive.handouts.sheet.budget import within
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Steps, gap_rows
+from derive.handouts.sheet.document import Blank, Block, Document, Gap, Paragraph, Rows, SheetFormula, Steps, gap_rows
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import swept_catalogue
 
 ROBOTS = ("planar-2r-perugia", "scara-perugia", "stanford-deluca", "kuka-lwr4", "dh-general-laschi")
@@ -50,9 +50,9 @@ def sheets_of(name: str) -> tuple[Context, Document, Document, Document]:
     return sheets(Robot.load(name))
 
 
-def asked(whole: Document) -> Iterator[Formula]:
+def asked(whole: Document) -> Iterator[SheetFormula]:
     for block in blocks(whole):
-        if isinstance(block, Formula) and block.task and block.blanks:
+        if isinstance(block, SheetFormula) and block.task and block.blanks:
             yield block
 
 
@@ -72,7 +72,7 @@ def test_every_question_has_a_number_a_sentence_points_and_room(name: str) -> No
 @pytest.mark.parametrize("name", ROBOTS)
 def test_an_exercise_tells_no_answer(name: str) -> None:
     context, whole, sheet, _ = sheets_of(name)
-    assert not any(isinstance(block, Steps | Formula) for block in blocks(sheet))
+    assert not any(isinstance(block, Steps | SheetFormula) for block in blocks(sheet))
     written = latex(sheet, context.text)
     results = {line for formula in asked(whole) for rows in formula.rows for line in rows.lines}
     assert results
@@ -86,7 +86,7 @@ def test_an_exercise_tells_no_answer(name: str) -> None:
 def test_what_is_all_zero_is_asked_for_too() -> None:
     """An arm without Christoffel symbols has the questions of one that has some."""
     _, whole, sheet, answers = sheets(Robot.from_text(SLIDERS))
-    assert "All are zero." in [block.note for block in blocks(whole) if isinstance(block, Formula)]
+    assert "All are zero." in [block.note for block in blocks(whole) if isinstance(block, SheetFormula)]
     tasks = [question.task for question in questions(sheet)]
     assert "Which Christoffel symbols are not zero? Find them." in tasks
     assert not any(isinstance(block, Paragraph) and "zero." in block.text for block in blocks(sheet))
@@ -102,7 +102,7 @@ def test_solutions_answer_the_questions_in_their_order(name: str) -> None:
     heads = [k for k, block in enumerate(solved) if isinstance(block, Paragraph) and block.text.startswith("Question ")]
     assert len(heads) == len(questions(sheet))
     for question, k in zip(questions(sheet), heads, strict=True):
-        head, formula = solved[k], next(block for block in solved[k:] if isinstance(block, Formula))
+        head, formula = solved[k], next(block for block in solved[k:] if isinstance(block, SheetFormula))
         assert isinstance(head, Paragraph)
         assert head.text == f"Question {question.number.rstrip('.')} {question.points}"
         assert formula.task == question.task
@@ -129,7 +129,7 @@ def assert_at_most_twice_the_pages(name: str, language: str, derivation: Derivat
     )
     assert not asking.errors
     assert not solved.errors
-    assert asking.overfull <= 1.0
+    assert overfull(asking) <= 1.0
     assert asking.pages <= 2 * handout.pages
 
 

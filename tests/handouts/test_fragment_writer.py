@@ -16,7 +16,7 @@ from derive.handouts.sheet.language import Text
 from derive.model.quantities import REGISTRY
 from derive.robot.options.handout import PARTS
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import require_latex, run_latex
+from tests.handouts.latex_runner import overfull_boxes, require_latex, run_latex
 from tests.random_robots import swept_catalogue
 
 PLANE = "planar-2r-perugia"
@@ -78,7 +78,7 @@ def compiled(texts: list[str], document_class: str, folder: Path) -> LatexLog:
 def assert_fits(texts: list[str], document_class: str, folder: Path) -> None:
     log = compiled(texts, document_class, folder)
     assert not log.errors, document_class
-    assert not log.overfull_boxes, document_class
+    assert not overfull_boxes(log), document_class
 
 
 @pytest.mark.slow

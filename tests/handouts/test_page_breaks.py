@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.sheet.document import Block, Document, Formula, Paragraph, Rows, Section, Table
+from derive.handouts.sheet.document import Block, Document, Paragraph, Rows, Section, SheetFormula, Table
 from derive.handouts.sheet.language import Text, languages
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.robot import Robot
@@ -21,10 +21,10 @@ SENTENCE = Paragraph(f"SENTENCE stands here. {LONG * 2}and what follows is annou
 MATRIX = "\\begin{bmatrix} 1 & 2 \\\\ 3 & 4 \\\\ 5 & 6 \\\\ 7 & 8 \\end{bmatrix}"
 CASES: dict[str, tuple[Block, ...]] = {
     "table": (SENTENCE, Table(("NEXT", "$x$"), (("1", "2"),) * 6)),
-    "table behind an empty result": (SENTENCE, Formula(()), Table(("NEXT", "$x$"), (("1", "2"),) * 6)),
+    "table behind an empty result": (SENTENCE, SheetFormula(()), Table(("NEXT", "$x$"), (("1", "2"),) * 6)),
     "long table": (SENTENCE, Table(("NEXT", "$x$"), (("1", "2"),) * 40, long=True)),
     "matrix": (SENTENCE, Rows((f"\\mathrm{{NEXT}} = {MATRIX}",))),
-    "abbreviations": (Formula((Rows(("\\mathrm{NEXT} = b",)),), named=("\\mathrm{SENTENCE} = a",)),),
+    "abbreviations": (SheetFormula((Rows(("\\mathrm{NEXT} = b",)),), named=("\\mathrm{SENTENCE} = a",)),),
     "last two": (
         Paragraph("First:"),
         Rows((f"\\mathrm{{SENTENCE}} = {MATRIX}",)),

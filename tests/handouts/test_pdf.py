@@ -8,7 +8,7 @@ import pytest
 
 from derive.errors import LatexError
 from derive.handouts.pdf import LatexLog, compile_latex
-from tests.handouts.latex_runner import require_latex
+from tests.handouts.latex_runner import overfull, overfull_boxes, require_latex
 
 DOCUMENT = r"""\documentclass{{article}}
 \usepackage{{amsmath}}
@@ -101,8 +101,8 @@ def test_settings_of_the_user_do_not_count(tmp_path: Path, monkeypatch: pytest.M
 
 def test_overfull_boxes_are_measured() -> None:
     log = compile_latex(document(r"\hbox to 3pt{aaaaaa}")).log
-    assert [box.line for box in log.overfull_boxes] == [5]
-    assert 10 < log.overfull < 40
+    assert [line for _, line in overfull_boxes(log)] == [5]
+    assert 10 < overfull(log) < 40
 
 
 def test_both_forms_of_an_error_are_read() -> None:

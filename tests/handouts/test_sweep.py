@@ -22,7 +22,7 @@ from derive.robot.options.handout import (
     SliderLetter,
 )
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import robot_text, sampled, seeds
 
 pytestmark = pytest.mark.slow
@@ -63,7 +63,7 @@ def assert_is_clean(
         log = run_latex(latex(sheet, context.text), folder)
         assert not log.errors
         assert log.status == 0
-        assert log.overfull <= WORST_OVERFULL
+        assert overfull(log) <= WORST_OVERFULL
         assert 1 <= log.pages <= most
 
 

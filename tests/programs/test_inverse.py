@@ -9,7 +9,7 @@ import pytest
 from derive.algebra.constants import to_float
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.programs.formulations.trace import Trace
 from derive.programs.inverse import Mask, around, inverse_function, solved
 from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
@@ -20,7 +20,7 @@ from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
-from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
+from derive.verification.oracle.frames import NumericArm, forward_kinematics, numeric_arm
 from tests.inverse.arms import PUBLISHED
 from tests.targets.test_inverse import model_of
 
@@ -51,7 +51,7 @@ def numbers_of(robot: Robot) -> dict[str, float]:
     return {name: 0.3 + 0.13 * k for k, name in enumerate(free_symbols(robot))}
 
 
-def arm_of(robot: Robot) -> Arm:
+def arm_of(robot: Robot) -> NumericArm:
     return numeric_arm(robot, numbers_of(robot))
 
 
@@ -75,7 +75,7 @@ def test_the_tape_gives_what_the_graph_gives(name: str) -> None:
     robot, inverse = program_of(name)
     q, poses = poses_of(robot)
     found, status = run(robot, inverse, poses)
-    walk = Run(
+    walk = GraphWalk(
         solve(robot),
         FloatField(parameter_values(robot, numbers_of(robot))),
         [[poses[:, i, j] for j in range(4)] for i in range(3)],

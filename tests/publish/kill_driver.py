@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from derive.publish import atomic_folder, staging
+from derive.publish import atomic_folder
 
 VERSIONS = {
     name: {
@@ -149,7 +149,6 @@ def main() -> None:
     kills = int(sys.argv[4]) if len(sys.argv) > 4 else 0
     if not swap:
         atomic_folder.exchange = lambda one, other: False  # type: ignore[assignment]
-    assert staging.exchange is not None
     print(json.dumps(builds(target, kills) if kills else {"steps": steps, "moments": moments}[mode](target)))
 
 

@@ -18,7 +18,7 @@ from derive.programs.tape.tape import Op
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
-from derive.targets.kernel import JAVASCRIPT, PYTHON, C, Language, Piece, wrapped, write_kernel
+from derive.targets.kernel import JAVASCRIPT, PYTHON, C, CodePiece, Language, wrapped, write_kernel
 from tests.targets.c_models import c_model, needs_compiler
 from tests.targets.generated_models import casadi_model, numpy_model, planar, small_program, source_of
 from tests.targets.javascript_model import JavaScriptModel
@@ -156,7 +156,7 @@ def test_a_negative_number_is_no_atom_where_two_minus_signs_are_a_mistake() -> N
         language.operation(Op.NEGATE, [language.number(Fraction(-2))]).text for language in (PYTHON, JAVASCRIPT, C)
     ]
     assert written == ["--2.0", "-(-2.0)", "-(-2.0)"]
-    assert Piece("a + b", 1).inside(2) == "(a + b)"
+    assert CodePiece("a + b", 1).inside(2) == "(a + b)"
 
 
 def test_lists_break_between_values() -> None:

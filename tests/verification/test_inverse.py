@@ -49,9 +49,6 @@ class Faulty:
     def call(self, function: str, arguments: list[Array], parameters: Parameters) -> Array:
         raise NotImplementedError
 
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        return self.right.given_names(robot)
-
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         q, status = self.right.inverse(poses, given, parameters)
         return self.change(q.copy(), status.copy())

@@ -17,7 +17,7 @@ from derive.arrays import Array
 from derive.handouts.figure.drawing import Drawing, Item, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, bounds, moved, resized
 from derive.handouts.figure.projection import View, best_view, paint
-from derive.handouts.figure.scene import LETTERS, Scene, Segment, arm_scene
+from derive.handouts.figure.scene import LETTERS, LinkSegment, Scene, arm_scene
 from derive.handouts.figure.solids import Sizes, joint_centers, solid_faces
 from derive.handouts.notation.pieces import joined
 from derive.handouts.notation.printer import DataPrinter
@@ -45,11 +45,7 @@ def arm_drawing(
     title: str = "",
     view: View | None = None,
 ) -> Drawing:
-    """The drawing of a robot whose frames are known.
-
-    Args:
-        frames: Frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
-    """
+    """The drawing of a robot; frames 0 to n and that of the end effector in the world are 4x4 each [m]."""
     scene = arm_scene(robot, frames)
     view = view or arm_view(scene)
     flat = view.project(scene.places)[:, :2]
@@ -132,7 +128,7 @@ class _Stage:
             places = around(tip, direction, 6.5, label_width(latex))
             self.paper.label(latex, places, AXIS_COLORS[axis.letter])
 
-    def _draw_length(self, segment: Segment) -> None:
+    def _draw_length(self, segment: LinkSegment) -> None:
         """A dimension line beside a link, where it crosses least; only the name beside a short one."""
         latex = _length(self.robot, self.data, segment)
         if not latex:
@@ -163,7 +159,7 @@ class _Stage:
         self.paper.label(latex, places, DIMENSION)
 
 
-def _length(robot: Robot, data: DataPrinter, segment: Segment) -> str:
+def _length(robot: Robot, data: DataPrinter, segment: LinkSegment) -> str:
     """The cell of the table that a segment shows, as LaTeX; its symbol where the cell is too wide."""
     if segment.cell == "tool":
         return ""

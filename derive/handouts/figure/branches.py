@@ -42,29 +42,28 @@ _SAME = 1e-6  # lines closer to each other than this part of the arm's size are 
 def branches_drawing(
     robot: Robot, frames: Sequence[Sequence[Sequence[Sequence[float]]]], names: Sequence[str], title: str
 ) -> Drawing | None:
-    """The drawing of an arm in several configurations.
-
-    Args:
-        frames: For each configuration frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
-
-    Returns:
-        The drawing; None for an arm whose links cover each other in all of them.
-    """
+    """The drawing of an arm in several configurations; None where its links cover each other in all of them."""
     scenes = [arm_scene(robot, own) for own in frames]
     lines = [_line(scene) for scene in scenes]
     size = max(scene.size for scene in scenes)
     groups: list[list[int]] = []
     for k, line in enumerate(lines):
-        group = next((g for g in groups if _is_same(line, lines[g[0]], _SAME * size)), None)
-        if group is None:
-            groups.append([k])
-        else:
+        alike = (g for g in groups if len(lines[g[0]]) == len(line))
+        near = (g for g in alike if all(np.linalg.norm(np.subtract(lines[g[0]], line), axis=1) < _SAME * size))
+        if group := next(near, None):
             group.append(k)
+        else:
+            groups.append([k])
     if len(groups) < 2:
         return None
-    view = _view(scenes[0])
+    # Of one configuration: an arm whose places lie in a plane normal to its first axis is seen along that axis.
+    scene = scenes[0]
+    heights = (scene.places - scene.places[0]) @ scene.joints[0].direction
+    is_flat = all(abs(heights) < _SAME * scene.size)
+    view = view_along(scene.joints[0].direction, scene.up) if is_flat else arm_view(scene)
     flat = [[view.flat(point) for point in lines[group[0]]] for group in groups]
     low, high = (f(np.array([point for line in flat for point in line]), axis=0) for f in (np.min, np.max))
+    # Many lines are two drawings side by side, each with a half of them (rounded up), at one scale.
     half = -(-len(groups) // 2) if len(groups) > _MOST else len(groups)
     width = _WIDTH if half == len(groups) else _HALF
     rooms = zip((width, _TALLEST), high - low, strict=True)
@@ -92,7 +91,11 @@ def _draw_arms(
             paper.draw(_dot(center, color))
     for index, (places, text) in enumerate(zip(lines, texts, strict=True)):
         others = [point for other in lines if other is not places for point in _along(other, 20)]
-        place, direction = _apart(places, others)
+        # The text stands where the line is farthest from all others, on the side away from the middle of all.
+        apart = [round(min((math.dist(p, other) for other in others), default=0.0), 6) for p in _along(places, 6)]
+        place = _along(places, 6)[apart.index(max(apart))]
+        middle = np.mean(np.array([*places, *others]), axis=0)
+        direction = float(place[0] - middle[0]), float(place[1] - middle[1])
         paper.label(text, around(place, direction, 9.0, label_width(text)), COLORS[index % len(COLORS)])
 
 
@@ -102,19 +105,6 @@ def _line(scene: Scene) -> list[Array]:
     for segment in scene.segments:
         points += [p for p in (segment.start, segment.end) if np.linalg.norm(p - points[-1]) > _SAME * scene.size]
     return points
-
-
-def _is_same(a: Sequence[Array], b: Sequence[Array], near: float) -> bool:
-    return len(a) == len(b) and all(np.linalg.norm(p - q) < near for p, q in zip(a, b, strict=True))
-
-
-def _view(scene: Scene) -> View:
-    """From where a planar arm is seen as it is, else as arms are."""
-    normal = scene.joints[0].direction
-    flat = all(abs((place - scene.places[0]) @ normal) < _SAME * scene.size for place in scene.places)
-    if not flat:
-        return arm_view(scene)
-    return view_along(normal, scene.up)
 
 
 def _dot(center: Point, color: Color) -> Path:
@@ -138,15 +128,7 @@ def _draw_ends(
             paper.arrow(start, tip, AXIS_COLORS[letter], 0.9)
 
 
-def _apart(line: Sequence[Point], others: Sequence[Point]) -> tuple[Point, Point]:
-    """The place on a line that is farthest from other lines, and the direction away from their middle."""
-    place = max(_along(line, 6), key=lambda p: round(min((math.dist(p, other) for other in others), default=0.0), 6))
-    middle = np.mean(np.array([*line, *others]), axis=0)
-    return place, (float(place[0] - middle[0]), float(place[1] - middle[1]))
-
-
 def _along(line: Sequence[Point], parts: int) -> list[Point]:
-    """Points all along a line."""
     return [
         ((1 - k / parts) * a[0] + k / parts * b[0], (1 - k / parts) * a[1] + k / parts * b[1])
         for a, b in pairwise(line)

@@ -85,7 +85,6 @@ def _modified(paper: Paper) -> None:
 
 
 def _joint(paper: Paper, center: Array, axis: Array) -> None:
-    """A revolute joint."""
     for path in paint(prism(center - 13 * axis, center + 13 * axis, 10.0, REVOLUTE, sides=28), _VIEW):
         paper.draw(path, weight=0.2)
 
@@ -101,14 +100,12 @@ def _line(paper: Paper, start: Array, end: Array) -> None:
 
 
 def _axis(paper: Paper, origin: Array, direction: Array, letter: int, latex: str) -> None:
-    """An axis of a frame with its name."""
     start, tip = _VIEW.flat(origin), _VIEW.flat(origin + _AXIS * direction)
     paper.arrow(start, tip, AXIS_COLORS[letter], 1.3)
     paper.label(latex, around(tip, (tip[0] - start[0], tip[1] - start[1]), 10.0), AXIS_COLORS[letter])
 
 
 def _arc(paper: Paper, center: Array, start: Array, axis: Array, angle: float, latex: str) -> None:
-    """An angle about an axis, with its arrow and its name."""
     points = [_VIEW.flat(center + _ARC * _turned(start, axis, angle * k / 24)) for k in range(25)]
     paper.draw(Path(tuple(points[:-2]), width=0.8))
     paper.draw(arrow_head(points[-6], points[-1], BLACK, 0.8))
@@ -117,7 +114,6 @@ def _arc(paper: Paper, center: Array, start: Array, axis: Array, angle: float, l
 
 
 def _length(paper: Paper, start: Array, end: Array, offset: float, latex: str) -> None:
-    """A dimension line beside what it measures, with its name."""
     a, b = _VIEW.flat(start), _VIEW.flat(end)
     size = math.hypot(b[0] - a[0], b[1] - a[1])
     nx, ny = -(b[1] - a[1]) / size * -offset, (b[0] - a[0]) / size * -offset

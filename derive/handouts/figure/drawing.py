@@ -73,7 +73,7 @@ class Drawing:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class LabelRun:
     """Characters of one style."""
 
     text: str  # the characters
@@ -81,11 +81,11 @@ class Run:
     shift: int = 0  # -1 for a subscript, 1 for a superscript, 0 on the line
 
 
-def label_runs(latex: str) -> tuple[Run, ...]:
+def label_runs(latex: str) -> tuple[LabelRun, ...]:
     """The LaTeX of a label as runs of plain characters, neighbours of one style joined."""
     tokens = (token.rstrip() if token.startswith("\\") and len(token) > 2 else token for token in _TOKEN.findall(latex))
-    joined: list[Run] = []
-    for run in _runs(tokens, Run("")):
+    joined: list[LabelRun] = []
+    for run in _runs(tokens, LabelRun("")):
         if joined and (joined[-1].style, joined[-1].shift) == (run.style, run.shift):
             joined[-1] = replace(run, text=joined[-1].text + run.text)
         elif run.text:
@@ -103,7 +103,7 @@ def label_width(latex: str) -> float:
     return width
 
 
-def _runs(tokens: Iterator[str], style: Run, *, one: bool = False) -> Iterator[Run]:
+def _runs(tokens: Iterator[str], style: LabelRun, *, one: bool = False) -> Iterator[LabelRun]:
     """The runs up to the end of the group, or those of one argument."""
     for token in tokens:
         name = token.removeprefix("\\")

@@ -53,11 +53,17 @@ class Panels:
             for k, panel in enumerate(row):
                 corner = LEFT + k * (LEFT + WIDTHS[across] + RIGHT), height - TOP - (i + 1) * HEIGHT - i * GAP
                 items += self._panel(panel, corner, WIDTHS[across], is_last=i == len(self.rows) - 1)
-        items += self._legend(width)
+        lengths = [16.0 + label_width(name) + 14.0 for name in self.names]
+        x = (width - sum(lengths) + 14.0) / 2  # what each colour means, in the middle below all
+        for color, (name, length) in enumerate(zip(self.names, lengths, strict=True)):
+            items.append(Path(((x, 6.0), (x + 12.0, 6.0)), stroke=COLORS[color % len(COLORS)], width=1.2))
+            items.append(Label((x + 16.0, 6.0), name, (-1, 0)))
+            x += length
         return Drawing(width, height, tuple(items), title)
 
     def _panel(self, panel: Panel, corner: Point, width: float, *, is_last: bool) -> Iterator[Item]:
         (x, y), start, end = corner, float(self.times[0]), float(self.times[-1])
+        # The values with a rim of 6 % above and below; what is constant but for rounding has a panel of height 2.
         values = [row for _, row in panel.curves]
         low, high = min(float(row.min()) for row in values), max(float(row.max()) for row in values)
         if high - low < 1e-9 * max(abs(low), abs(high), 1e-3):
@@ -84,18 +90,10 @@ class Panels:
                 yield Label((_at(tick, low)[0], y - 4.0), self.write(tick), (0, 1))
             yield Label((x + width / 2, y - 15.0), "t\\,[\\mathrm{s}]", (0, 1))
 
-    def _legend(self, width: float) -> Iterator[Item]:
-        """What each colour means, in the middle below all."""
-        lengths = [16.0 + label_width(name) + 14.0 for name in self.names]
-        x = (width - sum(lengths) + 14.0) / 2
-        for color, (name, length) in enumerate(zip(self.names, lengths, strict=True)):
-            yield Path(((x, 6.0), (x + 12.0, 6.0)), stroke=COLORS[color % len(COLORS)], width=1.2)
-            yield Label((x + 16.0, 6.0), name, (-1, 0))
-            x += length
-
 
 def _ticks(low: float, high: float, most: int) -> Sequence[float]:
     """Round numbers between two, so many at most."""
+    # the smallest step 1, 2, 5 or 10 times a power of ten that gives no more numbers than there is room for
     least = (high - low) / most
     power = 10.0 ** math.floor(math.log10(least))
     step = next(step * power for step in STEPS if step * power >= least)

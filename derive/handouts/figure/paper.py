@@ -26,11 +26,7 @@ _Box = tuple[float, float, float, float]  # left, bottom, right and top [pt]
 
 
 class Paper:
-    """A page on which items and labels are put; it knows what is taken.
-
-    Attributes:
-        items: What has been put on it, from back to front.
-    """
+    """A page on which items and labels are put, from back to front; it knows what is taken."""
 
     def __init__(self) -> None:
         self.items: list[Item] = []
@@ -59,6 +55,7 @@ class Paper:
 
     def crossing(self, start: Point, end: Point) -> float:
         """How much a line would run over what is there."""
+        # Each point of the line costs the heaviest ink within 4 pt, and three times the labels that it lies on.
         samples, ink = _samples(start, end), self._all_ink()
         near = np.abs(samples[:, None, :] - ink[None, :, :2]).max(axis=2) < 4.0
         over = sum(_shared_area((x - 1, y - 1, x + 1, y + 1), box) for x, y in samples for box in self._boxes)
@@ -67,6 +64,7 @@ class Paper:
     def label(self, latex: str, candidates: Iterable[Point], color: Color = BLACK) -> None:
         """Puts a label at the best of its candidates; the first ones are liked better."""
         w, h = label_width(latex) / 2 + 1.0, LABEL_HEIGHT / 2 + 0.5
+        # Half sizes of the box w, h; a place costs the labels it covers, the ink inside of it, and its rank.
         places = list(candidates)
         ink = self._all_ink()
         costs = []
@@ -74,6 +72,7 @@ class Paper:
             over = sum(_shared_area((x - w, y - h, x + w, y + h), box) for box in self._boxes)
             inside = (np.abs(ink[:, 0] - x) < w + 0.5) & (np.abs(ink[:, 1] - y) < h + 0.5)
             costs.append(_LABEL_COST * over / 10.0 + float(ink[inside, 2].sum()) + 0.15 * rank)
+        # rounded, so that the choice between equal costs is the same on every machine
         x, y = places[int(np.argmin(np.round(costs, 6)))]
         self._boxes.append((x - w, y - h, x + w, y + h))
         self.items.append(Label((x, y), latex, color=color))
@@ -103,6 +102,7 @@ def around(place: Point, direction: Point, reach: float, width: float = 0.0) -> 
     found = []
     for far in (reach, 1.5 * reach, 2.2 * reach, 3.0 * reach):
         for along, across in ((1.0, 0.0), (0.6, 0.8), (0.6, -0.8), (0.0, 1.0), (0.0, -1.0), (-0.6, 0.8), (-0.6, -0.8)):
+            # (along, across) in the axes of the direction; a wide label goes aside by its letters beyond the first
             x, y = along * dx - across * dy, along * dy + across * dx
             aside = max(0.0, width - LETTER_WIDTH) / 2 * min(1.0, max(-1.0, 1.5 * x))
             found.append((place[0] + far * x + aside, place[1] + far * y))

@@ -16,11 +16,7 @@ _TOP = 89.999  # elevation from which an arm in a horizontal plane is seen, x to
 
 
 def plane_normal(scenes: Sequence[Scene]) -> Array | None:
-    """The direction in which an arm does not move.
-
-    Returns:
-        corners of links have one height along it in all scenes; None where there is no such direction, or more than
-    """
+    """The unit normal of the plane in which an arm moves; None where it moves in space, or along a line alone."""
     normals = [normal for normal in map(_normal, scenes) if normal is not None]
     if len(normals) < len(scenes) or any(np.linalg.norm(np.cross(normals[0], other)) > _SAME for other in normals):
         return None

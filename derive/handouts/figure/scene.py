@@ -30,7 +30,7 @@ class FrameAxis:
 
 
 @dataclass(frozen=True, eq=False)
-class Segment:
+class LinkSegment:
     """A straight part of a link."""
 
     start: Array  # its first point
@@ -60,7 +60,7 @@ class Scene:
 
     axes: tuple[FrameAxis, ...]  # axes of all frames
     joints: tuple[JointAxis, ...]  # the joints from the base outwards
-    segments: tuple[Segment, ...]  # links with a length
+    segments: tuple[LinkSegment, ...]  # links with a length
     places: Array  # (k, 3) distinct origins and corners of links
     up: tuple[float, float, float]  # what points up
     approach: Array  # direction in which the hand points
@@ -116,7 +116,7 @@ def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[fl
     return (x, y, z)
 
 
-def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[Segment]]:
+def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[LinkSegment]]:
     """Joints and parts of links, from the frames alone: the offset d is what lies along z between two of them.
 
     A link leads along z by d, then along x by a (standard); along x by a, then along z by d (modified).
@@ -129,13 +129,13 @@ def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[Segment]]:
             z = before[:3, 2]
             corner = start + z * (z @ (end - start))
             joints.append(JointAxis(start, corner, z, joint.is_revolute))
-            parts += [Segment(start, corner, row, "d"), Segment(corner, end, row, "a")]
+            parts += [LinkSegment(start, corner, row, "d"), LinkSegment(corner, end, row, "a")]
         else:
             z = after[:3, 2]
             corner = end - z * (z @ (end - start))
             joints.append(JointAxis(corner, end, z, joint.is_revolute))
-            parts += [Segment(start, corner, row, "a"), Segment(corner, end, row, "d")]
-    return joints, [*parts, Segment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")]
+            parts += [LinkSegment(start, corner, row, "a"), LinkSegment(corner, end, row, "d")]
+    return joints, [*parts, LinkSegment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")]
 
 
 def _axes(poses: Array, near: float) -> tuple[FrameAxis, ...]:
@@ -156,7 +156,7 @@ def _axes(poses: Array, near: float) -> tuple[FrameAxis, ...]:
     return tuple(found)
 
 
-def _hand(poses: Array, segments: Sequence[Segment], n: int) -> tuple[Array, Array]:
+def _hand(poses: Array, segments: Sequence[LinkSegment], n: int) -> tuple[Array, Array]:
     """The hand continues the last link along an axis of the end effector, or points along z; it opens along y or x."""
     end = poses[-1, :3, :3]
     last = [s for s in segments if s.row >= n - 1]

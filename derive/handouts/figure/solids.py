@@ -83,6 +83,7 @@ def _turns(sides: int) -> tuple[Array, Array]:
 
 def _barrel(stops: Array, ring: Array) -> tuple[Array, Array]:
     """Corners and normals of the sides of a tube around a line with stops, (faces, 4, 3) and (faces, 3)."""
+    # Side k lies between corners k and k + 1 of the ring at every stop; its normal points to the middle between them.
     following = np.concatenate([ring[1:], ring[:1]])
     around, count = stops[:, None], len(stops) - 1
     right, left = around + ring, around + following
@@ -93,11 +94,7 @@ def _barrel(stops: Array, ring: Array) -> tuple[Array, Array]:
 
 
 def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], list[Array]]:
-    """All faces of an arm, and the lines that labels should keep off.
-
-    Returns:
-        Faces, and lines (k, 3) along the parts, in points.
-    """
+    """All faces of an arm, and lines (k, 3) along its parts that labels should keep off [pt]."""
     faces: list[Faces] = []
     lines: list[Array] = []
     for segment in scene.segments:
@@ -118,11 +115,8 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
 
 
 def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
-    """Where each joint is drawn on its axis: at its origin, else on its offset, else beside; off the others.
-
-    Returns:
-        The centre of each joint, (3,) in points.
-    """
+    """Where each joint is drawn, (3,) each [pt]: at its origin, else on its offset, else beside; off the others."""
+    # The first option that is more than a cylinder away from all joints before it; else the farthest away.
     length = sizes.cylinder[1]
     centers: list[Array] = []
     for joint in scene.joints:
@@ -155,6 +149,7 @@ def _joint(joint: JointAxis, center: Array, anchor: Array, sizes: Sizes) -> tupl
 
 def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[Faces], list[Array]]:
     """Two fingers on a palm ahead of the end effector's origin, and ahead of a last joint that is drawn there."""
+    # A last joint whose cylinder covers the origin of the end effector pushes the hand ahead of it.
     k = sizes.factor
     end, along, across = scene.end * scale, scene.approach, scene.opening
     ahead = float((last - end) @ along)
@@ -174,6 +169,7 @@ def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[F
 
 def _perpendicular(axis: Array) -> tuple[Array, Array]:
     """Two unit vectors normal to a unit vector and to each other."""
+    # e_i x axis for the axis i of the world to which it is most nearly normal, then axis x that
     x, y, z = axis.tolist()
     smallest = min(range(3), key=lambda i: abs(round((x, y, z)[i], 9)))
     first = np.array(((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[smallest])
@@ -210,6 +206,7 @@ def _ball(center: Array, radius: float, color: Color) -> Faces:
 @cache
 def _sphere() -> tuple[Array, Array]:
     """Corners and normals of the faces of the unit sphere, (32, 4, 3) and (32, 3)."""
+    # 4 rings of latitude, 8 of longitude; the normal of a patch is that at its middle
     rings = pairwise(math.pi * k / 4 for k in range(5))
     patches = list(product(rings, list(pairwise(2 * math.pi * k / 8 for k in range(9)))))
     corners = [

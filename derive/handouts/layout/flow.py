@@ -69,13 +69,10 @@ def whole_equations(lines: Iterable[str]) -> list[str]:
         else:
             whole = joined[-1].rstrip()
             space = "  " if _ENDS_IN_NAME.search(whole) else " "  # a name takes one: the sign behind it has its own
-            joined[-1] = f"{whole}{space}{_uncontinued(line.removeprefix(indent))}"
+            # what shows that a line continues another: ``{}`` before a sign, ``{}\\cdot`` before a factor
+            rest = line.removeprefix(indent).removeprefix("{}\\cdot ").removeprefix("{}")
+            joined[-1] = f"{whole}{space}{rest}"
     return [equation for line in joined for equation in _side_by_side(line)]
-
-
-def _uncontinued(line: str) -> str:
-    r"""A line without what shows that it continues another: ``{}`` in front of a sign, ``{}\cdot`` before a factor."""
-    return line.removeprefix("{}\\cdot ").removeprefix("{}")
 
 
 def _side_by_side(line: str) -> Iterator[str]:
@@ -179,11 +176,7 @@ class MatrixEquation:
 
 
 def matrix_equation(equation: str) -> MatrixEquation | None:
-    """An equation whose right side is one matrix.
-
-    Returns:
-        Symbol and entries; None for any other equation.
-    """
+    """An equation whose right side is one matrix; None for any other equation."""
     match = _MATRIX.fullmatch(equation)
     if match is None or "bmatrix" in match["left"] + match["body"]:
         return None

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, Piece, concatenate
+from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, TexPiece, concatenate
 
 # Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve.
 LINE_WIDTH = 455.0
@@ -36,7 +36,7 @@ class Equation:
     """``left = right``."""
 
     left: Box  # the symbol that is defined
-    right: tuple[Piece, ...]  # the expression
+    right: tuple[TexPiece, ...]  # the expression
 
     @property
     def width(self) -> float:
@@ -44,7 +44,7 @@ class Equation:
         return self.left.width + RELATION_WIDTH + sum(piece.box.width for piece in self.right)
 
 
-def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -> list[str]:
+def break_lines(head: Box, pieces: Sequence[TexPiece], width: float = LINE_WIDTH) -> list[str]:
     """The expression on as many lines as it needs."""
     lines: list[str] = []
     start, lead = 0, head
@@ -57,24 +57,25 @@ def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -
         start, lead = end, INDENTS[min(pieces[end].depth, len(INDENTS) - 1)]
 
 
-def _line_end(pieces: Sequence[Piece], start: int, room: float) -> int:
+def _line_end(pieces: Sequence[TexPiece], start: int, room: float) -> int:
     """Index of the piece that starts the next line: the cheapest break that fits, else the first one."""
     used = _continued(pieces[start]).width
     best, best_cost = 0, 2.0
     for index in range(start + 1, len(pieces)):
         piece = pieces[index]
         if piece.before is not Break.NEVER:
+            # The cost of ending the line here: what stays empty of it, more inside of brackets or of a product.
             factor = FACTOR_COST if piece.before is Break.FACTOR else 0.0
             cost = (1.0 - used / room) + DEPTH_COST * piece.depth + factor
             if (used <= room and cost <= best_cost) or not best:
-                best, best_cost = index, cost
+                best, best_cost = index, cost  # of equal costs the later break; a first one that does not fit is kept
         used += piece.box.width
         if used > room and best:
             return best
     return len(pieces)
 
 
-def _continued(piece: Piece) -> Box:
+def _continued(piece: TexPiece) -> Box:
     """The piece at the start of a line that continues another; TeX spaces a sign as between terms after ``{}``."""
     if piece.before is Break.BINARY:
         return Box("{}" + piece.box.tex.strip() + " ", piece.box.width)
@@ -85,16 +86,13 @@ def _continued(piece: Piece) -> Box:
 
 def displays(lines: Sequence[str], *, kept: bool = True) -> list[str]:
     """Rows of displayed mathematics, a few dozen in each display."""
-    parts = [lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER)]
-    ends = [_row_end(part) if kept else " \\\\\n" for part in parts]
-    bodies = (end.join(f"& {line.rstrip()}" for line in part) for end, part in zip(ends, parts, strict=True))
-    return [f"\\begin{{align*}}\n{body}\n\\end{{align*}}" for body in bodies]
-
-
-def _row_end(lines: Sequence[str]) -> str:
-    """Between the rows of a display; what is short is kept on one page."""
-    height = sum(4 if "bmatrix" in line else 1 for line in lines)
-    return " \\\\*\n" if height <= KEPT_TOGETHER else " \\\\\n"
+    found = []
+    for part in (lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER)):
+        height = sum(4 if "bmatrix" in line else 1 for line in part)
+        end = " \\\\*\n" if kept and height <= KEPT_TOGETHER else " \\\\\n"  # no page ends after a row with a star
+        body = end.join(f"& {line.rstrip()}" for line in part)
+        found.append(f"\\begin{{align*}}\n{body}\n\\end{{align*}}")
+    return found
 
 
 def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> list[str]:

@@ -105,6 +105,7 @@ class Layouter:
             for i, j in quantity.places
             if i <= j or not symmetric
         }
+        # In brackets only where no page is too narrow for certain: expressions are written and measured for it.
         if sum(item.terms for item in items.values()) <= self.policy.matrix_terms:
             boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
             height, width = (range(1, size + 1) for size in quantity.shape)
@@ -120,6 +121,7 @@ class Layouter:
     def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> LaidOut:
         """Entries one by one, brackets that they share as named terms."""
         limit = limit or self.policy.flat_terms
+        # Terms are counted before anything is multiplied out: what is beyond the budget is never written.
         chosen = _within([item.terms for item in items], limit, limit * self.policy.quantity_entries)
         written = {index: items[index].write() for index in chosen}
         definitions, expressions = _with_shared_brackets_named(list(written.values()))
@@ -151,6 +153,7 @@ class Layouter:
         upright = _within(sizes, policy.entry_lines, policy.quantity_lines)
         if len(upright) == len(equations):
             return upright, []
+        # What does not fit upright gets a page on its side, where a line holds half as much again.
         rest = set(range(len(equations))) - set(upright)
         wide = [len(equation_lines([e], LANDSCAPE_WIDTH)) if k in rest else 0 for k, e in enumerate(equations)]
         return upright, _within(wide, policy.landscape_lines, policy.landscape_total)
@@ -195,11 +198,12 @@ def _with_shared_brackets_named(expressions: Sequence[Any]) -> tuple[list[Defini
         _count_brackets(expression, uses, root=True)
     shared = []
     for bracket, count in uses.items():
+        # A name pays for a sum of three terms from its second use on, for a sum of two products from its fourth.
         is_long = len(bracket.args) >= SHORTEST
         holds_product = any(len(term.args) >= SHORTEST for term in bracket.args)
         if (is_long and count > 1) or (not is_long and holds_product and count >= OFTEN):
             shared.append(bracket)
-    shared.sort(key=_depth)
+    shared.sort(key=_depth)  # inner brackets first: the definition of an outer one uses their names
     names: dict[Any, Any] = {}
     definitions = []
     for index, bracket in enumerate(shared, 1):
@@ -213,7 +217,7 @@ def _used(definitions: Sequence[Definition], expressions: Sequence[Any]) -> list
     """The definitions that some expressions use, directly or through each other."""
     wanted = {symbol for expression in expressions for symbol in expression.free_symbols}
     kept = []
-    for symbol, value in reversed(definitions):
+    for symbol, value in reversed(definitions):  # each uses earlier symbols alone, so one pass backwards finds all
         if symbol in wanted:
             kept.append((symbol, value))
             wanted |= value.free_symbols
@@ -250,6 +254,6 @@ def _in_names(expression: Any, names: dict[Any, Any], *, root: bool = True) -> A
         new is old for new, old in zip(arguments, expression.args, strict=True)
     ):
         return expression
-    if expression.is_Add or expression.is_Mul:
+    if expression.is_Add or expression.is_Mul:  # unevaluated: SymPy would distribute numbers over the names' sums
         return expression.func(*arguments, evaluate=False)
     return expression.func(*arguments)

@@ -22,6 +22,7 @@ from sympy import pi
 
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.subscripts import Glyph, distinct, natural, variable_glyphs
+from derive.robot.description import INERTIA
 from derive.robot.expression import names
 from derive.robot.names import acceleration_name, joint_label, limit_symbols, robot_symbols, velocity_name
 from derive.robot.options.handout import Functions, NotationOptions
@@ -47,11 +48,7 @@ class Notation:
 
     @classmethod
     def of(cls, robot: Robot, options: NotationOptions | None = None, *, comma: bool = False) -> Notation:
-        """The notation of a robot.
-
-        Args:
-            options: How variables are written; None for as in the robot file.
-        """
+        """The notation of a robot; without options variables are written as in the robot file."""
         options = options or NotationOptions()
         labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
         uses = Counter(labels.values())
@@ -113,8 +110,7 @@ def _glyphs(robot: Robot, options: NotationOptions) -> Iterator[tuple[str, Glyph
 def _inertial(robot: Robot) -> dict[str, int]:
     found: dict[str, None] = {}
     for link in robot.links:
-        inertia = link.inertia
-        cells = [link.mass, inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz, link.armature]
+        cells = [link.mass, *(getattr(link.inertia, key) for key in INERTIA), link.armature]
         if link.motor is not None:
             cells += [link.motor.ratio, link.motor.mass, link.motor.inertia]
         found.update(dict.fromkeys(name for cell in cells for name in names(cell)))
@@ -159,6 +155,7 @@ class Order:
         """Sort key of a term of a sum."""
         if term in self._terms:
             return self._terms[term]
+        # Of c m2 a1 l2 s2 qd1 qd2: the rates first, then inertial parameters, sines and cosines, other parameters.
         rest = term.as_coeff_Mul()[1]
         factors = rest.args if rest.is_Mul else (rest,)
         bases = [factor.as_base_exp()[0] for factor in factors]
@@ -185,6 +182,7 @@ class Order:
         if base.is_Number or base.is_NumberSymbol:
             return (_NUMBER, (), str(base))
         name = getattr(base.func, "__name__", "")
+        # Of a sine or cosine the joints in its argument count, of a bracket whether it holds anything but rates.
         positions = [self._positions.get(symbol.name, _NO_POSITION) for symbol in base.free_symbols]
         if name in ("cos", "sin"):
             angle = base.args[0]

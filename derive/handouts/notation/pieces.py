@@ -96,12 +96,10 @@ def script(nucleus: Box, sub: Box = EMPTY, sup: Box = EMPTY) -> Box:
     """A nucleus with a subscript, a superscript or both, one above the other."""
     if not (sub.tex or sup.tex):
         return nucleus
-    tex = nucleus.tex.rstrip()
-    if sub.tex:
-        tex += f"_{{{sub.tex.rstrip()}}}"
-    if sup.tex:
-        tex += f"^{{{sup.tex.rstrip()}}}"
-    return Box(tex, nucleus.width + max(sub.width, sup.width) * SCRIPT + SCRIPT_SPACE)
+    marked = (f"{mark}{{{box.tex.rstrip()}}}" for mark, box in (("_", sub), ("^", sup)) if box.tex)
+    # One stands above the other: the wider one counts, at 7 pt, with TeX's \scriptspace behind both.
+    width = nucleus.width + max(sub.width, sup.width) * SCRIPT + SCRIPT_SPACE
+    return Box(nucleus.tex.rstrip() + "".join(marked), width)
 
 
 def fraction(numerator: Box, denominator: Box, small: bool = False) -> Box:
@@ -125,7 +123,7 @@ class Break(IntEnum):
     COMMA = 3
 
 
-class Piece(NamedTuple):
+class TexPiece(NamedTuple):
     """A part of an expression that stays on one line."""
 
     box: Box  # its LaTeX
@@ -134,12 +132,12 @@ class Piece(NamedTuple):
     nest: int = 0  # height of the bracket that it opens or closes, 0 for other pieces
 
 
-def binary(sign: str, depth: int) -> Piece:
+def binary(sign: str, depth: int) -> TexPiece:
     """Plus or minus between two terms."""
-    return Piece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
+    return TexPiece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
 
 
-def joined(pieces: Iterable[Piece]) -> Box:
+def joined(pieces: Iterable[TexPiece]) -> Box:
     """All pieces on one line."""
     return concatenate(*(piece.box for piece in pieces))
 
@@ -149,7 +147,7 @@ def joined(pieces: Iterable[Piece]) -> Box:
 DECIMAL_COMMA = "{,}"  # in braces, so that no space follows it
 
 
-def list_separator(pieces: Iterable[Piece]) -> Box:
+def list_separator(pieces: Iterable[TexPiece]) -> Box:
     """What stands between the members of a list: a comma, or a semicolon where a number has one inside."""
     return Box(";\\, " if any(DECIMAL_COMMA in piece.box.tex for piece in pieces) else ",\\, ", 6.0)
 
@@ -161,15 +159,12 @@ _TEN_WIDTH = 10.5
 def magnitude(
     value: Fraction, decimals: bool, *, digits: int | None = DIGITS, small: bool = True, comma: bool = False
 ) -> Box:
-    """The absolute value of a rational number in print.
-
-    Args:
-        digits: Significant digits to print; None for all of them.
-    """
+    """The absolute value of a rational number in print, with so many significant digits, None for all."""
     found, mark = shown(abs(value), decimals=decimals, digits=digits), DECIMAL_COMMA if comma else "."
     if isinstance(found, Fraction):
         numerator, denominator = italic(str(found.numerator)), italic(str(found.denominator))
         return numerator if found.denominator == 1 else fraction(numerator, denominator, small)
+    # As people write decimals: plainly between 0.0001 and as many digits as are shown, else m 10^e.
     exponent = found.adjusted()
     if -4 <= exponent <= (digits or DIGITS):
         plain = f"{found:f}"

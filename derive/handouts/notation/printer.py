@@ -22,7 +22,7 @@ from derive.handouts.notation.pieces import (
     MINUS_WIDTH,
     Box,
     Break,
-    Piece,
+    TexPiece,
     binary,
     concatenate,
     fraction,
@@ -42,13 +42,13 @@ from derive.robot.units import Unit, in_file_units, symbol_unit
 
 # Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken.
 WIDEST_FRACTION = 120.0
-MINUS = Piece(Box("-", MINUS_WIDTH))
+MINUS = TexPiece(Box("-", MINUS_WIDTH))
 
 _HALF, _ONE = S.Half, S.One
 _CIRCULAR = ("cos", "sin", "tan")
 _FUNCTIONS = {"sign": "sgn", "atan2": "atan2", "acos": "arccos", "asin": "arcsin", "atan": "arctan"}
 _BRACKETS = (("(", ")"), ("[", "]"), ("\\{", "\\}"))  # by the levels of brackets inside; deeper ones begin again
-Pieces = list[Piece]
+Pieces = list[TexPiece]
 Power = tuple[Any, Any]  # base and exponent
 
 
@@ -58,7 +58,7 @@ class LatexPrinter:
     def __init__(self, notation: Notation) -> None:
         self.notation = notation
         self._order = Order(notation)
-        self._written: dict[tuple[Any, int], tuple[Piece, ...]] = {}
+        self._written: dict[tuple[Any, int], tuple[TexPiece, ...]] = {}
 
     def latex(self, expression: Any) -> str:
         """One line of LaTeX, for mathematics mode."""
@@ -72,13 +72,14 @@ class LatexPrinter:
 
     def angle(self, expression: Any, depth: int = 0) -> Pieces:
         """An angle as pieces; an added multiple of pi is in degrees where the robot file is."""
+        # angle = turn pi + rest; the rational multiple of pi in degrees: 180 turn
         turn = expression.coeff(pi)
         rest = expression - turn * pi
         if not (self.notation.degrees and turn.is_Rational and turn) or rest.has(pi):
             return self._sum(expression, depth)
         size = Fraction(180 * abs(turn).p, turn.q)
         number = magnitude(size, decimals=True, digits=self.notation.digits, comma=self.notation.comma)
-        degrees = Piece(Box(f"{number.tex}{_CIRCLE}", number.width + 5.0), depth=depth)
+        degrees = TexPiece(Box(f"{number.tex}{_CIRCLE}", number.width + 5.0), depth=depth)
         if rest == 0:
             return [degrees] if turn > 0 else [MINUS, degrees]
         return [*self._sum(rest, depth), binary("+" if turn > 0 else "-", depth), degrees]
@@ -101,23 +102,25 @@ class LatexPrinter:
 
     def _term(self, term: Any, depth: int) -> tuple[bool, Pieces]:
         """Whether the term is negative, and its absolute value."""
+        # coefficient times base_1^e_1 base_2^e_2 ..., in the order of textbooks
         coefficient, rest = term.as_coeff_Mul()
         if not coefficient.is_Rational:
             coefficient, rest = type(coefficient)(1), term
         factors = rest.args if rest.is_Mul else () if rest is _ONE else (rest,)
         powers = [factor.as_base_exp() for factor in sorted(factors, key=self._order.factor)]
         value = Fraction(int(coefficient.p), int(coefficient.q))
+        # -(-a - b) is written a + b: a factor whose terms are all negative gives its sign to the number
         for index, (base, exponent) in enumerate(powers):
             if exponent is _ONE and base.is_Add and all(part.as_coeff_Mul()[0] < 0 for part in base.args):
                 powers[index] = (Add(*(-part for part in base.args)), exponent)
                 value = -value
         leading, powers = self._leading(abs(value), powers)
-        row = [Piece(leading, depth=depth)] if leading.tex else []
+        row = [TexPiece(leading, depth=depth)] if leading.tex else []
         for pieces in self._factors(powers, depth):
             if row:
                 pieces[0] = pieces[0]._replace(before=Break.FACTOR, depth=depth)
             row += pieces
-        return value < 0, row or [Piece(italic("1"), depth=depth)]
+        return value < 0, row or [TexPiece(italic("1"), depth=depth)]
 
     def _factors(self, powers: list[Power], depth: int) -> Iterator[Pieces]:
         r"""Each power; where functions are written in full and a factor follows, the argument ends with a bracket.
@@ -133,6 +136,7 @@ class LatexPrinter:
 
         Numbers and parameters stand over each other if there is a denominator and both sides are short.
         """
+        # below: what divides; constants: roots and pi, which stand with the number
         below = [(base, -exponent) for base, exponent in powers if is_below(exponent)]
         constants = [p for p in powers if (p[0].is_Number or p[0].is_NumberSymbol) and not is_below(p[1])]
         number = EMPTY if value == 1 and powers else self._magnitude(value)
@@ -151,6 +155,7 @@ class LatexPrinter:
                     if p in constants or (p[0].is_Symbol and p[0].name in names and not is_below(p[1]))
                 ]
             numerator, denominator = self._side(value.numerator, above), self._side(value.denominator, below)
+            # One fraction, of which sines, rates and brackets stay behind; a wide one is written with negative powers.
             if max(numerator.width, denominator.width) <= WIDEST_FRACTION:
                 rest = [power for power in powers if power not in above and not is_below(power[1])]
                 return fraction(numerator, denominator, small=not below), rest
@@ -158,7 +163,6 @@ class LatexPrinter:
         return concatenate(number, *boxes), [power for power in powers if power not in constants]
 
     def _side(self, number: int, powers: list[Power]) -> Box:
-        """The numerator or denominator of a quotient."""
         if len(powers) == 1 and number == 1 and powers[0][1] == 1:
             return joined(self._sum(powers[0][0], 0))
         boxes = [] if number == 1 and powers else [self._magnitude(Fraction(number))]
@@ -168,21 +172,21 @@ class LatexPrinter:
         return magnitude(value, self.notation.decimals, digits=self.notation.digits, comma=self.notation.comma)
 
     def _power(self, base: Any, exponent: Any, depth: int, closed: bool = False) -> Pieces:
-        if exponent is _HALF:
+        if exponent is _HALF:  # no line breaks under a root: a wide one is a bracket to the power 1/2
             inner = joined(self._sum(base, 0))
             if inner.width <= WIDEST_FRACTION:
-                return [Piece(Box(f"\\sqrt{{{inner.tex.rstrip()}}}", inner.width + 10.0), depth=depth)]
+                return [TexPiece(Box(f"\\sqrt{{{inner.tex.rstrip()}}}", inner.width + 10.0), depth=depth)]
         raised = EMPTY
         if exponent.is_Rational and exponent is not _ONE:
             raised = Box(str(exponent), 5.0 * len(str(exponent)) + 3.0)
         elif exponent is not _ONE:
             raised = joined(self._sum(exponent, 0))
         if base.is_Symbol:
-            return [Piece(self.notation.glyph(base.name).power(raised), depth=depth)]
+            return [TexPiece(self.notation.glyph(base.name).power(raised), depth=depth)]
         if base is pi:
-            return [Piece(script(greek("pi"), sup=raised), depth=depth)]
+            return [TexPiece(script(greek("pi"), sup=raised), depth=depth)]
         if base.is_Integer and base >= 0:
-            return [Piece(script(italic(str(base)), sup=raised), depth=depth)]
+            return [TexPiece(script(italic(str(base)), sup=raised), depth=depth)]
         if base.is_Function:
             return self._function(base, raised, depth, closed)
         if not (base.is_Add or base.is_Mul or base.is_Pow or base.is_Rational):
@@ -196,32 +200,37 @@ class LatexPrinter:
             labels, terms = list(self.notation.labels), argument.args if argument.is_Add else (argument,)
             if all(term.is_Symbol and term.name in labels for term in terms):  # a plain sum of joint angles
                 variables = tuple(sorted((term.name for term in terms), key=labels.index))
-                return [Piece(self.notation.abbreviation(name[0], variables, exponent), depth=depth)]
+                return [TexPiece(self.notation.abbreviation(name[0], variables, exponent), depth=depth)]
         if name == "Abs" and not exponent.tex:
-            return [Piece(Box("\\lvert ", 5.0)), *self._sum(argument, depth + 1), Piece(Box(" \\rvert", 5.0))]
+            return [
+                TexPiece(Box("\\lvert ", 5.0)),
+                *self._sum(argument, depth + 1),
+                TexPiece(Box(" \\rvert", 5.0)),
+            ]
         if name not in _FUNCTIONS and name not in _CIRCULAR:
             raise TargetError(f"no LaTeX for the function {name}", remedy="use sin, cos, tan, sqrt or atan2")
         head = script(operator(_FUNCTIONS.get(name, name)), sup=exponent)
         head = Box(head.tex + (" " if head.tex[-1].isalpha() else ""), head.width)
         if len(call.args) == 1 and (argument.is_Symbol or argument.is_NumberSymbol) and not closed:
-            return [Piece(concatenate(head, joined(self._power(argument, Integer(1), 0))), depth=depth)]
+            return [TexPiece(concatenate(head, joined(self._power(argument, Integer(1), 0))), depth=depth)]
         write = self.angle if name in _CIRCULAR else self._sum
         inner, others = write(argument, depth + 1), [self._sum(other, depth + 1) for other in call.args[1:]]
         separator = list_separator(chain(inner, *others))
         for other in others:
-            inner += [Piece(separator, depth=depth + 1), *other]
-        row = [Piece(head, depth=depth), *_bracket(inner, EMPTY, depth)]
+            inner += [TexPiece(separator, depth=depth + 1), *other]
+        row = [TexPiece(head, depth=depth), *_bracket(inner, EMPTY, depth)]
         box = joined(row)
+        # Written in full, a function and its argument stay on one line where they are short.
         if self.notation.abbreviates or box.width > WIDEST_FRACTION:
             return row
-        return [Piece(box, depth=depth, nest=_nested(row))]
+        return [TexPiece(box, depth=depth, nest=_nested(row))]
 
 
 def _bracket(inner: Pieces, exponent: Box, depth: int) -> Pieces:
     height = _nested(inner)
     left, right = _BRACKETS[height % len(_BRACKETS)]
-    opening = Piece(Box(left, BRACKET_WIDTH), depth=depth, nest=height + 1)
-    closing = Piece(script(Box(right, BRACKET_WIDTH), sup=exponent), depth=depth, nest=height + 1)
+    opening = TexPiece(Box(left, BRACKET_WIDTH), depth=depth, nest=height + 1)
+    closing = TexPiece(script(Box(right, BRACKET_WIDTH), sup=exponent), depth=depth, nest=height + 1)
     return [opening, *inner, closing]
 
 
@@ -234,7 +243,7 @@ def _nested(pieces: Pieces) -> int:
 
 DATA_DIGITS = 15  # significant digits of the numbers in tables, which are the user's
 _CIRCLE = "^{\\circ}"
-Cell = tuple[Piece, ...]  # a cell in print
+Cell = tuple[TexPiece, ...]  # a cell in print
 
 
 class DataPrinter:
@@ -260,12 +269,11 @@ class DataPrinter:
         """The number of a symbol as the robot file has it, with its unit where that is not the SI unit."""
         unit = symbol_unit(self.robot, name) if self.robot.units.parameters else Unit.SI
         if unit is Unit.LENGTH:
-            return (*self.length(number), Piece(self._metres))
+            return (*self.length(number), TexPiece(self._metres))
         return self.angle(number) if unit is Unit.ANGLE else self.value(number)
 
     @property
     def _metres(self) -> Box:
-        """The unit of lengths behind a number."""
         return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else Box("\\,\\mathrm{m}", 11.0)
 
     def position(self, joint: Joint, cell: Expression) -> Cell:
@@ -273,16 +281,17 @@ class DataPrinter:
         pieces, unit = self._position(joint, cell)
         if unit.tex and any(piece.before is Break.BINARY and not piece.depth for piece in pieces):
             pieces = tuple(_bracket(list(pieces), EMPTY, 0))  # the unit is that of all terms
-        return (*pieces, Piece(unit)) if unit.tex else pieces
+        return (*pieces, TexPiece(unit)) if unit.tex else pieces
 
     def limits(self, joint: Joint) -> Cell:
         """Both limits of a joint with their unit."""
         if joint.limits is None:
-            return (Piece(Box("\\text{--}", 6.0)),)
+            return (TexPiece(Box("\\text{--}", 6.0)),)
+        # [lower, upper] unit: one unit for both, none where a limit is in degrees
         (lower, _), (upper, unit) = (self._position(joint, limit) for limit in joint.limits)
-        opening, closing = (Piece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
-        end = [Piece(unit)] if unit.tex and _CIRCLE not in joined(lower).tex else []
-        return (opening, *lower, Piece(list_separator((*lower, *upper))), *upper, closing, *end)
+        opening, closing = (TexPiece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
+        end = [TexPiece(unit)] if unit.tex and _CIRCLE not in joined(lower).tex else []
+        return (opening, *lower, TexPiece(list_separator((*lower, *upper))), *upper, closing, *end)
 
     def _position(self, joint: Joint, cell: Expression) -> tuple[Cell, Box]:
         """A value, and the unit behind it; degrees have their circle instead."""
@@ -290,7 +299,7 @@ class DataPrinter:
             return self.length(cell), self._metres
         value = _sympy(cell)
         if value == 0 and self.notation.degrees:
-            return (Piece(Box(f"0{_CIRCLE}", 10.0)),), EMPTY
+            return (TexPiece(Box(f"0{_CIRCLE}", 10.0)),), EMPTY
         pieces = self.angle(value)
         return pieces, EMPTY if _CIRCLE in joined(pieces).tex else Box("\\,\\mathrm{rad}", 18.0)
 

@@ -9,7 +9,7 @@ from typing import Any
 import sympy
 
 from derive.handouts.notation.notation import Notation, Order
-from derive.handouts.notation.pieces import Box, Piece, fraction, italic, joined
+from derive.handouts.notation.pieces import Box, TexPiece, fraction, italic, joined
 from derive.handouts.notation.printer import LatexPrinter, Pieces
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.text import TextPrinter
@@ -108,7 +108,7 @@ class SignLatexPrinter(LatexPrinter):
         if above.is_Add and not below.is_Integer:
             top, bottom = joined(super().pieces(above)), joined(super().pieces(below))
             if top.width <= self._widest:
-                return [Piece(fraction(top, bottom))]
+                return [TexPiece(fraction(top, bottom))]
         return super().pieces(expression)
 
 

@@ -51,7 +51,9 @@ def workspace_text(reach: Reach, write: Print) -> list[str]:
     lines = ["reached, if no joint has limits:"]
     for bound in reach.bounds:
         numbers = reach.numbers(bound)
-        size = "" if numbers is None or not bound.has_symbols else f" ({_interval(numbers)})"
+        size = ""
+        if numbers is not None and bound.has_symbols:
+            size = f" ({' to '.join(f'{float(x):.4g}' for x in numbers if x is not None)} m)"
         lines.append(
             f"   {comparison(bound, write, ' <= ')}{size}: {shape(reach, bound)}, {write(bound.unknown)} is real"
         )
@@ -112,10 +114,3 @@ def shape(reach: Reach, bound: Bound) -> str:
     if bound.least is not None and bound.most is not None:
         return f"between two {surfaces[1]}"
     return f"{'inside' if bound.least is None else 'outside'} of a {surfaces[0]}"
-
-
-def _interval(numbers: tuple[Any, ...]) -> str:
-    least, most = (None if number is None else f"{float(number):.4g}" for number in numbers)
-    if least is None or most is None:
-        return f"{least or most} m"
-    return f"{least} to {most} m"

@@ -143,7 +143,9 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
     entries: list[list[Any]] = []
     runs: list[list[PlayedPiece]] = []
     for piece in track:
-        if runs and _follows(runs[-1][-1], piece):
+        before, k = runs[-1][-1] if runs else piece, len(piece.values) // 2
+        alike = before.kind == piece.kind == "hermite" and len(before.values) == len(piece.values)
+        if runs and alike and before.values[k:] == piece.values[:k]:  # the same values where they meet
             runs[-1].append(piece)
         else:
             runs.append([piece])
@@ -160,13 +162,6 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
         values = [*run[0].values[:k], *(value for piece in run for value in piece.values[k:])]
         entries.append(["chain", grids.index(grid), *values])
     return entries
-
-
-def _follows(before: PlayedPiece, piece: PlayedPiece) -> bool:
-    """Whether two polynomials have the same values where they meet."""
-    k = len(piece.values) // 2
-    alike = before.kind == piece.kind == "hermite" and len(before.values) == len(piece.values)
-    return alike and before.values[k:] == piece.values[:k]
 
 
 def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, object]], text: Text) -> dict[str, Any]:
@@ -211,11 +206,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
 
 
 def function_names(playback: Playback | None) -> tuple[str, ...]:
-    """What the script calls the functions that torques need.
-
-    Args:
-        playback: The motion; None for none.
-    """
+    """What the script calls the functions that torques need; none without a motion."""
     return tuple(camel_case(name) for name in playback.functions) if playback else ()
 
 
@@ -236,7 +227,6 @@ def _quantities(_: Text) -> dict[str, tuple[str, dict[bool, tuple[str, str]]]]:
 
 
 def _excess(_: Text, robot: Robot, item: Exceeded) -> str:
-    """Which joint is beyond its limit, and when most."""
     time = _.number(f"{item.time:.4g}")
     return _("%(joint)s beyond its limit at %(time)s s", joint=robot.joints[item.joint].variable, time=time)
 
@@ -258,7 +248,6 @@ def _notes(_: Text, playback: Playback) -> Iterator[str]:
 
 
 def _words(_: Text) -> dict[str, str]:
-    """Every other text of the player."""
     return {
         "player": _("The motion"),
         "play": _("Play"),

@@ -6,9 +6,8 @@ or, of a planar arm, in its plane; else the position alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import mpmath
 import numpy as np
@@ -16,7 +15,7 @@ import sympy
 
 from derive.arrays import Array
 from derive.inverse.numeric.in_numbers import ArrayDomain, Numbers
-from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import jacobian
 from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
@@ -34,15 +33,9 @@ class Dragging:
 
 
 def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
-    """How an end effector can be dragged.
-
-    Args:
-        numbers: A number for every symbol [m, rad].
-
-    Returns:
-        The task; None where the end effector does not move in a plane or in space.
-    """
-    columns = [_jacobian(robot, numbers, q) for q in _configurations(robot, 5).T]
+    """How an end effector can be dragged; None where it moves neither in a plane nor in space. Numbers in m and rad."""
+    # The Jacobian at five generic configurations: ranks that all of them agree on are those of the arm.
+    columns = [_jacobian(robot, numbers, q) for q in np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, 5)).T]
     linear = np.hstack([own[:3] for own in columns])
     kept = min(_rank(own) - _rank(own[3:]) for own in columns)  # directions with the orientation kept
     directions = _rank(linear)
@@ -54,7 +47,8 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
         if len(axes) < 2:
             return None
         missing = next((k for k, axis in enumerate("xyz") if axis not in axes), None)
-        return Dragging(robot.inverse, normal if missing is None else _unit(missing))
+        x, y, z = (float(k == missing) for k in range(3))
+        return Dragging(robot.inverse, normal if missing is None else (x, y, z))
     if kept == directions:
         return Dragging(InverseOptions(POSE), normal)
     if min(_rank(own[:3]) for own in columns) < directions:
@@ -65,20 +59,11 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
     return Dragging(InverseOptions(tuple(axis for k, axis in enumerate("xyz") if k != left_out)), normal)
 
 
-def _configurations(robot: Robot, count: int) -> Array:
-    return np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, count))
-
-
-def _chain(robot: Robot, numbers: Mapping[str, float], q: Sequence[Any]) -> Chain[Any]:
-    """The arm at many configurations."""
-    bare = replace(robot, links=(), gravity=None)
-    known: Numbers = {sympy.Symbol(name): mpmath.mpf(value) for name, value in numbers.items()}
-    return build_chain(bare, ArrayDomain(bare, q, known))
-
-
 def _jacobian(robot: Robot, numbers: Mapping[str, float], q: Array) -> Array:
     """(6, n), lengths in parts of the largest one."""
-    rows = np.array(jacobian(_chain(robot, numbers, list(q))), dtype=float)
+    bare = replace(robot, links=(), gravity=None)
+    known: Numbers = {sympy.Symbol(name): mpmath.mpf(value) for name, value in numbers.items()}
+    rows = np.array(jacobian(build_chain(bare, ArrayDomain(bare, list(q), known))), dtype=float)
     rows[:3] /= float(np.abs(rows[:3]).max()) or 1.0
     return rows
 
@@ -97,7 +82,3 @@ def _normal(columns: Array) -> tuple[float, float, float]:
 def _plain(x: float) -> float:
     """A component without what rounding left of zero."""
     return 0.0 if abs(x) < _SMALL else float(x)
-
-
-def _unit(axis: int) -> tuple[float, float, float]:
-    return (float(axis == 0), float(axis == 1), float(axis == 2))

@@ -90,7 +90,8 @@ def viewer(
     numbers = symbol_values(robot, program.parameters, values)
     ways = travels(robot, numbers, start)
     if playback is not None:
-        ways = tuple(_widened(way, *span) for way, span in zip(ways, playback.ranges, strict=True))
+        spans = zip(ways, playback.ranges, strict=True)
+        ways = tuple(replace(way, lower=min(way.lower, a), upper=max(way.upper, b)) for way, (a, b) in spans)
     inverse = program.inverse if dragged else None
     functions = (*FUNCTIONS, *(playback.functions if playback else ()))
     needed = Program(tuple(program[name] for name in functions), program.parameters, inverse)
@@ -133,11 +134,7 @@ def viewer(
 
 
 def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
-    """A number for every symbol: the caller's, else the robot file's, else 1.
-
-    Args:
-        values: The caller's numbers [m, rad].
-    """
+    """A number for every symbol [m, rad]: the caller's, else the robot file's, else 1."""
     cells = [cell for joint in robot.joints for cell in (joint.theta, joint.d, joint.a, joint.alpha)]
     cells += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
     cells += [*(robot.gravity or ()), *(limit for joint in robot.joints for limit in joint.limits or ())]
@@ -170,11 +167,6 @@ def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] |
     return tuple(ways)
 
 
-def _widened(way: Travel, low: float, high: float) -> Travel:
-    """The way of a joint with all of a motion in it."""
-    return replace(way, lower=min(way.lower, low), upper=max(way.upper, high))
-
-
 @cache
 def three() -> str:
     """What the figure uses of three.js, as a script that defines the global ``deriveThree``."""
@@ -200,14 +192,10 @@ def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notat
     ]
     branches = []
     for index, name in enumerate(names):
-        words = html_text(branch_name(text, notation, name, _letters))
+        plain = branch_name(text, notation, name, lambda tex: "".join(run.text for run in label_runs(tex)).strip())
+        words = html_text(plain)
         branches += [{"index": index, "name": words}] if name else []
     return {"axes": axes, "branches": branches}
-
-
-def _letters(latex: str) -> str:
-    """A symbol in plain letters."""
-    return "".join(run.text for run in label_runs(latex)).strip()
 
 
 def _configuration(
@@ -269,7 +257,6 @@ def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict
 
 
 def _words(_: Text) -> dict[str, str]:
-    """Every text of the figure."""
     return {
         "canvas": _("The robot in three dimensions, in the configuration of the sliders"),
         "hint": _("Drag to turn, right button to shift; click, then scroll to zoom. Arrow keys, + and - work too."),

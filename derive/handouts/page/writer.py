@@ -23,11 +23,11 @@ from derive.handouts.sheet.document import (
     Block,
     Document,
     Figure,
-    Formula,
     Gap,
-    Kind,
     Paragraph,
     Rows,
+    SheetFormula,
+    SpanKind,
     Steps,
     Table,
     blocks_of,
@@ -46,11 +46,7 @@ _FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 
 def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
-    """The document as a web page.
-
-    Args:
-        viewer: The figure that the reader can move, None for none.
-    """
+    """The document as a web page, with a figure that the reader moves where there is one."""
     return templating.render(
         "page/page.html.jinja",
         language=html_text(document.language),
@@ -112,7 +108,6 @@ def formula_style() -> str:
 
 
 def _asset(name: str) -> bytes:
-    """A file of the vendored KaTeX."""
     return files("derive").joinpath("assets", "katex", name).read_bytes()
 
 
@@ -164,10 +159,10 @@ class BlockWriter:
         """A text with its mathematics and its code."""
         parts = []
         for kind, part in spans(text):
-            if kind is Kind.MATHEMATICS:
+            if kind is SpanKind.MATHEMATICS:
                 parts.append(formula(part))
             else:
-                parts.append(f"<code>{html_text(part)}</code>" if kind is Kind.CODE else html_text(part))
+                parts.append(f"<code>{html_text(part)}</code>" if kind is SpanKind.CODE else html_text(part))
         return "".join(parts)
 
     def blocks(self, blocks: Iterable[Block]) -> str:
@@ -179,7 +174,7 @@ class BlockWriter:
                     written = f"<p>{self.words(text)}</p>"
                 case Rows(lines):
                     written = self._displays(lines)
-                case Formula():
+                case SheetFormula():
                     written = self._formula(block)
                 case Blank(number, task, points, gaps):
                     asked = f"<p class=task><b>{number}</b> {self.words(task)} {html_text(points)}</p>"
@@ -201,7 +196,7 @@ class BlockWriter:
         body = "\n".join(formula(line, display=True) for line in lines)
         return f'<div class=display tabindex=0 role=group aria-label="{html_text(_("Formula"))}">\n{body}\n</div>'
 
-    def _formula(self, block: Formula) -> str:
+    def _formula(self, block: SheetFormula) -> str:
         _ = self._text
         parts: list[str] = []
         if block.named:
@@ -225,7 +220,6 @@ class BlockWriter:
         return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
 
     def _gap(self, gap: Gap) -> str:
-        """The left side of an answer, and lines to write on."""
         ruled = f'<div class=ruled style="--lines:{math.ceil(gap.lines)}" role=presentation></div>'
         return f"<div class=answer>{formula(f'{gap.name} =') if gap.name else ''}{ruled}</div>"
 

@@ -17,7 +17,7 @@ from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class MassBody:
     """A link or a rotor that has mass or inertia."""
 
     place: int  # its place among the bodies, from 0
@@ -30,7 +30,7 @@ class Body:
         return script(bold(letter), italic(sub), body) if sub else script(bold(letter), body)
 
 
-def bodies(robot: Robot) -> tuple[Body, ...]:
+def bodies(robot: Robot) -> tuple[MassBody, ...]:
     """Links with mass or inertia, each followed by the rotor of its joint."""
     found: list[tuple[int, bool]] = []
     for i, link in enumerate(robot.links, 1):
@@ -38,7 +38,7 @@ def bodies(robot: Robot) -> tuple[Body, ...]:
             found.append((i, False))
         if has_rotor(link):
             found.append((i, True))
-    return tuple(Body(place, *body) for place, body in enumerate(found))
+    return tuple(MassBody(place, *body) for place, body in enumerate(found))
 
 
 def has_rotor(link: Link) -> bool:
@@ -51,20 +51,13 @@ def has_rotors(robot: Robot) -> bool:
     return any(map(has_rotor, robot.links))
 
 
-def has_motors(robot: Robot) -> bool:
-    """Whether any joint has a rotor or an armature."""
-    return has_rotors(robot) or any(link.armature != ZERO for link in robot.links)
-
-
 def link_jacobians(context: Context) -> Iterator[Block]:
     """J_v and J_w of every link and rotor."""
     _ = context.text
-    yield Paragraph(
-        _(
-            "In the world frame, $\\mathbf{p}_{l_i}$ being the centre of mass of link $i$. Column $j$ is the velocity "
-            "of that point, and the angular velocity of the link, per unit of $\\dot{q}_j$; it is zero for $j > i$, "
-            "for a joint does not move the links before it."
-        )
+    yield context.paragraph(
+        "In the world frame, $\\mathbf{p}_{l_i}$ being the centre of mass of link $i$. Column $j$ is the velocity "
+        "of that point, and the angular velocity of the link, per unit of $\\dot{q}_j$; it is zero for $j > i$, "
+        "for a joint does not move the links before it."
     )
     joints = context.robot.joints
     yield textbook(
@@ -75,19 +68,15 @@ def link_jacobians(context: Context) -> Iterator[Block]:
     )
     opposed = ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0)
     if opposed:
-        yield Paragraph(
-            _(
-                "The variables of these joints count against their axes, and their columns change sign: %(joints)s.",
-                joints=opposed,
-            )
+        yield context.paragraph(
+            "The variables of these joints count against their axes, and their columns change sign: %(joints)s.",
+            joints=opposed,
         )
     if has_rotors(context.robot):
-        yield Paragraph(
-            _(
-                "The rotor that drives joint $i$ sits on its axis $\\mathbf{z}_{m_i}$ at $\\mathbf{p}_{m_i}$, is "
-                "carried by link $i-1$ and spins at $k_{r_i}\\dot{q}_i$: columns $j < i$ are those of a point of link "
-                "$i-1$, column $i$ is the spin, the others are zero."
-            )
+        yield context.paragraph(
+            "The rotor that drives joint $i$ sits on its axis $\\mathbf{z}_{m_i}$ at $\\mathbf{p}_{m_i}$, is "
+            "carried by link $i-1$ and spins at $k_{r_i}\\dot{q}_i$: columns $j < i$ are those of a point of link "
+            "$i-1$, column $i$ is the spin, the others are zero."
         )
         yield textbook("rotor_jacobians")
     items = []
@@ -110,22 +99,24 @@ def energies(context: Context) -> Iterator[Block]:
     """Kinetic and potential energy."""
     _ = context.text
     rotors, armatures = has_rotors(context.robot), any(link.armature != ZERO for link in context.robot.links)
-    yield Paragraph(_("The kinetic energy is the sum of those of the links."))
+    yield context.paragraph("The kinetic energy is the sum of those of the links.")
     yield textbook("kinetic_energy", rotors=rotors, armatures=armatures)
     if rotors:
-        yield Paragraph(_("A rotor turns with the link that carries it, and spins about its axis $\\mathbf{z}_{m_i}$."))
+        yield context.paragraph(
+            "A rotor turns with the link that carries it, and spins about its axis $\\mathbf{z}_{m_i}$."
+        )
         yield textbook("rotor_energy")
     if armatures:
-        yield Paragraph(_("The armatures $I_{a_i}$ are inertias of rotors seen from the joint."))
+        yield context.paragraph("The armatures $I_{a_i}$ are inertias of rotors seen from the joint.")
         yield textbook("armature_energy")
-    yield Paragraph(_("The kinetic energy is a quadratic form in the joint velocities."))
+    yield context.paragraph("The kinetic energy is a quadratic form in the joint velocities.")
     yield textbook("kinetic_form", B=context.symbols.inertia_letter)
     if context.dynamics.is_compact(context.entries.B):
         yield formula(context, context.dynamics.closed("kinetic"), task=_("Write the kinetic energy of this arm."))
     if context.robot.gravity is None:
-        yield Paragraph(_("The robot file gives no gravity; the potential energy is zero."))
+        yield context.paragraph("The robot file gives no gravity; the potential energy is zero.")
         return
-    yield Paragraph(_("The potential energy is that of all masses in the field of gravity."))
+    yield context.paragraph("The potential energy is that of all masses in the field of gravity.")
     yield textbook("potential_energy", rotors=rotors)
     cells = [[context.data.value(cell)] for cell in context.robot.gravity]
     names = [script(italic("g"), italic(f"0{axis}")) for axis in "xyz"]
@@ -153,21 +144,18 @@ def inertia(context: Context) -> Iterator[Block]:
     if not context.robot.has_dynamics:
         return
     if not context.has_closed_dynamics:
-        yield Paragraph(
-            _(
-                "The closed form of the dynamics of %(n)s joints is too long to print and is not derived for this "
-                "sheet; `inertia_matrix`, `coriolis_matrix`, `gravity_vector` and `inverse_dynamics` in "
-                "`model_numpy.py` compute $\\mathbf{%(letter)s}$, $\\mathbf{C}$, $\\mathbf{g}$ and "
-                "$\\boldsymbol{\\tau}$ by recursions.",
-                n=context.robot.n,
-                letter=letter,
-            ),
-            is_answer=True,
+        yield context.answer(
+            "The closed form of the dynamics of %(n)s joints is too long to print and is not derived for this "
+            "sheet; `inertia_matrix`, `coriolis_matrix`, `gravity_vector` and `inverse_dynamics` in "
+            "`model_numpy.py` compute $\\mathbf{%(letter)s}$, $\\mathbf{C}$, $\\mathbf{g}$ and "
+            "$\\boldsymbol{\\tau}$ by recursions.",
+            n=context.robot.n,
+            letter=letter,
         )
         return
     if context.steps:
         yield Steps(_("Contributions of the bodies"), tuple(_contributions(context)))
-    if has_motors(context.robot):
+    if has_rotors(context.robot) or any(link.armature != ZERO for link in context.robot.links):
         text = _(
             "The kinetic energy is $\\tfrac{1}{2}\\,\\dot{\\mathbf{q}}^{T}\\mathbf{%(letter)s}(\\mathbf{q})\\,"
             "\\dot{\\mathbf{q}}$, motors included.",
@@ -213,5 +201,5 @@ def _contributions(context: Context) -> Iterator[Block]:
             Equation(Box(f"\\Delta {entry.tex}", entry.width + 9.0), context.data.value(armature))
             for entry, armature in diagonal
         )
-        yield Paragraph(_("The reflected inertia of a motor's armature adds to the diagonal alone."))
+        yield context.paragraph("The reflected inertia of a motor's armature adds to the diagonal alone.")
         yield Rows(tuple(equation_lines(armatures)))

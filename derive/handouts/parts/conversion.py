@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
-from derive.handouts.notation.pieces import Box, Break, Piece, concatenate, italic, script
+from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.kinematics import transforms
 from derive.handouts.parts.table import BASE, TOOL, end_lines, link_equations, table_rows
@@ -36,23 +36,21 @@ def conversion(context: Context) -> Iterator[Block]:
     found = convert(context.robot)
     other = Robot.of(found.result)
     new = Context(ModelEntries(Model(other)), context.options, _, context.version, policy=context.policy)
-    yield Paragraph(
-        _(
-            "The standard and the modified convention multiply the same motions $\\mathbf{Z}_i$ and the same constant "
-            "factors $\\mathbf{X}_i$, in other brackets:"
-        )
+    yield context.paragraph(
+        "The standard and the modified convention multiply the same motions $\\mathbf{Z}_i$ and the same constant "
+        "factors $\\mathbf{X}_i$, in other brackets:"
     )
     yield Rows(_DEFINITIONS)
     words = {True: _("standard"), False: _("modified")}
-    ends = _ends(found)
+    # A base, and a tool, stand in both products where one of the two tables has them.
+    pairs = ((found.source.base, found.result.base), (found.source.tool, found.result.tool))
+    ends = [any(frame != IDENTITY for frame in pair) for pair in pairs]
     for one, base, tool in ((context, BASE, TOOL), (new, NEW_BASE, NEW_TOOL)):
         yield Paragraph(f"{words[one.is_standard].capitalize()}:")
         yield Rows(tuple(equation_lines([_product(one, base if ends[0] else None, tool if ends[1] else None)])))
-    yield Paragraph(
-        _(
-            "Each row of the new table has the constant factor of a neighbour; what is left over is in the base or in "
-            "the tool."
-        )
+    yield context.paragraph(
+        "Each row of the new table has the constant factor of a neighbour; what is left over is in the base or in "
+        "the tool."
     )
     if moved := pack(_moved(context, *ends)):
         yield Rows(tuple(moved))
@@ -75,13 +73,6 @@ def conversion(context: Context) -> Iterator[Block]:
     yield from _links(new, found)
 
 
-def _ends(found: Conversion) -> tuple[bool, bool]:
-    """Whether one of the two tables has a base, and a tool."""
-    pairs = ((found.source.base, found.result.base), (found.source.tool, found.result.tool))
-    base, tool = (any(frame != IDENTITY for frame in pair) for pair in pairs)
-    return base, tool
-
-
 def _factor(letter: str, index: int) -> Box:
     return script(bold(letter), italic(str(index)))
 
@@ -97,11 +88,10 @@ def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
         boxes += [Box("\\cdots ", 15.0)] if i == n and n > FEW_FACTORS else []
         boxes.append(concatenate(opening, *pair, closing))
     boxes += [] if tool is None else [tool]
-    return Equation(bold("T"), tuple(Piece(box, Break.COMMA if k else Break.NEVER) for k, box in enumerate(boxes)))
+    return Equation(bold("T"), tuple(TexPiece(box, Break.COMMA if k else Break.NEVER) for k, box in enumerate(boxes)))
 
 
 def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
-    """What base and tool of the new table are."""
     n, inverse = context.robot.n, Box("-1", 8.0)
     first, last = _factor("X", 0), _factor("X", n)
     if context.is_standard:
@@ -116,19 +106,16 @@ def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
 
 def _links(new: Context, found: Conversion) -> Iterator[Block]:
     """The links that are written otherwise in the frames of the new table."""
-    _ = new.text
     pairs = enumerate(zip(found.source.links, found.result.links, strict=True), 1)
     changed = [(i, after) for i, (before, after) in pairs if before != after]
     if changed:
-        yield Paragraph(_("Frame $i$ of the new table stands elsewhere on link $i$; seen from there:"))
+        yield new.paragraph("Frame $i$ of the new table stands elsewhere on link $i$; seen from there:")
     for i, link in changed:
-        yield Paragraph(_("Link %(index)s:", index=i))
+        yield new.paragraph("Link %(index)s:", index=i)
         body = replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO)
         yield Rows(tuple(equation_lines(link_equations(new, body))))
     if found.notes:
-        yield Paragraph(
-            _(
-                "A rotor whose place the conventions say otherwise stays where it is: the link that carries it makes "
-                "up for the difference."
-            )
+        yield new.paragraph(
+            "A rotor whose place the conventions say otherwise stays where it is: the link that carries it makes "
+            "up for the difference."
         )

@@ -17,7 +17,7 @@ from derive.handouts.notation.pieces import (
     EMPTY,
     MINUS_WIDTH,
     Box,
-    Piece,
+    TexPiece,
     concatenate,
     italic,
     magnitude,
@@ -25,7 +25,7 @@ from derive.handouts.notation.pieces import (
 )
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula
 from derive.mechanics.floats import value_at
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Number, Pi, Product
@@ -54,51 +54,43 @@ def example(context: Context) -> Iterator[Block]:
     given = context.robot
     if _unnumbered(replace(given, links=(), gravity=None)) and context.poses is None:
         return
-    assumed = _assumed(context)
-    robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
-    chosen = configuration(robot)
-    yield from _stated(context, chosen, assumed)
-    yield Paragraph(_("The end effector; lengths are in metres:"))
-    task = _("Compute the transform of the end effector in numbers, lengths in metres.")
-    yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics", task)
-    if all(joint.is_revolute for joint in robot.joints):
-        yield Paragraph(_("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:"))
-    else:
-        yield Paragraph(
-            _("The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:")
-        )
-    task = _("Compute the Jacobian in numbers.")
-    yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
-    if robot.has_dynamics:
-        missing = _unnumbered(robot)
-        yield from [_needs_numbers(context, missing)] if missing else _dynamics(context, robot, chosen.q)
-
-
-def _assumed(context: Context) -> dict[str, Expression]:
-    """Lengths and angles without a number, with those of the drawing."""
+    # lengths and angles without a number, with those of the drawing
     drawn = context.poses.assumed if context.poses is not None else ()
-    return {
+    assumed: dict[str, Expression] = {
         name: Product((Number(Fraction(1, 6)), Pi())) if unit == "rad" else Number(Fraction(str(value)))
         for name, value, unit in drawn
     }
-
-
-def _needs_numbers(context: Context, missing: Sequence[str]) -> Block:
-    words = context.text(
-        "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
-        symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
-    )
-    return Paragraph(words, is_answer=True)
+    robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
+    chosen = configuration(robot)
+    yield from _stated(context, chosen, assumed)
+    yield context.paragraph("The end effector; lengths are in metres:")
+    task = _("Compute the transform of the end effector in numbers, lengths in metres.")
+    yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics", task)
+    if all(joint.is_revolute for joint in robot.joints):
+        yield context.paragraph("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:")
+    else:
+        yield context.paragraph(
+            "The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:"
+        )
+    task = _("Compute the Jacobian in numbers.")
+    yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
+    missing = _unnumbered(robot) if robot.has_dynamics else ()
+    if missing:
+        yield context.answer(
+            "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
+            symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
+        )
+    elif robot.has_dynamics:
+        yield from _dynamics(context, robot, chosen.q)
 
 
 def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expression]) -> Iterator[Block]:
     """The configuration, the numbers that stand under ``figure:`` alone, and those that nobody gave."""
-    _ = context.text
     robot, data = context.robot, context.data
     if robot.figure.q is not None:
-        yield Paragraph(_("At the configuration of the figure:"))
+        yield context.paragraph("At the configuration of the figure:")
     else:
-        yield Paragraph(_("At a configuration without symmetry, within the limits:"))
+        yield context.paragraph("At a configuration without symmetry, within the limits:")
     variables = []
     for joint, cell in zip(robot.joints, chosen.cells, strict=True):
         variables.append(Equation(context.notation.glyph(joint.variable).box, data.position(joint, cell)))
@@ -107,22 +99,19 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
     given = ((name, cell) for name, cell in robot.figure.values if name in used)
     lines = equation_lines(Equation(data.notation.glyph(name).box, data.symbol(name, cell)) for name, cell in given)
     if lines:
-        yield Paragraph(_("with these numbers for symbols that have none in the robot file's parameters:"))
+        yield context.paragraph("with these numbers for symbols that have none in the robot file's parameters:")
         yield Rows(tuple(lines))
     if assumed:
-        yield Paragraph(_("with numbers assumed for the symbols that have none in the robot file:"))
+        yield context.paragraph("with numbers assumed for the symbols that have none in the robot file:")
+        angle = EMPTY if context.notation.degrees else _RADIAN  # degrees have their circle
         lines = equation_lines(
-            Equation(data.notation.glyph(name).box, (*data.angle(cell), Piece(_unit(cell, context))))
+            Equation(
+                data.notation.glyph(name).box,
+                (*data.angle(cell), TexPiece(_METRE if isinstance(cell, Number) else angle)),
+            )
             for name, cell in assumed.items()
         )
         yield Rows(tuple(lines))
-
-
-def _unit(cell: Expression, context: Context) -> Box:
-    """Behind an assumed number: metres behind a length, radians behind an angle that is not in degrees."""
-    if isinstance(cell, Number):
-        return _METRE
-    return EMPTY if context.notation.degrees else _RADIAN
 
 
 def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
@@ -130,7 +119,7 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
     square = "\\mathrm{kg\\,m^2}"
     joint_types = {joint.is_revolute for joint in robot.joints}
     if robot.n > _LARGEST:
-        yield Paragraph(_("The inertia matrix is too large to print; `inertia_matrix` computes it."))
+        yield context.paragraph("The inertia matrix is too large to print; `inertia_matrix` computes it.")
     else:
         if joint_types == {True}:
             text = _("The inertia matrix, in $%(square)s$:", square=square)
@@ -145,7 +134,7 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
         yield Paragraph(text)
         task = _("Compute the inertia matrix in numbers.")
         yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
-    yield Paragraph(_("The gravity vector:"))
+    yield context.paragraph("The gravity vector:")
     yield _gravity(context, robot, q)
 
 
@@ -159,13 +148,12 @@ def _cleaned(rows: Values) -> list[list[float]]:
 
 
 def _number(context: Context, value: float) -> Box:
-    """A number with a few significant digits."""
     rounded = Fraction(f"{value:.{_DIGITS}g}")
     size = magnitude(rounded, decimals=True, digits=_DIGITS, comma=context.notation.comma)
     return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
 
 
-def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> Formula:
+def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> SheetFormula:
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
     cells = matrix([[_number(context, value) for value in row] for row in rows])
@@ -180,10 +168,10 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
         )
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, python),)
-    return Formula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
+    return SheetFormula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
 
 
-def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> Formula:
+def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> SheetFormula:
     """g component by component, each with its unit."""
     values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
     names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
@@ -197,7 +185,7 @@ def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> Formula:
     )
     blanks = tuple(name.tex for name in names)
     task = context.text("Compute the gravity vector in numbers, each component with its unit.")
-    return Formula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
+    return SheetFormula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
 
 
 # -- the configuration
@@ -221,7 +209,6 @@ def numbers_of(robot: Robot) -> dict[str, float]:
 
 
 def _unnumbered(robot: Robot) -> tuple[str, ...]:
-    """Symbols of a robot without any number."""
     known = {name for name, _ in (*robot.parameters, *robot.figure.values)}
     return tuple(name for name in robot_symbols(robot) if name not in known)
 

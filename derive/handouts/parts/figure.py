@@ -55,15 +55,14 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
             configuration=_positions(context, list(zip(robot.joints, robot.figure.q or (), strict=True))),
         )
         yield Figure(arm_drawing(robot, context.data, frames[1], title, view), caption)
-    yield Paragraph(_("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones."))
+    yield context.paragraph("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones.")
     if poses.assumed:
-        yield Paragraph(
-            _("Numbers assumed for the drawing only: %(values)s.", values=stated_values(context, poses.assumed))
+        yield context.paragraph(
+            "Numbers assumed for the drawing only: %(values)s.", values=stated_values(context, poses.assumed)
         )
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
-    """Joint variables with their values and units."""
     written = []
     for joint, cell in values:
         value = joined(context.data.position(joint, cell)).tex
@@ -88,7 +87,7 @@ def convention(context: Context) -> Iterator[Block]:
     """The general A matrix of the convention, its picture, and how sines and cosines are abbreviated."""
     _ = context.text
     symbol = context.symbols.frame("A", "i", "i-1").tex
-    yield Paragraph(_("Row $i$ of the table takes frame $i$ into frame $i-1$:"))
+    yield context.paragraph("Row $i$ of the table takes frame $i$ into frame $i-1$:")
     name = "standard_convention" if context.is_standard else "modified_convention"
     yield textbook(name, A=symbol, blank=f"\\phantom{{{symbol}}}")
     yield Figure(convention_drawing(context.robot.convention), _("The four parameters of row $i$."))

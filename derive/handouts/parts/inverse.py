@@ -20,13 +20,12 @@ from derive.handouts.parts.inverse_example import example
 from derive.handouts.parts.inverse_formulas import WIDEST_LEFT, FormulaWriter
 from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources, words_alone
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Table
-from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.nodes import Kind
+from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Table
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import MAX_JOINTS, Freedom, solve, usual_task
-from derive.inverse.words.derivation import Step
-from derive.inverse.words.elementary import Line
-from derive.inverse.words.origins import Form
+from derive.inverse.words.derivation import PrintedStep
+from derive.inverse.words.elementary import PrintedLine
+from derive.inverse.words.origins import OriginForm
 from derive.inverse.words.solutions import InverseKinematics
 from derive.model.model import Model
 from derive.model.singularities.coincidences import coincidences
@@ -44,14 +43,15 @@ MOST_BRANCHES = 16  # in the table of branches
 def inverse(context: Context) -> Iterator[Block]:
     """How the joint variables follow from the pose."""
     task = usual_task(context.robot)
-    if _terms(solve(context.robot, task)) > MOST_TERMS:
+    equations = (equation for node in solve(context.robot, task).nodes for equation in node.formulas[0].equations)
+    if sum(len(p) for equation in equations for p in equation.terms.values()) > MOST_TERMS:
         yield _too_long(context)
         return
     found = context.entries.model.inverse
     if task != found.graph.task:
         asked = replace(context.robot, inverse=InverseOptions(task))
         found = Model(asked).inverse
-    part = _Part(context, found)
+    part = _InversePart(context, found)
     yield from part.given()
     if not found.graph.is_closed:
         yield part.why_not()
@@ -60,16 +60,10 @@ def inverse(context: Context) -> Iterator[Block]:
     yield from part.decoupled()
     yield from part.derived()
     if task != context.entries.model.inverse.graph.task:
-        yield from _Part(context, context.entries.model.inverse).of_whole_pose()
+        yield from _InversePart(context, context.entries.model.inverse).of_whole_pose()
     yield from part.branches()
     if context.robot.n > 1:
         yield from example(context, found)
-
-
-def _terms(graph: SolutionGraph) -> int:
-    """Terms of all equations that are solved."""
-    equations = (equation for node in graph.nodes for equation in node.formulas[0].equations)
-    return sum(len(p) for equation in equations for p in equation.terms.values())
 
 
 def _too_long(context: Context) -> Paragraph:
@@ -79,7 +73,7 @@ def _too_long(context: Context) -> Paragraph:
 
 
 @dataclass
-class _Part:
+class _InversePart:
     """One arm's inverse kinematics on its way to the page."""
 
     context: Context  # the handout
@@ -97,24 +91,20 @@ class _Part:
         _ = self.context.text
         pose, task = self.found.pose, self.found.graph.task
         if task == POSE:
-            yield Paragraph(
-                _(
-                    "Given is the pose $%(end)s$ of the end effector in the world; all values of the joint variables "
-                    "are wanted with which the arm reaches it. The entries of the pose are written",
-                    end=bold("T").tex,
-                )
+            yield self.context.paragraph(
+                "Given is the pose $%(end)s$ of the end effector in the world; all values of the joint variables "
+                "are wanted with which the arm reaches it. The entries of the pose are written",
+                end=bold("T").tex,
             )
             cells = [[joined(self._pieces(entry)) for entry in row] for row in pose.tolist()]
             yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
         else:
             entries = and_list(_, [self._math(pose[i, j]) for i, j in self.found.graph.places])
-            yield Paragraph(
-                _(
-                    "Of the pose $%(end)s$ of the end effector the entries %(entries)s are given; all values of the "
-                    "joint variables are wanted with which the arm reaches them.",
-                    end=bold("T").tex,
-                    entries=entries,
-                )
+            yield self.context.paragraph(
+                "Of the pose $%(end)s$ of the end effector the entries %(entries)s are given; all values of the "
+                "joint variables are wanted with which the arm reaches them.",
+                end=bold("T").tex,
+                entries=entries,
             )
 
     def why_not(self) -> Paragraph:
@@ -136,28 +126,23 @@ class _Part:
     def counted(self) -> Iterator[Block]:
         """Redundancy, the conditions on the pose, the number of solutions, and the three cases."""
         _, found = self.context.text, self.found
-        given = [self._math(step.unknown) for step in found.steps if step.kind is Kind.GIVEN]
+        given = [self._math(step.unknown) for step in found.steps if step.kind is NodeKind.GIVEN]
         if given:
-            yield Paragraph(
-                _(
-                    "With %(n)s joints for %(m)s coordinates the arm is redundant of degree $R = N - M = %(r)s$, and "
-                    "a pose has infinitely many solutions. Besides the pose these joint variables are given: "
-                    "%(given)s.",
-                    n=self.context.robot.n,
-                    m=self.context.robot.n - len(given),
-                    r=len(given),
-                    given=and_list(_, given),
-                )
+            yield self.context.paragraph(
+                "With %(n)s joints for %(m)s coordinates the arm is redundant of degree $R = N - M = %(r)s$, and "
+                "a pose has infinitely many solutions. Besides the pose these joint variables are given: "
+                "%(given)s.",
+                n=self.context.robot.n,
+                m=self.context.robot.n - len(given),
+                r=len(given),
+                given=and_list(_, given),
             )
         yield from self.conditions()
         yield Paragraph(self._number_of_solutions(), is_answer=True)
         if found.count > 1 and found.is_explicit:
-            yield Paragraph(
-                _(
-                    "Three cases can occur: finitely many solutions; none, where a root is not real, for the pose lies "
-                    "outside the workspace; infinitely many, where a joint below is free."
-                ),
-                is_answer=True,
+            yield self.context.answer(
+                "Three cases can occur: finitely many solutions; none, where a root is not real, for the pose lies "
+                "outside the workspace; infinitely many, where a joint below is free.",
             )
 
     def conditions(self) -> Iterator[Block]:
@@ -165,17 +150,17 @@ class _Part:
         _, conditions = self.context.text, self.found.conditions
         if not conditions:
             return
-        yield Paragraph(_("With %(n)s joints the arm reaches a pose only if:", n=self.context.robot.n), is_answer=True)
+        yield self.context.answer("With %(n)s joints the arm reaches a pose only if:", n=self.context.robot.n)
         within = {line.symbol: line.value for line in self.found.definitions}
         sides = [(self._pieces(c.left.xreplace(within)), c.right.xreplace(within)) for c in conditions]
         short = [(left, right) for left, right in sides if joined(left).width < WIDEST_LEFT]
         lines = equation_lines(Equation(joined(left), tuple(self._pieces(right))) for left, right in short)
         lines += [line for side in sides if side not in short for line in self.writer.broken(*side)]
         task = _("Which conditions must a pose satisfy so that the arm can reach it?")
-        yield Formula((Rows(tuple(lines)),), task=task, blanks=("",))
+        yield SheetFormula((Rows(tuple(lines)),), task=task, blanks=("",))
         variables = {self._variable(k) for k in range(self.context.robot.n)}
         if any(not variables.isdisjoint(map(str, e.free_symbols)) for c in conditions for e in (c.left, c.right)):
-            yield Paragraph(_("with the joint variables of the solution."), is_answer=True)
+            yield self.context.answer("with the joint variables of the solution.")
 
     def _number_of_solutions(self) -> str:
         _, found = self.context.text, self.found
@@ -207,21 +192,22 @@ class _Part:
         _, found, n = self.context.text, self.found, self.context.robot.n
         wrist = self._is_decoupled
         if wrist:
-            yield Paragraph(
-                _(
-                    "Axes 4, 5 and 6 meet in the wrist centre, which joints 4, 5 and 6 do not move. So the problem "
-                    "decouples: the position of the wrist centre follows from the pose and gives joints 1, 2 and 3; "
-                    "the orientation that is left gives joints 4, 5 and 6."
-                )
+            yield self.context.paragraph(
+                "Axes 4, 5 and 6 meet in the wrist centre, which joints 4, 5 and 6 do not move. So the problem "
+                "decouples: the position of the wrist centre follows from the pose and gives joints 1, 2 and 3; "
+                "the orientation that is left gives joints 4, 5 and 6."
             )
         for total, name in found.sums.items():
             axes = and_list(_, [str(k + 1) for k in range(n) if sympy.Symbol(self._variable(k)) in total.free_symbols])
             named = f"${self._tex(name)} = {self._tex(total)}$"
-            words = _("Axes %(axes)s are parallel; %(sum)s is found as an unknown of its own.", axes=axes, sum=named)
-            yield Paragraph(words)
+            yield self.context.paragraph(
+                "Axes %(axes)s are parallel; %(sum)s is found as an unknown of its own.", axes=axes, sum=named
+            )
         if not found.definitions:
             if wrist:
-                yield Paragraph(_("Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex))
+                yield self.context.paragraph(
+                    "Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex
+                )
             return
         names = {str(line.symbol) for line in found.definitions}
         if wrist and len(names) <= 3:
@@ -250,21 +236,23 @@ class _Part:
 
     def derived(self) -> Iterator[Block]:
         """Each unknown in its order."""
-        _, found = self.context.text, self.found
+        found = self.found
         written = [self.writer.rows(line) for step in found.steps for line in step.lines]
         if sum(map(len, written)) > LONGEST_SUM:
             yield _too_long(self.context)
             return
         factors = self.context.entries.model.singularities.factors
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
-            if step.kind not in (Kind.GIVEN, Kind.GENERAL):
+            if step.kind not in (NodeKind.GIVEN, NodeKind.GENERAL):
                 yield from self._step(step, merged, free)
-        if any(step.kind is Kind.GENERAL for step in found.steps):
+        if any(step.kind is NodeKind.GENERAL for step in found.steps):
             yield Paragraph(self._eigenvalues(), is_answer=True)
 
-    def _step(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[Block]:
+    def _step(
+        self, step: PrintedStep, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]
+    ) -> Iterator[Block]:
         _, unknown = self.context.text, self._math(step.unknown)
-        if step.kind is Kind.SUM:
+        if step.kind is NodeKind.SUM:
             words = _("%(unknown)s follows from the angles that are known:", unknown=unknown)
         else:
             source = sources(self.context, step.equations)
@@ -272,7 +260,7 @@ class _Part:
                 source = _("%(source)s: the law of cosines", source=source)
             words = f"{unknown}: {source}."
         yield Paragraph(words, is_answer=True)
-        equations = [e for e in step.equations if Line(e.left, e.right) not in step.lines]
+        equations = [e for e in step.equations if PrintedLine(e.left, e.right) not in step.lines]
         if equations:
             lines = [line for e in equations for line in self.writer.broken(self._pieces(e.left), e.right)]
             yield Rows(tuple(lines), is_answer=True)
@@ -282,10 +270,12 @@ class _Part:
         if remarks:
             yield Paragraph(remarks, is_answer=True)
 
-    def _remarks(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[str]:
+    def _remarks(
+        self, step: PrintedStep, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]
+    ) -> Iterator[str]:
         """When a step has real values, where they are one, and where it has infinitely many."""
         _, unknown = self.context.text, self._math(step.unknown)
-        if step.kind is Kind.CONIC:
+        if step.kind is NodeKind.CONIC:
             yield _(
                 "In $\\tan(%(unknown)s/2)$ this is an equation of the fourth degree: up to four values of %(symbol)s.",
                 unknown=self._tex(step.unknown),
@@ -331,7 +321,7 @@ class _Part:
     def _eigenvalues(self) -> str:
         """How several joints follow at once."""
         _ = self.context.text
-        node = next(node for node in self.found.graph.nodes if node.kind is Kind.GENERAL)
+        node = next(node for node in self.found.graph.nodes if node.kind is NodeKind.GENERAL)
         hidden, others, eliminated = node.formulas[0].payload.joints
 
         def _names(*joints: int) -> str:
@@ -375,24 +365,21 @@ class _Part:
 
     def of_whole_pose(self) -> Iterator[Block]:
         """What changes where the orientation is given, too, of an arm solved for its position."""
-        _ = self.context.text
-        yield Paragraph(
-            _(
-                "If the orientation is given besides, the arm has fewer joints than the pose has coordinates, and "
-                "fewer of the solutions are left."
-            )
+        yield self.context.paragraph(
+            "If the orientation is given besides, the arm has fewer joints than the pose has coordinates, and "
+            "fewer of the solutions are left."
         )
         yield from self.conditions()
         yield Paragraph(self._number_of_solutions(), is_answer=True)
 
 
-def _is_law_of_cosines(step: Step) -> bool:
+def _is_law_of_cosines(step: PrintedStep) -> bool:
     """Whether an equation says what the sides of a triangle make of the cosine of one of its angles."""
     if len(step.equations) != 1:
         return False
     (equation,) = step.equations
     angles = equation.left.atoms(sympy.cos, sympy.sin)
-    squared = any(origin.form in (Form.SQUARES, Form.DISTANCE) for origin in equation.origins)
+    squared = any(origin.form in (OriginForm.SQUARES, OriginForm.DISTANCE) for origin in equation.origins)
     return squared and len(angles) == 1 and len(step.joints) == 1 and bool(equation.left.is_Mul)
 
 

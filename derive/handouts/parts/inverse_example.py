@@ -19,7 +19,7 @@ from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.example import configuration
 from derive.handouts.parts.figure import stated_values
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Figure, Formula, Paragraph, Rows, Table
+from derive.handouts.sheet.document import Block, Entry, Figure, Paragraph, Rows, SheetFormula, Table
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.numeric.in_numbers import Numbers
 from derive.inverse.words.solutions import CLOSE, InverseKinematics
@@ -29,7 +29,6 @@ from derive.mechanics.floats import value_at
 from derive.robot.description import Joint
 from derive.robot.expression import Number
 from derive.robot.names import free_symbols
-from derive.robot.robot import Robot
 from derive.robot.units import position_unit
 from derive.workspace.poses import RobotPoses
 
@@ -60,16 +59,22 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     )
     numbers = {sympy.Symbol(name): float(value) for name, value in poses.values.items()}
     try:
-        tried = ((q, reached(found, numbers, q)) for q in _configurations(robot))
+        # the configuration of the figure, or a generic one; then the generic one alone
+        generic = replace(robot, figure=replace(robot.figure, q=None))
+        tried = ((q, reached(found, numbers, q)) for q in (configuration(robot).q, configuration(generic).q))
         q, solutions = next((q, solutions) for q, solutions in tried if _is_regular(found, solutions, q))
     except (StopIteration, DeriveError):
         return
     assumed_values = _assumed(context, poses)
     if assumed_values:
-        yield Paragraph(_("In numbers, with %(values)s, at this pose:", values=assumed_values))
+        yield context.paragraph("In numbers, with %(values)s, at this pose:", values=assumed_values)
     else:
-        yield Paragraph(_("In numbers, at this pose:"))
-    yield Rows((_pose(context, value_at(robot, "T", q)),))
+        yield context.paragraph("In numbers, at this pose:")
+    # what is 0, 1 or -1 but for rounding is written so
+    rows = value_at(robot, "T", q)
+    whole = {value: round(value) for row in rows for value in row if abs(value - round(value)) < _LEAST}
+    cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
+    yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
     words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
     rest = _("These reach it; put into $%(end)s$, each gives the pose back with all of its digits:", end=bold("T").tex)
     yield Paragraph(f"{words} {rest}", is_answer=True)
@@ -85,11 +90,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
 
 
 def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[float]) -> list[Found]:
-    """Every solution of the pose of a configuration, put back; with fifty digits where there are formulas.
-
-    Args:
-        q: The configuration [rad or m].
-    """
+    """Every solution of the pose of a configuration [rad or m], put back; with formulas to fifty digits."""
     if not found.is_explicit:
         return _in_floats(found, {str(symbol): x for symbol, x in numbers.items()}, q)
     variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
@@ -123,12 +124,6 @@ def _in_one_turn(angle: float) -> float:
     return angle - 2 * math.pi * math.ceil((angle - math.pi) / (2 * math.pi))
 
 
-def _configurations(robot: Robot) -> Iterator[tuple[float, ...]]:
-    """That of the figure, or a generic one; then the generic one alone."""
-    yield configuration(robot).q
-    yield configuration(replace(robot, figure=replace(robot.figure, q=None))).q
-
-
 def _is_regular(found: InverseKinematics, solutions: Sequence[Found], q: Sequence[float]) -> bool:
     """Whether a pose has as many different configurations as others: one that teaches nothing special."""
     turned = [tuple(_in_one_turn(x) if j.is_revolute else x for x, j in zip(q, found.robot.joints, strict=True))]
@@ -157,7 +152,6 @@ def _assumed(context: Context, poses: RobotPoses) -> str:
 
 
 def _stated(context: Context, q: Sequence[float]) -> str:
-    """The configuration, each variable with its unit."""
     written = []
     for joint, value in zip(context.robot.joints, q, strict=True):
         symbol = context.notation.glyph(joint.variable).box.tex.strip()
@@ -175,24 +169,15 @@ def _unit(context: Context, joint: Joint) -> tuple[str, float, int]:
 
 
 def _position(context: Context, value: float, joint: Joint) -> Box:
-    """A joint variable in the unit of the robot file."""
     _, size, places = _unit(context, joint)
     return _number(context, size * value, places)
 
 
 def _number(context: Context, value: float, places: int = _PLACES) -> Box:
-    """A number with a few decimals."""
     shown = f"{value:.{places}f}"
     if not float(shown):
         shown = shown.removeprefix("-")
     return Box(shown.replace(".", DECIMAL_COMMA) if context.notation.comma else shown, _DIGIT * len(shown) + _DIGIT)
-
-
-def _pose(context: Context, rows: Sequence[Sequence[float]]) -> str:
-    """T; what is 0, 1 or -1 but for rounding is written so."""
-    whole = {value: round(value) for row in rows for value in row if abs(value - round(value)) < _LEAST}
-    cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
-    return concatenate(bold("T"), EQUALS, matrix(cells)).tex
 
 
 def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
@@ -207,7 +192,7 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     python = "[" + ", ".join("[" + ", ".join(map(_COPIED, s.q)) + "]" for s in solutions) + "]"
     task = _("Compute in numbers all configurations that reach this pose.")
     room = ("",) * max(1, len(solutions) // 2)
-    yield Formula(
+    yield SheetFormula(
         (), function="inverse_kinematics", entries=(Entry("\\mathbf{q}", array, python),), task=task, blanks=room
     )
     if sum(max(name.width + _UNIT, _CELL) for name in names) > _ROOM:
@@ -216,10 +201,7 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
         lines = (f"{s.number}\\colon\\quad {q}" for s, q in zip(solutions, vectors, strict=True))
         yield Rows(tuple(lines), is_answer=True)
         return
-    rows = tuple((str(s.number), *map(_aligned, row)) for s, row in zip(solutions, cells, strict=True))
+    # a phantom minus aligns a number without a sign below one that has it
+    aligned = ([f"${x}$" if x.startswith("-") else f"$\\phantom{{-}}{x}$" for x in row] for row in cells)
+    rows = tuple((str(s.number), *row) for s, row in zip(solutions, aligned, strict=True))
     yield Table((_("Branch"), *(f"${head}$" for head in heads)), rows, is_answer=True)
-
-
-def _aligned(number: str) -> str:
-    """A number in running text, one without a sign below one that has it."""
-    return f"${number}$" if number.startswith("-") else f"$\\phantom{{-}}{number}$"

@@ -10,11 +10,11 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, INDENTS, break_lines
 from derive.handouts.notation.derivation import LONGEST_PAIR, derivation_python, formula
-from derive.handouts.notation.pieces import EMPTY, Box, Break, Piece, concatenate, joined
+from derive.handouts.notation.pieces import EMPTY, Box, Break, TexPiece, concatenate, joined
 from derive.handouts.notation.solution_printer import SignLatexPrinter, with_names, with_signs
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Entry, Formula, Rows
-from derive.inverse.words.elementary import Line
+from derive.handouts.sheet.document import Entry, LazyEntries, Rows, SheetFormula
+from derive.inverse.words.elementary import PrintedLine
 from derive.inverse.words.solutions import InverseKinematics
 
 WIDEST_QUOTIENT = 170.0  # widest sum above a divisor [pt], which a narrow column holds
@@ -22,7 +22,7 @@ WIDEST_LEFT = 200.0  # widest left side of an equation whose right side is broke
 _LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
 
 
-def formulas(context: Context) -> Iterator[Formula]:
+def formulas(context: Context) -> Iterator[SheetFormula]:
     """The formulas, a block for what the pose is named and one for each unknown."""
     found = context.entries.model.inverse
     writer = FormulaWriter(context, found)
@@ -32,11 +32,7 @@ def formulas(context: Context) -> Iterator[Formula]:
 
 
 class FormulaWriter:
-    """Writes the formulas of one arm.
-
-    Attributes:
-        printer: Writes expressions with the signs and names of the derivation.
-    """
+    """Writes the formulas of one arm, with the signs and names of its derivation."""
 
     def __init__(self, context: Context, found: InverseKinematics) -> None:
         self._context, self._found = context, found
@@ -50,25 +46,25 @@ class FormulaWriter:
         """An expression in running text."""
         return f"${self.tex(e)}$"
 
-    def formula(self, lines: Sequence[Line], task: str = "", *, is_each_asked: bool = False) -> Formula:
+    def formula(self, lines: Sequence[PrintedLine], task: str = "", *, is_each_asked: bool = False) -> SheetFormula:
         """Lines of a solution as one formula."""
         rows = tuple(row for line in lines for row in self.rows(line))
         names = tuple(self.tex(line.symbol) for line in lines)
         blanks = names if is_each_asked else names[-1:]
-        return Formula((Rows(rows),), entries=_Copied(self, lines), task=task, blanks=blanks if task else ())
+        entries = LazyEntries(len(lines), lambda: map(self.entry, lines))
+        return SheetFormula((Rows(rows),), entries=entries, task=task, blanks=blanks if task else ())
 
-    def entry(self, line: Line) -> Entry:
+    def entry(self, line: PrintedLine) -> Entry:
         """A formula to be copied."""
         either = f" \\text{{ {self._context.text('or')} }} "
         left, _, right = formula(line, self.tex, " = ", either, " + \\pi").partition(" = ")
         return Entry(left, right, self._assignments[line])
 
     @cached_property
-    def _assignments(self) -> dict[Line, str]:
-        """Each formula in Python."""
+    def _assignments(self) -> dict[PrintedLine, str]:
         return dict(zip(self._found.lines, derivation_python(self._found), strict=True))
 
-    def rows(self, line: Line) -> list[str]:
+    def rows(self, line: PrintedLine) -> list[str]:
         """A formula on as many lines as it needs; of two values written apart one below the other."""
         first, *others = line.alternatives
         rows = self.broken(self.printer.pieces(line.symbol), first)
@@ -80,28 +76,11 @@ class FormulaWriter:
             rows += break_lines(concatenate(INDENTS[0], either), self.printer.pieces(second))
         return [with_signs(row) for row in rows]
 
-    def broken(self, left: Sequence[Piece], right: Any) -> list[str]:
+    def broken(self, left: Sequence[TexPiece], right: Any) -> list[str]:
         """An equation on as many lines as it needs, its left side broken, too, where it is long."""
         head, pieces = concatenate(joined(left), EQUALS), self.printer.pieces(right)
         if head.width < WIDEST_LEFT:
             rows = break_lines(head, pieces)
         else:
-            rows = break_lines(EMPTY, [*left, Piece(Box("= ", 12.0), Break.BINARY), *pieces])
+            rows = break_lines(EMPTY, [*left, TexPiece(Box("= ", 12.0), Break.BINARY), *pieces])
         return [with_signs(row) for row in rows]
-
-
-class _Copied(Sequence[Entry]):
-    """Formulas for copying, written when they are looked at: paper has no use for them."""
-
-    def __init__(self, writer: FormulaWriter, lines: Sequence[Line]) -> None:
-        self._writer, self._lines = writer, lines
-
-    @cached_property
-    def _entries(self) -> tuple[Entry, ...]:
-        return tuple(map(self._writer.entry, self._lines))
-
-    def __len__(self) -> int:
-        return len(self._lines)
-
-    def __getitem__(self, place: Any) -> Any:
-        return self._entries[place]

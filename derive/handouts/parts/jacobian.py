@@ -40,11 +40,9 @@ def jacobian(context: Context) -> Iterator[Block]:
     """J, from axes and origins to its entries, and how the analytic Jacobian follows."""
     _ = context.text
     axes = _JointAxes(context)
-    yield Paragraph(
-        _(
-            "In the world frame; rows 1 to 3 give the linear velocity of the end effector, rows 4 to 6 its angular "
-            "velocity."
-        )
+    yield context.paragraph(
+        "In the world frame; rows 1 to 3 give the linear velocity of the end effector, rows 4 to 6 its angular "
+        "velocity."
     )
     yield from _construction(context, axes)
     if context.steps:
@@ -55,13 +53,11 @@ def jacobian(context: Context) -> Iterator[Block]:
     end = context.entries.T
     if end.terms(1, 3) or end.terms(2, 3):  # else the angles ZYZ are singular in every configuration
         phi, theta, psi = (angle.tex.strip() for angle in euler_names(context))
-        yield Paragraph(
-            _(
-                "The analytic Jacobian for Euler angles ZYZ, $%(angles)s$, has the same linear rows; its angular rows "
-                "are those of $%(jacobian)s$ multiplied from the left by the inverse of",
-                angles=f"{phi}, {theta}, {psi}",
-                jacobian="\\mathbf{J}",
-            )
+        yield context.paragraph(
+            "The analytic Jacobian for Euler angles ZYZ, $%(angles)s$, has the same linear rows; its angular rows "
+            "are those of $%(jacobian)s$ multiplied from the left by the inverse of",
+            angles=f"{phi}, {theta}, {psi}",
+            jacobian="\\mathbf{J}",
         )
         yield textbook("euler_zyz_rates", phi=phi, theta=theta)
 
@@ -87,16 +83,16 @@ def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
         )
     yield Paragraph(text)
     if any(joint.is_revolute for joint in joints):
-        yield Paragraph(_("The column of a revolute joint is"))
+        yield context.paragraph("The column of a revolute joint is")
         yield Rows((axes.general(is_revolute=True).tex,))
     if not all(joint.is_revolute for joint in joints):
-        yield Paragraph(_("The column of a prismatic joint is"))
+        yield context.paragraph("The column of a prismatic joint is")
         yield Rows((axes.general(is_revolute=False).tex,))
     if any(joint.sign < 0 for joint in joints):
-        yield Paragraph(_("with the opposite sign where the joint variable has a minus sign in the table."))
+        yield context.paragraph("with the opposite sign where the joint variable has a minus sign in the table.")
     summary = axes.summary()
     if fits(summary, 2):
-        yield Paragraph(_("so that for this arm"), is_answer=True)
+        yield context.answer("so that for this arm")
         yield Rows((summary.tex,), is_answer=True)
 
 
@@ -122,28 +118,25 @@ def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
         yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
         left = [vector.box for vector in vectors if vector.small is None and vector.entries is None]
         if left and vectors is columns:
-            yield Paragraph(_("Left as products, for their entries are long:"))
+            yield context.paragraph("Left as products, for their entries are long:")
             yield Rows(tuple(pack(left)))
         elif left:
             end = bold("p")
             names = ", ".join(f"${box.tex}$" for box in left if box != end)
             if names and vectors is origins:
-                text = _(
+                yield context.paragraph(
                     "Too long to be written out here: %(vectors)s; an origin is the fourth column of the transform "
                     "from its frame to the world.",
                     vectors=names,
                 )
-                yield Paragraph(text)
             elif names:
-                text = _(
+                yield context.paragraph(
                     "Too long to be written out here: %(vectors)s; an axis $z$ is the third column of the transform "
                     "from its frame to the world.",
                     vectors=names,
                 )
-                yield Paragraph(text)
             if end in left:
-                words = _("For $%(p)s$ see the fourth column of $%(end)s$.", p=end.tex, end=bold("T").tex)
-                yield Paragraph(words)
+                yield context.paragraph("For $%(p)s$ see the fourth column of $%(end)s$.", p=end.tex, end=bold("T").tex)
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@ from itertools import pairwise
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import Box, Break, Piece, concatenate
+from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
+from derive.handouts.sheet.document import Block, Rows, Steps
 from derive.handouts.sheet.formula import Small, entry_namer, formula, side_by_side, small, textbook
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
@@ -24,7 +24,7 @@ _END = bold("T")
 
 def transforms(context: Context) -> Iterator[Block]:
     """A_1 ... A_n; those that fit share lines, the others are given entry by entry."""
-    yield Paragraph(context.text("The transform of each row of the table, from frame $i$ to frame $i-1$:"))
+    yield context.paragraph("The transform of each row of the table, from frame $i$ to frame $i-1$:")
     task = context.text("Write the transform of each row of the table.")
     fitting: list[Small] = []
     for i in range(1, context.robot.n + 1):
@@ -45,7 +45,7 @@ def end_effector(context: Context) -> Iterator[Block]:
     """T as a product and by its entries, and the names of its columns."""
     _ = context.text
     end = context.layouter.lay_out(_END, partial(context.symbols.entry, "t"), context.entries.T, group=Group.T)
-    yield Paragraph(_("The end effector in the world:"))
+    yield context.paragraph("The end effector in the world:")
     n, frame = context.robot.n, context.symbols.frame
     factors = [frame("A", i, i - 1) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
     if n > _FEW_FACTORS:
@@ -57,13 +57,11 @@ def end_effector(context: Context) -> Iterator[Block]:
         yield from _partial_products(context)
     task = _("Find the transform $%(end)s$ of the end effector.", end=_END.tex)
     yield formula(context, end, "forward_kinematics", task)
-    yield Paragraph(
-        _(
-            "The columns of $%(end)s$: $%(n)s$, $%(s)s$ and $%(a)s$ are the axes $x$, $y$ and $z$ of the end "
-            "effector in the world, $%(p)s$ is its origin.",
-            end=_END.tex,
-            **{letter: bold(letter).tex for letter in "nsap"},
-        )
+    yield context.paragraph(
+        "The columns of $%(end)s$: $%(n)s$, $%(s)s$ and $%(a)s$ are the axes $x$, $y$ and $z$ of the end "
+        "effector in the world, $%(p)s$ is its origin.",
+        end=_END.tex,
+        **{letter: bold(letter).tex for letter in "nsap"},
     )
     yield textbook("columns_of_T")
 
@@ -100,7 +98,7 @@ def _steps(context: Context) -> Iterator[Block]:
             yield Rows((products[i].tex,))
             yield formula(context, _laid_out(context, symbol, quantity, Group.product(i)), "link_transforms")
     if long <= last:
-        yield Paragraph(context.text("From here on the entries are too long for a step:"))
+        yield context.paragraph("From here on the entries are too long for a step:")
     end = concatenate(_END, EQUALS, *_between_base_and_tool(context, [frame("T", robot.n, 0)]))
     yield Rows(tuple(pack([*(products[i] for i in range(long, robot.n + 1)), end])))
 
@@ -120,13 +118,13 @@ def _partial_products(context: Context) -> Iterator[Block]:
     cuts.append(n)
     if len(cuts) == 2:
         return
-    yield Paragraph(
-        _("Multiplied out, the entries are too long to print; here they are as a product of shorter transforms:")
+    yield context.paragraph(
+        "Multiplied out, the entries are too long to print; here they are as a product of shorter transforms:"
     )
     for start, end in pairwise(cuts):
         quantity = context.entries.transform(start, end)
         laid_out = _laid_out(context, frame("T", end, start), quantity, Group.factor(start))
         yield formula(context, laid_out, "link_transforms", _("Multiply these transforms out."))
-    yield Paragraph(_("The arm as a whole is"))
-    factors = (Piece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
+    yield context.paragraph("The arm as a whole is")
+    factors = (TexPiece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
     yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))

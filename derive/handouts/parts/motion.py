@@ -9,7 +9,7 @@ from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Steps
+from derive.handouts.sheet.document import Block, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import formula, textbook
 from derive.robot.expression import ZERO
 
@@ -21,13 +21,13 @@ def christoffel(context: Context) -> Iterator[Block]:
     """The Christoffel symbols that are not zero, and the derivatives of B from which they come."""
     _ = context.text
     b, c = context.symbols.inertia_letter.lower(), context.symbols.christoffel("i", "j", "k").tex
-    yield Paragraph(
-        _("The Christoffel symbols follow from the inertia matrix; each is symmetric in its last two indices.")
+    yield context.paragraph(
+        "The Christoffel symbols follow from the inertia matrix; each is symmetric in its last two indices."
     )
     yield textbook("christoffel_symbols", b=b, c=c)
     task = _("Which Christoffel symbols are not zero? Find them.")
     if not context.entries.triples:
-        yield Formula((), note=_("All are zero."), task=task, blanks=("",))
+        yield SheetFormula((), note=_("All are zero."), task=task, blanks=("",))
         return
     if context.steps and context.dynamics.is_compact(context.entries.Bdot):
         joints, partial, derivatives = range(1, context.robot.n + 1), Box("\\partial ", 6.0), []
@@ -46,12 +46,12 @@ def christoffel(context: Context) -> Iterator[Block]:
 def coriolis(context: Context) -> Iterator[Block]:
     """C, by Christoffel symbols and multiplied out where it is short."""
     _ = context.text
-    yield Paragraph(
-        _("Centrifugal and Coriolis terms; this choice of $\\mathbf{C}$ makes $\\mathbf{N}$ skew-symmetric.")
+    yield context.paragraph(
+        "Centrifugal and Coriolis terms; this choice of $\\mathbf{C}$ makes $\\mathbf{N}$ skew-symmetric."
     )
     yield textbook("coriolis_matrix", c=context.symbols.christoffel("i", "j", "k").tex)
     if not context.dynamics.is_compact(context.entries.C):
-        yield Paragraph(_("With the Christoffel symbols above:"))
+        yield context.paragraph("With the Christoffel symbols above:")
         task = _("Write the Coriolis matrix with the Christoffel symbols.")
         yield formula(context, context.dynamics.rate_sums("C"), _CORIOLIS, task)
         return
@@ -65,12 +65,8 @@ def skew(context: Context) -> Iterator[Block]:
     _ = context.text
     letter, c = context.symbols.inertia_letter, context.symbols.christoffel
     yield textbook("skew_matrix", B=letter)
-    yield Paragraph(
-        _(
-            "The derivatives of the inertia matrix are sums of Christoffel symbols; hence "
-            "$\\mathbf{N}^T = -\\mathbf{N}$."
-        ),
-        is_answer=True,
+    yield context.answer(
+        "The derivatives of the inertia matrix are sums of Christoffel symbols; hence $\\mathbf{N}^T = -\\mathbf{N}$.",
     )
     proof = textbook("skew_symmetry", b=letter.lower(), c_ijk=c("i", "j", "k").tex, c_jik=c("j", "i", "k").tex)
     yield replace(proof, is_answer=True)
@@ -82,16 +78,12 @@ def skew(context: Context) -> Iterator[Block]:
     if is_compact(entries.C) and is_compact(entries.N):
         yield formula(context, context.dynamics.closed("N"), _CORIOLIS, task)
     else:
-        words = _("The entries above the diagonal; those below are their opposites, those on it are zero.")
-        yield Paragraph(words, is_answer=True)
+        yield context.answer("The entries above the diagonal; those below are their opposites, those on it are zero.")
         yield formula(context, context.dynamics.rate_sums("N"), _CORIOLIS, task)
     if entries.is_skew(context.policy.compact_terms):
-        yield Paragraph(
-            _(
-                "Check: multiplied out, the entries of $\\mathbf{N} + \\mathbf{N}^T$ cancel one by one, so that "
-                "$\\mathbf{N} + \\mathbf{N}^T = \\mathbf{0}$."
-            ),
-            is_answer=True,
+        yield context.answer(
+            "Check: multiplied out, the entries of $\\mathbf{N} + \\mathbf{N}^T$ cancel one by one, so that "
+            "$\\mathbf{N} + \\mathbf{N}^T = \\mathbf{0}$.",
         )
 
 
@@ -99,9 +91,9 @@ def gravity(context: Context) -> Iterator[Block]:
     """g, the gradient of the potential energy."""
     _ = context.text
     if context.robot.gravity is None:
-        yield Paragraph(_("The robot file gives no gravity: $\\mathbf{g} = \\mathbf{0}$."), is_answer=True)
+        yield context.answer("The robot file gives no gravity: $\\mathbf{g} = \\mathbf{0}$.")
         return
-    yield Paragraph(_("The gradient of the potential energy."))
+    yield context.paragraph("The gradient of the potential energy.")
     yield textbook("gravity_vector", rotors=has_rotors(context.robot))
     yield formula(context, context.dynamics.closed("g"), "gravity_vector", _("Find the gravity vector."))
 
@@ -118,15 +110,12 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
             yield Steps(_("With the entries and symbols above"), (Rows(context.dynamics.named_torque().lines),))
         yield formula(context, context.dynamics.closed("tau"), _TORQUE, _("Write the equations of motion."))
     elif 2 * len(entries.triples) > context.policy.named_products * context.robot.n:
-        yield Paragraph(
-            _(
-                "Written out, even with the entries and symbols above, they are too long to print; `inverse_dynamics` "
-                "in `model_numpy.py` computes them."
-            ),
-            is_answer=True,
+        yield context.answer(
+            "Written out, even with the entries and symbols above, they are too long to print; `inverse_dynamics` "
+            "in `model_numpy.py` computes them.",
         )
     else:
-        yield Paragraph(_("With the entries and symbols above:"))
+        yield context.paragraph("With the entries and symbols above:")
         task = _(
             "Write the equations of motion with the entries of $%(matrix)s$, the Christoffel symbols and the "
             "components of $\\mathbf{g}$.",

@@ -12,7 +12,7 @@ from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows, Steps
+from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import component_namer, entry_namer, matrix_lines, textbook
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
@@ -24,24 +24,26 @@ def newton_euler(context: Context) -> Iterator[Block]:
     _ = context.text
     recursion = Recursion(context.is_standard, context.symbols)
     yield Paragraph(_introduction(context))
-    yield Paragraph(_("The base is at rest, gravity acts as an acceleration of the base, and nothing loads the end."))
+    yield context.paragraph(
+        "The base is at rest, gravity acts as an acceleration of the base, and nothing loads the end."
+    )
     start = textbook("recursion_start", after_last=context.robot.n + 1)
     base = [[tuple(context.printer.pieces(cell))] for cell in context.entries.base_acceleration]
     symbol = Box("\\mathbf{a}_{0}", 11.0)
     yield Rows((*start.lines, *matrix_lines(symbol, base, lambda k, _: Box(f"({symbol.tex})_{{{k}}}", 25.0))))
     joint_types = {joint.is_revolute for joint in context.robot.joints}
     if True in joint_types:
-        yield Paragraph(_("A revolute joint, outward from $i = 1$ and back inward from the last link:"))
+        yield context.paragraph("A revolute joint, outward from $i = 1$ and back inward from the last link:")
         letters = JointLetters.any_joint(is_revolute=True)
         yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
     if False in joint_types:
-        yield Paragraph(_("A prismatic joint, outward from $i = 1$ and back inward from the last link:"))
+        yield context.paragraph("A prismatic joint, outward from $i = 1$ and back inward from the last link:")
         letters = JointLetters.any_joint(is_revolute=False)
         yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
     yield from _remarks(context)
     words = {True: _("revolute"), False: _("prismatic")}
     for i, row in enumerate(context.robot.joints, 1):
-        yield Paragraph(_("Link %(index)s, its joint %(kind)s:", index=i, kind=words[row.is_revolute]))
+        yield context.paragraph("Link %(index)s, its joint %(kind)s:", index=i, kind=words[row.is_revolute])
         yield _link_data(context, recursion, i)
     if context.steps:
         glyph = context.notation.glyph
@@ -90,23 +92,18 @@ def _introduction(context: Context) -> str:
 
 def _remarks(context: Context) -> Iterator[Block]:
     """What the equations for any joint leave out: signs of variables, rotors, friction and armatures."""
-    _ = context.text
     robot = context.robot
     opposed = ", ".join(f"${i}$" for i, joint in enumerate(robot.joints, 1) if joint.sign < 0)
     if opposed:
-        yield Paragraph(
-            _(
-                "The variables of these joints count against their axes: %(joints)s. For them $-\\dot{q}_i$, "
-                "$-\\ddot{q}_i$ and $-\\tau_i$ stand in place of $\\dot{q}_i$, $\\ddot{q}_i$ and $\\tau_i$.",
-                joints=opposed,
-            )
+        yield context.paragraph(
+            "The variables of these joints count against their axes: %(joints)s. For them $-\\dot{q}_i$, "
+            "$-\\ddot{q}_i$ and $-\\tau_i$ stand in place of $\\dot{q}_i$, $\\ddot{q}_i$ and $\\tau_i$.",
+            joints=opposed,
         )
     if has_rotors(robot):
-        yield Paragraph(
-            _(
-                "The rotors of the motors are no part of this recursion, which is that of the links; the inertia "
-                "matrix and the equations of motion contain them."
-            )
+        yield context.paragraph(
+            "The rotors of the motors are no part of this recursion, which is that of the links; the inertia "
+            "matrix and the equations of motion contain them."
         )
     added = []
     for i, link in enumerate(robot.links, 1):
@@ -116,7 +113,7 @@ def _remarks(context: Context) -> Iterator[Block]:
             name = Box(f"\\Delta {symbol.tex}", symbol.width + 9.0)
             added.append(Equation(name, tuple(context.printer.pieces(torque))))
     if added:
-        yield Paragraph(_("Friction and armatures add to the torques of the joints:"))
+        yield context.paragraph("Friction and armatures add to the torques of the joints:")
         yield Rows(tuple(equation_lines(added)))
 
 
@@ -140,7 +137,7 @@ class _Constant:
         return [(namer(r, c), cell) for r, row in enumerate(self.cells, 1) for c, cell in enumerate(row, 1)]
 
 
-def _link_data(context: Context, recursion: Recursion, i: int) -> Formula:
+def _link_data(context: Context, recursion: Recursion, i: int) -> SheetFormula:
     """R_i^{i-1}, p_i, r_i, m_i and I_i of link i (from 1), one formula."""
     lines: list[str] = []
     shared: list[Box] = []
@@ -161,7 +158,7 @@ def _link_data(context: Context, recursion: Recursion, i: int) -> Formula:
     )
     blanks = tuple(constant.symbol.tex for constant in constants)
     task = context.text("Write the constants of each link that the recursion needs.")
-    return Formula((Rows((*pack(shared), *lines)),), entries=tuple(entries), task=task, blanks=blanks)
+    return SheetFormula((Rows((*pack(shared), *lines)),), entries=tuple(entries), task=task, blanks=blanks)
 
 
 def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Constant]:

@@ -16,7 +16,7 @@ from derive.handouts.notation.pieces import (
     MINUS_WIDTH,
     Box,
     Break,
-    Piece,
+    TexPiece,
     concatenate,
     fraction,
     greek,
@@ -34,10 +34,10 @@ from derive.model.entries import Entries
 # Most terms of the entries of T from which angles are written out; of more they are given by the entries alone.
 SHORT_ANGLES = 12
 _END = bold("T").tex
-_COMMA = Piece(Box(",\\, ", 5.0), depth=1)
+_COMMA = TexPiece(Box(",\\, ", 5.0), depth=1)
 _RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
 
-Angles = tuple[tuple[Piece, ...], tuple[Piece, ...], tuple[Piece, ...]]  # each angle by entries of T
+Angles = tuple[tuple[TexPiece, ...], tuple[TexPiece, ...], tuple[TexPiece, ...]]  # each angle by entries of T
 Names = tuple[Box, Box, Box]
 Place = tuple[int, int]
 
@@ -45,7 +45,9 @@ Place = tuple[int, int]
 def orientation(context: Context) -> Iterator[Block]:
     """The position of the end effector, and its orientation by two sets of angles."""
     _ = context.text
-    yield Paragraph(_("The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END))
+    yield context.paragraph(
+        "The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END
+    )
     quantity = context.entries.T.part((1, 2, 3), (4,))
     entries = [_t(context, i, 4) for i in (1, 2, 3)]
     if quantity.is_short(context.policy.compact_terms):
@@ -66,27 +68,25 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     words = _("roll"), _("pitch"), _("yaw")
     names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in words)
     roll, pitch, yaw = (f"${name.tex}$" for name in names)
-    yield Paragraph(
-        _(
-            "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: "
-            "$\\mathbf{R} = %(product)s$.",
-            product=_rotations("zyx", names[::-1]),
-        )
+    yield context.paragraph(
+        "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: $\\mathbf{R} = %(product)s$.",
+        product=_rotations("zyx", names[::-1]),
     )
     task = _("Find roll, pitch and yaw of the end effector.")
     if not _terms(context, (1, 1), (2, 1)):
-        pitch_by_entry = (Piece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
-        angles: Angles = (Piece(italic("0")),), pitch_by_entry, _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2))
+        pitch_by_entry = (TexPiece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
+        angles: Angles = (
+            (TexPiece(italic("0")),),
+            pitch_by_entry,
+            _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2)),
+        )
         yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy, task)
-        yield Paragraph(
-            _(
-                "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
-                "%(roll)s and %(yaw)s is determined, and %(roll)s is taken as zero.",
-                roll=roll,
-                pitch=pitch,
-                yaw=yaw,
-            ),
-            is_answer=True,
+        yield context.answer(
+            "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
+            "%(roll)s and %(yaw)s is determined, and %(roll)s is taken as zero.",
+            roll=roll,
+            pitch=pitch,
+            yaw=yaw,
         )
         return
     angles = (
@@ -99,17 +99,14 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     if not _terms(context, (3, 1)):
         yield _never_singular(context, _t(context, 3, 1))
         return
-    yield Paragraph(
-        _(
-            "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
-            "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
-            zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$",
-            roll=roll,
-            pitch=pitch,
-            yaw=yaw,
-            right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
-        ),
-        is_answer=True,
+    yield context.answer(
+        "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
+        "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
+        zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$",
+        roll=roll,
+        pitch=pitch,
+        yaw=yaw,
+        right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
     )
 
 
@@ -128,27 +125,26 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     _ = context.text
     names, cosine = euler_names(context), _t(context, 3, 3)
     first, second, third = (f"${name.tex.strip()}$" for name in names)
-    yield Paragraph(
-        _(
-            "Euler angles ZYZ turn about the moving axes $z$, $y$ and $z$: $\\mathbf{R} = %(product)s$.",
-            product=_rotations("zyz", names),
-        )
+    yield context.paragraph(
+        "Euler angles ZYZ turn about the moving axes $z$, $y$ and $z$: $\\mathbf{R} = %(product)s$.",
+        product=_rotations("zyz", names),
     )
     task = _("Find the Euler angles ZYZ of the end effector.")
     if not _terms(context, (1, 3), (2, 3)):
         signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
-        angles: Angles = _atan2(*signed), (Piece(concatenate(_RIGHT_ANGLE, inside)),), (Piece(italic("0")),)
+        angles: Angles = (
+            _atan2(*signed),
+            (TexPiece(concatenate(_RIGHT_ANGLE, inside)),),
+            (TexPiece(italic("0")),),
+        )
         yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz, task)
-        yield Paragraph(
-            _(
-                "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
-                "only the sum or the difference of %(first)s and %(third)s is determined, and %(third)s is taken as "
-                "zero.",
-                first=first,
-                third=third,
-            ),
-            is_answer=True,
+        yield context.answer(
+            "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
+            "only the sum or the difference of %(first)s and %(third)s is determined, and %(third)s is taken as "
+            "zero.",
+            first=first,
+            third=third,
         )
         return
     angles = (
@@ -161,17 +157,14 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     if not _terms(context, (3, 3)):
         yield _never_singular(context, cosine)
         return
-    yield Paragraph(
-        _(
-            "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
-            "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
-            zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$",
-            first=first,
-            second=second,
-            third=third,
-            straight="180^{\\circ}" if context.notation.degrees else "\\pi",
-        ),
-        is_answer=True,
+    yield context.answer(
+        "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
+        "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
+        zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$",
+        first=first,
+        second=second,
+        third=third,
+        straight="180^{\\circ}" if context.notation.degrees else "\\pi",
     )
 
 
@@ -195,14 +188,13 @@ def _angles(
 ) -> Iterator[Block]:
     """The angles by entries of T, then written out if those entries are short, which an exercise asks for."""
     is_short = _terms(context, *used) <= SHORT_ANGLES
-    words = context.text("With the entries $t_{ij}$ of $%(end)s$:", end=_END)
-    yield Paragraph(words, is_answer=is_short)
+    yield Paragraph(context.text("With the entries $t_{ij}$ of $%(end)s$:", end=_END), is_answer=is_short)
     yield Rows(tuple(equation_lines(map(Equation, names, by_entries))), is_answer=is_short)
     if not is_short:
         return
     values = [quantity.entry(i, 1) for i in (1, 2, 3)]
     written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(names, values, strict=True)]
-    yield Paragraph(context.text("For this arm:"))
+    yield context.paragraph("For this arm:")
     laid_out = LaidOut(
         tuple(equation_lines(written)),
         values=tuple(zip(names, values, strict=True)),
@@ -228,13 +220,12 @@ def _minus(box: Box) -> Box:
 
 
 def _root(first: Box, second: Box) -> Box:
-    """Square root of a sum of two squares."""
     squares = [script(box, sup=italic("2")) for box in (first, second)]
     inner = concatenate(squares[0], Box(" + ", BINARY_WIDTH), squares[1])
     return Box(f"\\sqrt{{{inner.tex}}}", inner.width + 10.0)
 
 
-def _atan2(sine: Box, cosine: Box) -> tuple[Piece, ...]:
-    opening, closing = Piece(Box("(", BRACKET_WIDTH)), Piece(Box(")", BRACKET_WIDTH))
-    second = Piece(cosine, Break.COMMA, depth=1)
-    return Piece(operator("atan2")), opening, Piece(sine, depth=1), _COMMA, second, closing
+def _atan2(sine: Box, cosine: Box) -> tuple[TexPiece, ...]:
+    opening, closing = TexPiece(Box("(", BRACKET_WIDTH)), TexPiece(Box(")", BRACKET_WIDTH))
+    second = TexPiece(cosine, Break.COMMA, depth=1)
+    return TexPiece(operator("atan2")), opening, TexPiece(sine, depth=1), _COMMA, second, closing

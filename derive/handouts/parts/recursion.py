@@ -17,7 +17,7 @@ from derive.handouts.notation.pieces import (
     EMPTY,
     RELATION_WIDTH,
     Box,
-    Piece,
+    TexPiece,
     binary,
     concatenate,
     italic,
@@ -32,7 +32,7 @@ _TWICE = italic("2")
 _OMEGA = Box("\\boldsymbol{\\omega}", 8.0)
 
 # Sign and absolute value, which may be broken over lines where it is in pieces.
-Term = tuple[int, "Box | tuple[Piece, ...]"]
+Term = tuple[int, "Box | tuple[TexPiece, ...]"]
 Sides = tuple[Box, list[Term]]  # left side of an equation, and the terms of the right one
 
 
@@ -116,7 +116,7 @@ class Recursion:
         if joint.is_revolute:
             yield w, [(1, _turned(turn, [(1, w0), (joint.sign, rate)]))]
             yield wd, [(1, _turned(turn, [(1, wd0), (joint.sign, acceleration), (joint.sign, coriolis)]))]
-            start: tuple[Piece, ...] = (Piece(concatenate(turn, a0)),)
+            start: tuple[TexPiece, ...] = (TexPiece(concatenate(turn, a0)),)
         else:
             yield w, [(1, concatenate(turn, w0))]
             yield wd, [(1, concatenate(turn, wd0))]
@@ -162,17 +162,17 @@ def _rotational(w: Box, wd: Box, r: Box) -> list[Term]:
     return [(1, concatenate(wd, _TIMES, r)), (1, concatenate(w, _TIMES, _OPEN, w, _TIMES, r, _CLOSE))]
 
 
-def _turned(turn: Box, terms: list[Term]) -> tuple[Piece, ...]:
-    return (Piece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), Piece(_CLOSE))
+def _turned(turn: Box, terms: list[Term]) -> tuple[TexPiece, ...]:
+    return (TexPiece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), TexPiece(_CLOSE))
 
 
-def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[Piece]:
+def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[TexPiece]:
     for index, (sign, value) in enumerate(terms):
         if index:
             yield binary("+" if sign > 0 else "-", depth)
         elif sign < 0:
             yield MINUS
-        yield from (Piece(value),) if isinstance(value, Box) else value
+        yield from (TexPiece(value),) if isinstance(value, Box) else value
 
 
 def _lines(equations: Iterable[Sides]) -> list[str]:

@@ -9,20 +9,20 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, break_lines, pack
 from derive.handouts.layout.quantity import Item, omitted
-from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, Piece, concatenate, italic, script
+from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Steps
+from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import formula
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.conditions import Condition, Posture
 from derive.model.singularities.singularities import Outcome, SingularFactor, Singularities
 
-_IS_ZERO = Piece(Box(" = 0", RELATION_WIDTH + 5.0))
-_IF_AND_ONLY_IF = Piece(Box(" \\iff ", 34.0), Break.BINARY)
+_IS_ZERO = TexPiece(Box(" = 0", RELATION_WIDTH + 5.0))
+_IF_AND_ONLY_IF = TexPiece(Box(" \\iff ", 34.0), Break.BINARY)
 _DETERMINANT = Box("\\det", 16.0)
 
 _LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
@@ -32,7 +32,7 @@ def singularities(context: Context) -> Iterator[Block]:
     """Where J loses rank."""
     found = context.entries.model.singularities
     if found.shape[1] == 1 and not found.task:
-        yield Paragraph(context.text("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero."))
+        yield context.paragraph("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero.")
     else:
         yield from (_determinant if found.blocks else _minors)(context, found)
 
@@ -51,7 +51,7 @@ def _determinant(context: Context, found: Singularities) -> Iterator[Block]:
         never = _("No factor is zero in any configuration: no rank is ever lost.")
         yield Paragraph(words if found.is_constant else never, is_answer=True)
         return
-    yield Paragraph(_("Rank is lost where a factor is zero."), is_answer=True)
+    yield context.answer("Rank is lost where a factor is zero.")
     yield formulas.conditions()
 
 
@@ -61,17 +61,17 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
     block = found.blocks[0]
     frame, origin = block.reference.frame, f"\\mathbf{{o}}_{{{block.reference.point}}}"
     if len(found.blocks) > 1:
-        words = _(
+        yield context.paragraph(
             "Axes 4, 5 and 6 meet in the wrist centre $%(centre)s$. For the velocity of that point "
             "$\\mathbf{J}_{12} = \\mathbf{0}$, hence $\\det\\mathbf{J} = \\det\\mathbf{J}_{11} "
             "\\det\\mathbf{J}_{22}$. The choice of the point and of the axes changes neither determinant.",
             centre=origin,
         )
-        yield Paragraph(words)
         return
     if not found.task:
-        words = _("$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes.")
-        yield Paragraph(words)
+        yield context.paragraph(
+            "$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes."
+        )
         return
     if block.rows:
         words = _(
@@ -88,11 +88,10 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
         words += " " + _("It is written in the axes of frame %(frame)s.", frame=frame)
     yield Paragraph(words)
     if block.others_are_zero:
-        yield Paragraph(_("The other rows are zero."), is_answer=True)
+        yield context.answer("The other rows are zero.")
 
 
 def _task(context: Context, found: Singularities) -> str:
-    """The words of a task."""
     _ = context.text
     words = {
         "phi": "$\\varphi$",
@@ -108,7 +107,7 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
     """Where a matrix that is not square, or is singular everywhere, has less than its usual rank."""
     _, matrix = context.text, _symbol(found).tex
     if found.task:
-        yield Paragraph(_("Let $\\mathbf{J}'$ be the Jacobian of the task %(task)s.", task=_task(context, found)))
+        yield context.paragraph("Let $\\mathbf{J}'$ be the Jacobian of the task %(task)s.", task=_task(context, found))
     words = _(
         "$%(matrix)s$ has %(rows)s rows and %(columns)s columns. Singular are the configurations in which its rank is "
         "less than usual.",
@@ -124,7 +123,7 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
         words += " " + _("That is where $%(condition)s$.", condition=f"\\det({square}) = 0")
     yield Paragraph(words)
     if found.families:
-        yield Paragraph(_("Rank is lost where all equations of a line hold."), is_answer=True)
+        yield context.answer("Rank is lost where all equations of a line hold.")
         yield _SingularFormulas(context, found).conditions()
     conditions = ", ".join(f"{context.printer.latex(e)} \\ne 0" for e in found.unless)
     if not found.complete and found.families:
@@ -142,10 +141,9 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
 
 def _matrices(context: Context, found: Singularities) -> Iterator[Block]:
     """The blocks; J_11 and J_22, J, or J', with the frame of the axes above."""
-    _ = context.text
     blocks = found.blocks
     if not found.task and any(block.reference.frame is not None for block in blocks):
-        yield Paragraph(_("The upper index is the frame in whose axes a block is written."))
+        yield context.paragraph("The upper index is the frame in whose axes a block is written.")
     for k, block in enumerate(blocks):
         frame = EMPTY if block.reference.frame is None else italic(str(block.reference.frame))
         if len(blocks) > 1:
@@ -190,7 +188,7 @@ class _SingularFormulas:
         glyphs = {symbol.name: Glyph(box) for symbol, box in self._names.items()}
         self._printer = LatexPrinter(context.notation.with_terms(glyphs))
 
-    def determinant(self) -> Formula:
+    def determinant(self) -> SheetFormula:
         """The determinant in factors, those that are too long by their numbers of terms."""
         left = concatenate(_DETERMINANT, _symbol(self.found))
         if not self._long:
@@ -212,24 +210,24 @@ class _SingularFormulas:
             )
             for symbol, f in self._long.items()
         )
-        return Formula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)))
+        return SheetFormula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)))
 
-    def conditions(self) -> Formula:
+    def conditions(self) -> SheetFormula:
         """Where each factor that moves with the arm is zero, or all factors of a line."""
         lines = [line for family in self.found.families for line in break_lines(EMPTY, list(self._zeros(family)))]
         present = [condition.posture for family in self.found.families for condition in family]
         note = " ".join(meaning for posture, (_word, meaning) in self._words.items() if posture in present)
         symbol = _symbol(self.found).tex
         task = self.context.text("In which configurations does $%(matrix)s$ lose rank?", matrix=symbol)
-        return Formula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
+        return SheetFormula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
 
-    def _zeros(self, family: Sequence[Condition]) -> Iterator[Piece]:
+    def _zeros(self, family: Sequence[Condition]) -> Iterator[TexPiece]:
         for k, condition in enumerate(family):
             if k:
-                yield Piece(Box(",\\quad ", 14.0), Break.COMMA)
+                yield TexPiece(Box(",\\quad ", 14.0), Break.COMMA)
             yield from self._zero(condition)
 
-    def _zero(self, condition: Condition) -> Iterator[Piece]:
+    def _zero(self, condition: Condition) -> Iterator[TexPiece]:
         """``s_5 = 0 <=> q_5 = 0 or pi (wrist)``."""
         values, text = condition.values, self.context.text
         if not condition.is_solution:
@@ -239,21 +237,20 @@ class _SingularFormulas:
             if not condition.is_solution:
                 yield _IF_AND_ONLY_IF
             yield from self._printer.pieces(condition.variable)
-            yield Piece(EQUALS)
+            yield TexPiece(EQUALS)
             if len(values) == 2 and values[0] == -values[1]:
-                yield Piece(Box("\\pm ", 8.0))
+                yield TexPiece(Box("\\pm ", 8.0))
                 values = values[1:]
             for index, value in enumerate(values):
                 if index:
                     word = text("or")
-                    yield Piece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
+                    yield TexPiece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
                 yield from self._printer.angle(value)
         real = [] if condition.is_certain else [text("where it has real solutions")]
         posture = [self._words[condition.posture][0]] if condition.posture in self._words else []
         for word in posture + real:
-            yield Piece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
+            yield TexPiece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
 
     def _short(self, factor: SingularFactor | Condition) -> Expr:
-        """The factor, or its symbol."""
         same = (symbol for symbol, long in self._long.items() if long.expression == factor.expression)
         return next(same, factor.expression)

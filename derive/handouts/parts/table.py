@@ -9,7 +9,16 @@ from itertools import chain
 import sympy
 
 from derive.handouts.layout.lines import Equation, equation_lines, pack
-from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, italic, joined, list_separator, script
+from derive.handouts.notation.pieces import (
+    BRACKET_WIDTH,
+    Box,
+    Break,
+    TexPiece,
+    italic,
+    joined,
+    list_separator,
+    script,
+)
 from derive.handouts.notation.printer import Cell
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
@@ -46,12 +55,10 @@ def dh_table(context: Context) -> Iterator[Block]:
     yield table_rows(context)
     frames = end_lines(context)
     if frames:
-        yield Paragraph(
-            _(
-                "Constant transforms: the base takes frame $0$ into the world, "
-                "the tool the end effector into frame $%(n)s$.",
-                n=n,
-            )
+        yield context.paragraph(
+            "Constant transforms: the base takes frame $0$ into the world, "
+            "the tool the end effector into frame $%(n)s$.",
+            n=n,
         )
         yield Rows(tuple(frames))
 
@@ -134,27 +141,24 @@ def _named_cells(context: Context, i: int, row: list[Cell]) -> Iterator[Equation
 
 def parameters(context: Context) -> Iterator[Block]:
     """Numbers of the robot file, arguments of the generated functions, inertial data of the links."""
-    _ = context.text
     data, glyph = context.data, context.data.notation.glyph
     numbers = equation_lines(
         Equation(glyph(name).box, data.symbol(name, cell)) for name, cell in context.robot.parameters
     )
     if numbers:
-        yield Paragraph(_("Numbers given in the robot file:"))
+        yield context.paragraph("Numbers given in the robot file:")
         yield Rows(tuple(numbers))
     free = pack(glyph(name).box for name in free_symbols(context.robot))
     if free:
-        yield Paragraph(_("Arguments of the generated functions, in this order:"))
+        yield context.paragraph("Arguments of the generated functions, in this order:")
         yield Rows(tuple(free))
     if context.robot.links:
-        yield Paragraph(
-            _(
-                "Links: centre of mass, and inertia about it, in the axes of the link's own frame. Moments of inertia, "
-                "motors and friction that are zero are left out."
-            )
+        yield context.paragraph(
+            "Links: centre of mass, and inertia about it, in the axes of the link's own frame. Moments of inertia, "
+            "motors and friction that are zero are left out."
         )
     for i, link in enumerate(context.robot.links, 1):
-        yield Paragraph(_("Link %(index)s:", index=i))
+        yield context.paragraph("Link %(index)s:", index=i)
         yield Rows(tuple(equation_lines(link_equations(context, link))))
 
 
@@ -162,15 +166,15 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
     """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero."""
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
-    com: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]
+    com: list[TexPiece] = [TexPiece(Box("(", BRACKET_WIDTH))]
     parts = [context.data.length(cell) for cell in link.com]
-    separator = Piece(list_separator(chain(*parts)))
+    separator = TexPiece(list_separator(chain(*parts)))
     for index, part in enumerate(parts):
         if index:  # behind a comma a line may be broken
             com.append(separator)
             part = (part[0]._replace(before=Break.COMMA), *part[1:])
         com += part
-    yield Equation(_word(_("centre of mass")), (*com, Piece(Box(")", BRACKET_WIDTH))))
+    yield Equation(_word(_("centre of mass")), (*com, TexPiece(Box(")", BRACKET_WIDTH))))
     cells = [(f"$I_{{{item.name}}}$", getattr(link.inertia, item.name)) for item in fields(link.inertia)]
     if link.motor is not None:
         cells += [

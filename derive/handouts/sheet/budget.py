@@ -16,10 +16,10 @@ from derive.handouts.sheet.document import (
     Block,
     Document,
     Figure,
-    Formula,
     Paragraph,
     Rows,
     Section,
+    SheetFormula,
     Steps,
     Table,
     rows_of,
@@ -87,18 +87,19 @@ def _pieces(block: Block) -> Iterator[float]:
         case Paragraph(text):
             yield _words(text)
         case Rows(lines, landscape):
-            drawn = [_DISPLAY, *map(_row, lines)]
+            drawn = [_DISPLAY, *map(_row, lines)]  # a page may end between any two rows of a display
             yield from [PAGE] * ceil(sum(drawn) / _LANDSCAPE) if landscape else drawn
-        case Formula():
+        case SheetFormula():
             for rows in block.rows:
                 yield from _pieces(rows)
+            # Above named terms and above what is omitted stand two lines of words.
             for entries in (block.named, block.omitted):
                 yield from (*_pieces(Rows(entries)), 2 * _ROW) if entries else ()
             yield _words(block.note)
         case Blank(_, task, _, gaps):
             yield _words(task) + _LINE * sum(gap.lines for gap in gaps)
         case Table(_, rows, long):
-            count = len(rows) + 3
+            count = len(rows) + 3  # with the head and its rules
             yield from [_LINE] * count if long else [_LINE * count]
         case Figure(drawing, caption):
             yield drawing.height + _words(caption) + _LINE
@@ -138,9 +139,12 @@ class _Sparing:
                 shown = Paragraph(self._sentence(block), is_answer=True)
             elif isinstance(block, Steps):
                 shown = replace(block, blocks=self.blocks(block.blocks, test))
-            elif isinstance(block, Formula) and any(map(test, block.rows)):
+            elif isinstance(block, SheetFormula) and any(map(test, block.rows)):
                 rows = tuple(rows for rows in block.rows if not test(rows))
-                shown = replace(block, rows=rows, note=self._note(block), blanks=())
+                sentence = self.text(
+                    "The longest entries are left out to keep within the page limit (%(pages)s).", pages=self.limit
+                )
+                shown = replace(block, rows=rows, note=f"{block.note} {sentence}".strip(), blanks=())
             if not kept or shown != kept[-1]:
                 kept.append(shown)
         return tuple(kept)
@@ -151,20 +155,13 @@ class _Sparing:
             return _(
                 "%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=self.limit
             )
-        if isinstance(block, Formula) and block.function:
+        if isinstance(block, SheetFormula) and block.function:
             return _(
                 "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
                 pages=self.limit,
                 function=block.function,
             )
         return _("Left out to keep within the page limit (%(pages)s).", pages=self.limit)
-
-    def _note(self, block: Formula) -> str:
-        """The note of a formula without its longest entries."""
-        sentence = self.text(
-            "The longest entries are left out to keep within the page limit (%(pages)s).", pages=self.limit
-        )
-        return f"{block.note} {sentence}".strip()
 
 
 def within(document: Document, limit: int, text: Text, spare: int = 0) -> Document:
@@ -176,6 +173,7 @@ def within(document: Document, limit: int, text: Text, spare: int = 0) -> Docume
     most = limit - spare
     if not limit or pages(document) <= most:
         return document
+    # Greedy: after each cut the pages are counted anew, and the first document that fits is taken.
     sections = {section.part: section for section in document.sections}
     touched: list[str] = []
     sparing = _Sparing(limit, text)
@@ -197,11 +195,11 @@ def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tupl
     """One part after the other, shorter each time it comes; None in place of a part that is left out as a whole."""
     tests: tuple[Test, ...] = (
         lambda block: isinstance(block, Rows) and block.landscape,
-        lambda block: isinstance(block, Formula | Steps) and _tallest(block) > PAGE,
+        lambda block: isinstance(block, SheetFormula | Steps) and _tallest(block) > PAGE,
         lambda block: isinstance(block, Steps),
-        lambda block: isinstance(block, Formula) and height(block) > _LONG,
+        lambda block: isinstance(block, SheetFormula) and height(block) > _LONG,
     )
-    for test in tests:
+    for test in tests:  # from what is missed least to what is missed most, through all parts each time
         for part in USEFULNESS:
             if part in sections:
                 yield part, replace(sections[part], blocks=sparing.blocks(sections[part].blocks, test))

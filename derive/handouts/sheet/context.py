@@ -8,6 +8,7 @@ from derive.handouts.layout.quantity import POLICY, Layouter, SheetPolicy
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter, LatexPrinter
 from derive.handouts.notation.symbols import Symbols
+from derive.handouts.sheet.document import Paragraph
 from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.handouts.sheet.language import Text
 from derive.model.dynamic_entries import ModelEntries
@@ -52,3 +53,11 @@ class Context:
         self.layouter = Layouter(self.printer, self.policy, self.symbols.term, self.text("terms"))
         self.data = DataPrinter(robot, self.notation)
         self.dynamics = DynamicsLayout(self.entries, self.layouter, self.symbols)
+
+    def paragraph(self, message: str, **values: object) -> Paragraph:
+        """A message in the reader's language."""
+        return Paragraph(self.text(message, **values))
+
+    def answer(self, message: str, **values: object) -> Paragraph:
+        """The same, of what an exercise asks for."""
+        return Paragraph(self.text(message, **values), is_answer=True)

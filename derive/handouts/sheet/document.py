@@ -8,10 +8,11 @@ both understand.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple, TypeAlias
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
 
 from derive.handouts.figure.drawing import Drawing
 
@@ -42,8 +43,25 @@ class Entry:
     python: str  # the same as a Python expression in the names of the robot file
 
 
+class LazyEntries(Sequence[Entry]):
+    """Entries that are written when they are looked at: a page copies them, paper has no use for them."""
+
+    def __init__(self, count: int, write: Callable[[], Iterable[Entry]]) -> None:
+        self._count, self._write = count, write
+
+    @cached_property
+    def _written(self) -> tuple[Entry, ...]:
+        return tuple(self._write())
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._written[place]
+
+
 @dataclass(frozen=True, slots=True)
-class Formula:
+class SheetFormula:
     """The result for one quantity: what an exercise leaves blank."""
 
     rows: tuple[Rows, ...]  # the matrix, or its entries one by one
@@ -104,7 +122,7 @@ class Steps:
     blocks: tuple[Block, ...]  # the steps
 
 
-Block: TypeAlias = Paragraph | Rows | Formula | Blank | Table | Figure | Steps
+Block: TypeAlias = Paragraph | Rows | SheetFormula | Blank | Table | Figure | Steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,16 +150,13 @@ class Document:
 
     def section(self, part: str) -> Section:
         """The section of that name."""
-        for section in self.sections:
-            if section.part == part:
-                return section
-        raise KeyError(part)
+        return {section.part: section for section in self.sections}[part]
 
 
 def blocks_of(section: Section) -> Iterator[Block]:
     """All blocks of a section, those inside of steps included."""
     pending = list(reversed(section.blocks))
-    while pending:
+    while pending:  # a stack, the next block on top
         block = pending.pop()
         yield block
         if isinstance(block, Steps):
@@ -161,7 +176,7 @@ def gap_rows(gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:
 
 def rows_of(block: Block) -> tuple[Rows, ...]:
     """The displayed mathematics of a block."""
-    if isinstance(block, Formula):
+    if isinstance(block, SheetFormula):
         return block.rows
     return (block,) if isinstance(block, Rows) else ()
 
@@ -169,7 +184,7 @@ def rows_of(block: Block) -> tuple[Rows, ...]:
 _SPAN = re.compile(r"\$([^$]*)\$|`([^`]*)`")
 
 
-class Kind(Enum):
+class SpanKind(Enum):
     """What a span of text is."""
 
     WORDS = "words"
@@ -180,7 +195,7 @@ class Kind(Enum):
 class Span(NamedTuple):
     """A part of a text."""
 
-    kind: Kind  # what it is
+    kind: SpanKind  # what it is
     text: str  # its contents without the marks
 
 
@@ -189,9 +204,9 @@ def spans(text: str) -> Iterator[Span]:
     end = 0
     for match in _SPAN.finditer(text):
         if match.start() > end:
-            yield Span(Kind.WORDS, text[end : match.start()])
+            yield Span(SpanKind.WORDS, text[end : match.start()])
         mathematics, code = match.groups()
-        yield Span(Kind.CODE, code) if mathematics is None else Span(Kind.MATHEMATICS, mathematics)
+        yield Span(SpanKind.CODE, code) if mathematics is None else Span(SpanKind.MATHEMATICS, mathematics)
         end = match.end()
     if end < len(text):
-        yield Span(Kind.WORDS, text[end:])
+        yield Span(SpanKind.WORDS, text[end:])

@@ -14,7 +14,7 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines
 from derive.handouts.layout.quantity import Item, LaidOut, Layouter, Namer
-from derive.handouts.notation.pieces import Box, Break, Piece, binary, concatenate, italic, script
+from derive.handouts.notation.pieces import Box, Break, TexPiece, binary, concatenate, italic, script
 from derive.handouts.notation.printer import MINUS, LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, Symbols
@@ -51,44 +51,31 @@ class DynamicsLayout:
 
     def closed(self, name: str) -> LaidOut:
         """A quantity of the dynamics multiplied out."""
-        entries, symbols = self.entries, self.symbols
-        match name:
-            case "B":
-                return self._matrix(self.inertia_symbol, self.inertia_entry, entries.B, Group.B, symmetric=True)
-            case "Bdot":
-                symbol = Box(
-                    f"\\dot{{\\mathbf{{{symbols.inertia_letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 44.0
-                )
-                return self._matrix(
-                    symbol,
-                    lambda i, j: Glyph(self.inertia_entry(i, j), accent="\\dot").box,
-                    entries.Bdot,
-                    Group.DERIVATIVE,
-                    symmetric=True,
-                )
-            case "C" | "N":
-                quantity, group = (entries.C, Group.C) if name == "C" else (entries.N, Group.N)
-                return self._matrix(self._rate_symbol(name), partial(symbols.entry, name), quantity, group)
-            case "g":
-                symbol = Box("\\mathbf{g}(\\mathbf{q})", 36.0)
-                return self._matrix(symbol, lambda row, _: symbols.component("g", row), entries.g, Group.TORQUE)
-            case "tau":
-                return self._matrix(
-                    Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row), entries.tau, Group.TORQUE
-                )
-            case "kinetic":
-                return self._scalar(Box("\\mathcal{T}", 8.0), entries.kinetic, Group.KINETIC)
-            case "potential":
-                return self._scalar(Box("\\mathcal{U}", 8.0), entries.potential, Group.POTENTIAL)
-        raise KeyError(name)
+        symbols, entry = self.symbols, self.inertia_entry
+        if name in ("kinetic", "potential"):
+            letter, group = ("T", Group.KINETIC) if name == "kinetic" else ("U", Group.POTENTIAL)
+            return self._scalar(Box(f"\\mathcal{{{letter}}}", 8.0), getattr(self.entries, name), group)
+        rate = f"\\dot{{\\mathbf{{{symbols.inertia_letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})"
+        rows: dict[str, tuple[Box, Namer, int]] = {
+            "B": (self.inertia_symbol, entry, Group.B),
+            "Bdot": (
+                Box(rate, 44.0),
+                lambda i, j: Glyph(self.inertia_entry(i, j), accent="\\dot").box,
+                Group.DERIVATIVE,
+            ),
+            "C": (self._rate_symbol("C"), partial(symbols.entry, "C"), Group.C),
+            "N": (self._rate_symbol("N"), partial(symbols.entry, "N"), Group.N),
+            "g": (Box("\\mathbf{g}(\\mathbf{q})", 36.0), lambda row, _: symbols.component("g", row), Group.TORQUE),
+            "tau": (Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row), Group.TORQUE),
+        }
+        symbol, namer, group = rows[name]
+        limit, is_symmetric = self.layouter.policy.grouped_terms, name in ("B", "Bdot")
+        quantity = getattr(self.entries, name)
+        return self.layouter.lay_out(symbol, namer, quantity, group=group, symmetric=is_symmetric, limit=limit)
 
     def _rate_symbol(self, letter: str) -> Box:
         """C or N, which depend on positions and velocities."""
         return Box(f"\\mathbf{{{letter}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 36.0)
-
-    def _matrix(self, symbol: Box, name: Namer, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
-        limit = self.layouter.policy.grouped_terms
-        return self.layouter.lay_out(symbol, name, quantity, group=group, symmetric=symmetric, limit=limit)
 
     def _scalar(self, letter: Box, quantity: Entries, group: int) -> LaidOut:
         terms = quantity.terms(1, 1)
@@ -172,7 +159,7 @@ class DynamicsLayout:
             blanks=tuple(name.tex for name in names.values()),
         )
 
-    def _torque_pieces(self, i: int) -> tuple[Piece, ...]:
+    def _torque_pieces(self, i: int) -> tuple[TexPiece, ...]:
         entries, rates, two = self.entries, self._rates, italic("2")
         glyph = self.layouter.printer.notation.glyph
         terms: list[Signed] = [
@@ -190,14 +177,13 @@ class DynamicsLayout:
         value = entries.friction(i)
         friction = self.layouter.printer.pieces(value) if value != 0 else []
         if not terms:
-            return tuple(friction) or (Piece(italic("0")),)
+            return tuple(friction) or (TexPiece(italic("0")),)
         if friction:
             friction = [binary("-", 0), *friction[1:]] if friction[0] == MINUS else [binary("+", 0), *friction]
         return (*_signed_sum(terms), *friction)
 
     @cached_property
     def _rates(self) -> dict[int, Glyph]:
-        """The velocity of each joint."""
         glyph = self.layouter.printer.notation.glyph
         return {k: glyph(velocity_name(joint.variable)) for k, joint in enumerate(self.entries.robot.joints, 1)}
 
@@ -213,13 +199,13 @@ def _once(quantity: Entries, alias: Expr, known: dict[Expr, Expr]) -> Expr:
     return entry
 
 
-def _signed_sum(terms: Iterable[Signed]) -> tuple[Piece, ...]:
+def _signed_sum(terms: Iterable[Signed]) -> tuple[TexPiece, ...]:
     """Pieces of a sum of products, to be broken before a sign or between factors; 0 for an empty sum."""
-    row: list[Piece] = []
+    row: list[TexPiece] = []
     for sign, factors in terms:
         if row:
             row.append(binary("+" if sign > 0 else "-", 0))
         elif sign < 0:
             row.append(MINUS)
-        row += [Piece(factor, Break.FACTOR if k else Break.NEVER) for k, factor in enumerate(factors)]
-    return tuple(row) or (Piece(italic("0")),)
+        row += [TexPiece(factor, Break.FACTOR if k else Break.NEVER) for k, factor in enumerate(factors)]
+    return tuple(row) or (TexPiece(italic("0")),)

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut, Namer
@@ -16,26 +14,31 @@ from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, concatenate, ita
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.sheet.document import Block, Entry, LazyEntries, Rows, SheetFormula
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries
 
 
-def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> Formula:
+def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> SheetFormula:
     """A laid-out quantity as a formula."""
     _ = context.text
     rows = [Rows(laid_out.lines)] if laid_out.lines else []
     if laid_out.landscape:
         rows.append(Rows(laid_out.landscape, landscape=True))
     note = unlisted(_, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else ""
-    return Formula(
+
+    def _entries() -> Iterator[Entry]:
+        python = PlainPrinter().doprint
+        return (Entry(name.tex, context.printer.latex(value), python(value)) for name, value in laid_out.values)
+
+    return SheetFormula(
         rows=tuple(rows),
         named=laid_out.named,
         omitted=laid_out.omitted,
         note=note,
         function=function,
-        entries=_Copied(context, laid_out),
+        entries=LazyEntries(len(laid_out.values), _entries),
         task=task,
         blanks=laid_out.blanks,
     )
@@ -49,25 +52,6 @@ def unlisted(text: Text, symmetric: bool, has_zeros: bool) -> str:
     if symmetric:
         return _("The matrix is symmetric.")
     return _("Entries that are not listed are zero.") if has_zeros else ""
-
-
-class _Copied(Sequence[Entry]):
-    """Entries of a quantity for copying, written when they are looked at: paper has no use for them."""
-
-    def __init__(self, context: Context, laid_out: LaidOut) -> None:
-        self._values = laid_out.values
-        self._latex = context.printer.latex
-
-    @cached_property
-    def _entries(self) -> tuple[Entry, ...]:
-        python = PlainPrinter().doprint
-        return tuple(Entry(name.tex, self._latex(value), python(value)) for name, value in self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def __getitem__(self, place: Any) -> Any:
-        return self._entries[place]
 
 
 def entry_namer(symbol: Box, comma: str = "") -> Namer:
@@ -108,11 +92,7 @@ class Small:
 
 
 def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Small | None:
-    """A matrix as one box, which may share a line.
-
-    Returns:
-        The box; None if the matrix is too wide or has too many terms.
-    """
+    """A matrix as one box, which may share a line; None if it is too wide or has too many terms."""
     if not quantity.is_short(context.policy.matrix_terms):
         return None
     entries = {place: quantity.entry(*place) for place in quantity.places}
@@ -149,7 +129,6 @@ class BodyItem:
 
 def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
-    _ = context.text
     row: list[Small] = []
     for item in items:
         fitting = small(context, item.symbol, item.quantity, entry_namer(item.symbol))
@@ -163,8 +142,7 @@ def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -
         if laid_out.lines or not laid_out.omitted:
             yield replace(formula(context, laid_out, task=task), omitted=())
         if laid_out.omitted:
-            words = _("These entries are too long to print; multiplied out they have so many terms:")
-            yield Paragraph(words, is_answer=True)
+            yield context.answer("These entries are too long to print; multiplied out they have so many terms:")
             yield Rows(laid_out.omitted, is_answer=True)
     if row:
         yield formula(context, side_by_side(row), task=task)

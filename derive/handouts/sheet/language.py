@@ -39,22 +39,14 @@ _SUFFIX = ".po"
 
 
 def languages(folder: Traversable | None = None) -> tuple[str, ...]:
-    """Codes of all languages, sorted.
-
-    Args:
-        folder: Where the catalogues are; None for those of the package.
-    """
+    """Codes of all languages that have a catalogue in a folder, by default that of the package; sorted."""
     names = (entry.name for entry in (folder or _locale_folder()).iterdir())
     found = {name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)}
     return tuple(sorted(found | {ENGLISH}))
 
 
 def text_for(language: str, folder: Traversable | None = None) -> Text:
-    """Translates messages into a language.
-
-    Args:
-        folder: Where the catalogues are; None for those of the package.
-    """
+    """Translates messages into a language, by the catalogues of a folder, by default that of the package."""
     known = languages(folder)
     for code in (language, language.partition("_")[0]):
         if code == ENGLISH:
@@ -69,7 +61,6 @@ def text_for(language: str, folder: Traversable | None = None) -> Text:
 
 
 def _locale_folder() -> Traversable:
-    """Where the package has its catalogues."""
     return files("derive.handouts") / "locale"
 
 

@@ -15,11 +15,11 @@ from derive.handouts.sheet.document import (
     Block,
     Document,
     Figure,
-    Formula,
     Gap,
-    Kind,
     Paragraph,
     Rows,
+    SheetFormula,
+    SpanKind,
     Steps,
     Table,
     blocks_of,
@@ -51,7 +51,9 @@ def latex(document: Document, text: Text) -> str:
     for part in document.sections:
         is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], Paragraph)
         if is_short and sections:
-            sections[-1]["blocks"] = _held(sections[-1]["blocks"])
+            # no page ends behind the last display before a sentence in a section of its own, which is never alone then
+            before, display, last = "\n".join(sections[-1]["blocks"]).rpartition(_DISPLAY)
+            sections[-1]["blocks"] = [before + _with_next(display + last)]
         sections.append({"title": latex_words(part.title), "blocks": _joined(part.blocks, text), "stays": is_short})
     source = latex_template("document.tex.jinja").render(
         name=document.name,
@@ -72,12 +74,6 @@ def latex(document: Document, text: Text) -> str:
     before, _, last_but_one = before.rpartition(_DISPLAY)
     held = _with_next(_DISPLAY + last_but_one)  # so that no matrix is alone on the last page
     return f"{before}{_NO_SECTION_BREAK}{held}{display}{rest}"
-
-
-def _held(blocks: list[str]) -> list[str]:
-    """A section behind whose last display no page ends, so that a sentence in a section of its own is never alone."""
-    before, display, last = "\n".join(blocks).rpartition(_DISPLAY)
-    return [before + _with_next(display + last)]
 
 
 def _with_next(source: str) -> str:
@@ -118,9 +114,9 @@ def latex_words(text: str) -> str:
     """A text with its marks."""
     written = []
     for kind, part in spans(text):
-        if kind is Kind.MATHEMATICS:
+        if kind is SpanKind.MATHEMATICS:
             written.append(f"${part}$")
-        elif kind is Kind.CODE:
+        elif kind is SpanKind.CODE:
             code = latex_text(part).replace("\\_", "\\_\\allowbreak{}").replace(" ", "\\ ")
             written.append(f"\\texttt{{{code}}}")
         else:
@@ -155,13 +151,12 @@ def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[
 
 
 def _written(block: Block, _: Text) -> str:
-    """One block by its macro."""
     match block:
         case Paragraph(text):
             return latex_words(text) + _OPEN
         case Rows(lines, landscape):
             return _macro("rows", displays=displays(lines), landscape=landscape)
-        case Formula():
+        case SheetFormula():
             named = displays(block.named)
             sentences = {
                 "named": latex_words(_("With the abbreviations")),
@@ -182,7 +177,9 @@ def _written(block: Block, _: Text) -> str:
                 "blank", number=number, task=latex_words(task), points=points, displays=displays(rows, kept=False)
             )
         case Table(header, rows, long):
-            head, *body = (_strut(row) + " & ".join(map(latex_words, row)) for row in (header, *rows))
+            struts = ("\\rule[-1.3ex]{0pt}{4ex}" * any("frac" in cell for cell in row) for row in (header, *rows))
+            cells = (" & ".join(map(latex_words, row)) for row in (header, *rows))
+            head, *body = map(str.__add__, struts, cells)  # struts keep fractions off the rules
             return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
         case Figure(drawing, caption):
             return _macro("figure", drawing=latex_drawing(drawing), caption=latex_words(caption))
@@ -190,7 +187,7 @@ def _written(block: Block, _: Text) -> str:
             return _macro("steps", title=latex_words(title), blocks=_joined(blocks, _, is_open=True))
 
 
-def omitted_words(block: Formula, _: Text) -> str:
+def omitted_words(block: SheetFormula, _: Text) -> str:
     """What stands before the numbers of terms of entries that are left out."""
     if block.function:
         return _(
@@ -199,11 +196,6 @@ def omitted_words(block: Formula, _: Text) -> str:
             function=block.function,
         )
     return _("These entries are too long to print; multiplied out they have so many terms:")
-
-
-def _strut(row: Iterable[str]) -> str:
-    """What keeps fractions off the rules of a table."""
-    return "\\rule[-1.3ex]{0pt}{4ex}" if any("frac" in cell for cell in row) else ""
 
 
 def _gap(gap: Gap) -> str:

@@ -97,54 +97,35 @@ class PoseEntries(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class NotationOptions:
-    """How symbols are written.
+    """How symbols are written."""
 
-    Attributes:
-        angle: Variables of revolute joints; ``name`` as in the robot file.
-        prismatic: Variables of prismatic joints.
-        functions: Sines and cosines.
-        frames: Frames of a transform.
-        inertia: The inertia matrix.
-        pose: The rotation of the pose that the inverse kinematics is given.
-    """
-
-    angle: AngleLetter = AngleLetter.NAME
-    prismatic: SliderLetter = SliderLetter.NAME
-    functions: Functions = Functions.SHORT
-    frames: FrameIndices = FrameIndices.RIGHT
-    inertia: InertiaLetter = InertiaLetter.B
-    pose: PoseEntries = PoseEntries.ENTRIES
+    angle: AngleLetter = AngleLetter.NAME  # variables of revolute joints; ``name`` as in the robot file
+    prismatic: SliderLetter = SliderLetter.NAME  # variables of prismatic joints
+    functions: Functions = Functions.SHORT  # sines and cosines
+    frames: FrameIndices = FrameIndices.RIGHT  # frames of a transform
+    inertia: InertiaLetter = InertiaLetter.B  # the inertia matrix
+    pose: PoseEntries = PoseEntries.ENTRIES  # the rotation of the pose that the inverse kinematics is given
 
 
 @dataclass(frozen=True, slots=True)
 class HandoutOptions:
-    """What a handout shows.
+    """What a handout shows."""
 
-    Attributes:
-        parts: Which parts, a subset of `PARTS`, by default `USUAL_PARTS`; printed in their order there.
-        derivation: Results only, or the steps to them.
-        language: Code of a language that has a message catalogue.
-        notation: How symbols are written.
-        pages: Most pages of the printed sheet; 0 for any number.
-    """
-
+    # Which parts, a subset of `PARTS`, by default `USUAL_PARTS`; printed in their order there.
     parts: tuple[str, ...] = USUAL_PARTS
-    derivation: Derivation = Derivation.RESULT
-    language: str = "en"
-    notation: NotationOptions = field(default_factory=NotationOptions)
-    pages: int = 20
+    derivation: Derivation = Derivation.RESULT  # results only, or the steps to them
+    language: str = "en"  # code of a language that has a message catalogue
+    notation: NotationOptions = field(default_factory=NotationOptions)  # how symbols are written
+    pages: int = 20  # most pages of the printed sheet; 0 for any number
 
 
 @dataclass(frozen=True, slots=True)
 class FigureOptions:
-    """The configuration that is drawn and computed.
+    """The configuration that is drawn and computed."""
 
-    Attributes:
-        q: Value of every joint variable [rad or m]; None for none but the zero configuration.
-        values: Numbers for symbols that have none [SI units, rad], for the drawing and the numeric example only.
-    """
-
+    # Value of every joint variable [rad or m]; None for none but the zero configuration.
     q: tuple[Expression, ...] | None = None
+    # Numbers for symbols that have none [SI units, rad], for the drawing and the numeric example only.
     values: tuple[tuple[str, Expression], ...] = ()
 
 

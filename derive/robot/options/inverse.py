@@ -33,16 +33,12 @@ POSE: Task = TASKS["pose"]
 
 @dataclass(frozen=True, slots=True)
 class InverseOptions:
-    """What inverse kinematics is asked for.
+    """What inverse kinematics is asked for."""
 
-    Attributes:
-        task: Rows of the task.
-        given: Names of the joint variables that are arguments; None where the derivation chooses them.
-        location: Where the file says so, for messages; None where it does not.
-    """
-
-    task: Task = POSE
+    task: Task = POSE  # rows of the task
+    # Names of the joint variables that are arguments; None where the derivation chooses them.
     given: tuple[str, ...] | None = None
+    # Where the file says so, for messages; None where it does not.
     location: Location | None = field(default=None, compare=False, repr=False)
 
 

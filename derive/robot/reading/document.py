@@ -58,11 +58,7 @@ class Document:
     what: str = "the robot file"  # what it is, for messages
 
     def find(self, path: KeyPath) -> Node | None:
-        """What stands at a place.
-
-        Returns:
-            The node, or None where the file has none.
-        """
+        """What stands at a place; None where the file has nothing there."""
         node: Node | None = self.root
         for part in path:
             if isinstance(node, YamlMapping):
@@ -74,11 +70,7 @@ class Document:
         return node
 
     def scalar(self, path: KeyPath) -> YamlScalar | None:
-        """The text at a place.
-
-        Returns:
-            The text with its position, or None where the file has none.
-        """
+        """The text at a place, with its position; None where the file has none."""
         node = self.find(path)
         return node if isinstance(node, YamlScalar) else None
 
@@ -139,11 +131,7 @@ def read_document(data: bytes, source: str) -> Document:
 
 
 def read_tree(data: bytes, source: str) -> Node | None:
-    """Parse a file to its tree of texts.
-
-    Returns:
-        The root, or None where the file is empty.
-    """
+    """Parse a file to its tree of texts; None where the file is empty."""
     if len(data) > FILE_LIMITS.size:
         raise RobotFileError(
             f"file larger than {FILE_LIMITS.size} bytes",
@@ -162,7 +150,7 @@ def read_tree(data: bytes, source: str) -> Node | None:
             found, place = f"control character U+{ord(character):04X}", _location(text, index, source)
             raise RobotFileError(found, allowed="allowed: plain text", remedy=remedy, location=place)
     try:
-        return _Builder(text, source).build()
+        return _TreeBuilder(text, source).build()
     except yaml.YAMLError as error:
         raise _yaml_error(error, text, source) from None
 
@@ -171,7 +159,7 @@ def _location(text: str, index: int, source: str) -> Location:
     return Location(source, text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index))
 
 
-class _Builder:
+class _TreeBuilder:
     """Builds the tree from YAML events with an explicit stack, so that nesting cannot exhaust Python's."""
 
     def __init__(self, text: str, source: str) -> None:

@@ -154,10 +154,6 @@ _NAME, _BLOCK = "<name>", "<block>"
 FORMS = (_NAME, "<list>", _BLOCK)
 
 
-def _form_of_style(value: Any) -> str:
-    return _BLOCK if isinstance(value, dict) else _NAME
-
-
 class StyleRow(Strict):
     """How books differ: what is grouped first in each kind of quantity. What is left out is as in the set `name`."""
 
@@ -193,15 +189,12 @@ class FigureRow(Strict):
     )
 
 
-def _form_of_task(value: Any) -> str:
-    return _BLOCK if isinstance(value, list) else _NAME
-
-
 class InverseRow(Strict):
     """What inverse kinematics is asked for."""
 
     task: Annotated[
-        Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], Discriminator(_form_of_task)
+        Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)],
+        Discriminator(lambda value: _BLOCK if isinstance(value, list) else _NAME),
     ] = Field(default="pose", description="The whole pose, the position, or some rows of the pose.")
     given: list[Symbol] | None = Field(
         default=None, description="Joint variables that are arguments; default: the joints that are too many."
@@ -238,7 +231,8 @@ class RobotFile(Strict):
     )
     runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
     style: Annotated[
-        Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], Discriminator(_form_of_style)
+        Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)],
+        Discriminator(lambda value: _BLOCK if isinstance(value, dict) else _NAME),
     ] = Field(default=DEFAULT_STYLE, description="How printed expressions are grouped: a name, or a block of options.")
     contraction: Literal["aligned", "opposed"] = Field(
         default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
@@ -322,7 +316,6 @@ def _plain(node: Node) -> Any:
 
 
 def _refusal(document: Document, model: type[BaseModel], violation: Any) -> RobotFileError:
-    """The message for one violation that pydantic found."""
     path: KeyPath = tuple(part for part in violation["loc"] if part not in FORMS)
     key, kind = str(path[-1]) if path else "", violation["type"]
     node = document.find(path)
@@ -379,7 +372,6 @@ def _found(node: Node | None) -> str:
 
 
 def _expected(model: type[BaseModel], path: KeyPath, kind: str) -> str:
-    """What is allowed where something of another kind was found."""
     if path[-1:] in (("name",), ("title",), ("language",)) or (path[:1], path[-1:]) == (("joints",), ("q",)):
         return "allowed: a text"
     if path[:2] == ("handout", "parts") and kind == "string_type":
@@ -401,7 +393,6 @@ def _is_model(kind: Any) -> bool:
 
 
 def _said(annotation: Any) -> str:
-    """A kind of value in words."""
     if _is_model(annotation):
         return f"a mapping with the keys {listed(annotation.model_fields)}"
     words = {str: "one number, name or expression", dict: "a mapping"}

@@ -7,14 +7,14 @@ import pytest
 
 from derive.handouts.figure.arm import WIDTH, arm_drawing
 from derive.handouts.figure.convention import convention_drawing
-from derive.handouts.figure.drawing import Drawing, Label, Path, Run, label_runs, label_width
+from derive.handouts.figure.drawing import Drawing, Label, LabelRun, Path, label_runs, label_width
 from derive.handouts.figure.writers import PREAMBLE, SUFFIXES, drawing_bytes, latex_drawing, svg_drawing
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.robot.description import Convention
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 
 NAMES = ("scara-perugia", "puma560-corke", "human-body", "spherical-arm")
 
@@ -32,7 +32,7 @@ def test_latex_needs_no_package_and_fits_the_page(tmp_path: File) -> None:
     document = f"{head}\\begin{{document}}\n{body}\n\\end{{document}}\n"
     log = run_latex(document, tmp_path)
     assert log.status == 0, log.errors
-    assert log.overfull == 0.0
+    assert overfull(log) == 0.0
 
 
 def test_lines_of_latex_are_short_enough_for_any_tex() -> None:
@@ -95,7 +95,7 @@ def test_convention_shows_its_four_parameters(convention: Convention) -> None:
 
 
 def test_labels_are_read_as_runs() -> None:
-    assert label_runs("a_{12}") == (Run("a"), Run("12", "upright", -1))
-    assert label_runs(r"\vartheta _{1}") == (Run("\N{GREEK THETA SYMBOL}"), Run("1", "upright", -1))
+    assert label_runs("a_{12}") == (LabelRun("a"), LabelRun("12", "upright", -1))
+    assert label_runs(r"\vartheta _{1}") == (LabelRun("\N{GREEK THETA SYMBOL}"), LabelRun("1", "upright", -1))
     assert "".join(run.text for run in label_runs(r"-0.5\,\mathrm{m}")) == "\N{MINUS SIGN}0.5\N{THIN SPACE}m"
     assert label_width("x_{0},x_{1}") > label_width("x_{0}") > 0

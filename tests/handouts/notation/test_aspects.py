@@ -2,7 +2,7 @@
 
 import json
 
-from derive.handouts.notation.aspects import aspects_parts, aspects_text
+from derive.handouts.notation.singularities import aspects_parts, aspects_text
 from derive.handouts.notation.text import TextPrinter
 from derive.model.model import Model
 from derive.robot.robot import Robot

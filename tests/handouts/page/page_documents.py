@@ -7,11 +7,11 @@ from derive.handouts.sheet.document import (
     Document,
     Entry,
     Figure,
-    Formula,
     Gap,
     Paragraph,
     Rows,
     Section,
+    SheetFormula,
     Steps,
     Table,
 )
@@ -29,8 +29,8 @@ ENTRIES = (
 )
 
 
-def result() -> Formula:
-    return Formula(
+def result() -> SheetFormula:
+    return SheetFormula(
         rows=(Rows((MATRIX, rf"b_{{11}} = {LONG}")),),
         named=(r"\sigma_{1} = \frac{1}{2}m_{1}c_{12}",),
         omitted=(r"b_{33} \colon\ 12\,345\text{ terms}",),

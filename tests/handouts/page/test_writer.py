@@ -9,7 +9,7 @@ import pytest
 
 from derive.handouts.page.viewer import Viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
-from derive.handouts.sheet.document import Formula, Rows, blocks_of
+from derive.handouts.sheet.document import Rows, SheetFormula, blocks_of
 from derive.handouts.sheet.language import Text
 from tests.handouts.page.page_documents import ENTRIES, TITLE, document
 
@@ -89,7 +89,7 @@ def test_every_formula_stands_in_the_page_as_its_latex(html: str) -> None:
 
 
 def lines_of(block: object) -> list[str]:
-    if isinstance(block, Formula):
+    if isinstance(block, SheetFormula):
         return [*block.named, *(line for rows in block.rows for line in rows.lines), *block.omitted]
     return list(block.lines) if isinstance(block, Rows) else []
 

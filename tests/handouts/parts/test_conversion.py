@@ -4,7 +4,7 @@ import pytest
 
 from derive.handouts.assemble import context_of, document
 from derive.handouts.parts.conversion import conversion
-from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Table
+from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Table
 from derive.robot.options.handout import HandoutOptions
 from derive.robot.robot import Robot
 
@@ -33,7 +33,7 @@ def test_the_new_table_has_a_neighbours_factors() -> None:
     (table,) = [block for block in blocks("puma560-corke") if isinstance(block, Table)]
     assert table.header[2:4] == ("$\\alpha_{i-1}$", "$a_{i-1}$")
     assert [row[2:4] for row in table.rows[:3]] == [("$0$", "$0$"), ("$90^{\\circ}$", "$0$"), ("$0$", "$a_{2}$")]
-    assert len([block for block in blocks("puma560-corke") if isinstance(block, Formula)]) > 0
+    assert len([block for block in blocks("puma560-corke") if isinstance(block, SheetFormula)]) > 0
 
 
 def test_links_are_shown_as_far_as_they_are_written_otherwise() -> None:

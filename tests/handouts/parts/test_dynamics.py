@@ -16,7 +16,7 @@ import pytest
 from derive.handouts.assemble import section_of
 from derive.handouts.parts.bodies import bodies
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handouts.sheet.document import Document, Paragraph, Rows, Section, SheetFormula, Steps, blocks_of
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.model.dynamic_entries import ModelEntries
@@ -29,7 +29,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import catalogue, robot_text, sampled
 
 Array = npt.NDArray[np.float64]
@@ -76,7 +76,7 @@ def random_arm(seed: int) -> Robot:
 def entries_of(section: Section | None) -> dict[str, str]:
     """Name of every printed entry -> its Python expression."""
     assert section is not None
-    formulas = [block for block in blocks_of(section) if isinstance(block, Formula)]
+    formulas = [block for block in blocks_of(section) if isinstance(block, SheetFormula)]
     return {entry.name: entry.python for block in formulas for entry in block.entries}
 
 
@@ -85,7 +85,9 @@ def omitted_of(section: Section) -> str:
     return "\n".join(
         line
         for block in blocks
-        for line in (block.omitted if isinstance(block, Formula) else block.lines if isinstance(block, Rows) else ())
+        for line in (
+            block.omitted if isinstance(block, SheetFormula) else block.lines if isinstance(block, Rows) else ()
+        )
     )
 
 
@@ -398,4 +400,4 @@ def test_the_pages_have_no_error_and_nothing_outside_the_margins(key: str | int,
     log = run_latex(latex(document_of(context), Text()), tmp_path)
     assert not log.errors
     assert log.status == 0
-    assert log.overfull <= WORST_OVERFULL
+    assert overfull(log) <= WORST_OVERFULL

@@ -18,10 +18,10 @@ from derive.handouts.sheet.document import (
     Blank,
     Document,
     Figure,
-    Formula,
     Paragraph,
     Rows,
     Section,
+    SheetFormula,
     Steps,
     Table,
     blocks_of,
@@ -37,7 +37,7 @@ from derive.robot.names import free_symbols
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.inverse.arms import PUBLISHED, ArmCase
 from tests.random_robots import robot_text
 
@@ -70,7 +70,7 @@ def printed(section: Section) -> list[str]:
     return [
         line
         for block in blocks_of(section)
-        for rows in (block.rows if isinstance(block, Formula) else (block,) if isinstance(block, Rows) else ())
+        for rows in (block.rows if isinstance(block, SheetFormula) else (block,) if isinstance(block, Rows) else ())
         for line in rows.lines
     ]
 
@@ -81,7 +81,7 @@ def solved(robot: Robot) -> Robot:
 
 def copied(section: Section) -> list[str]:
     """What the buttons of the page copy: definitions and formulas as assignments, in their order."""
-    found = [block for block in section.blocks if isinstance(block, Formula) and block.entries]
+    found = [block for block in section.blocks if isinstance(block, SheetFormula) and block.entries]
     return [entry.python for block in found if block.function != "inverse_kinematics" for entry in block.entries]
 
 
@@ -159,7 +159,7 @@ def test_a_redundant_arm_says_what_is_given_and_a_long_one_how_it_is_solved() ->
     assert "redundant of degree $R = N - M = 1$" in words(part(Robot.load("kuka-lwr4")))
     section = part(Robot.load("human-body"))
     assert "Of an arm with 21 joints no closed form is derived" in words(section)
-    assert not any(isinstance(block, Formula) for block in section.blocks)
+    assert not any(isinstance(block, SheetFormula) for block in section.blocks)
 
 
 def test_conditions_of_few_joints_are_printed() -> None:
@@ -172,7 +172,7 @@ def test_the_example_draws_its_configurations_over_each_other(name: str) -> None
     section = part(Robot.load(name))
     (figure,) = (block for block in section.blocks if isinstance(block, Figure))
     assert figure.drawing.width <= 380
-    table = next(b for b in section.blocks if isinstance(b, Formula) and b.function == "inverse_kinematics")
+    table = next(b for b in section.blocks if isinstance(b, SheetFormula) and b.function == "inverse_kinematics")
     configurations = np.array(eval(table.entries[0].python, {"__builtins__": {}}))
     assert len(configurations) >= 2
     robot = Robot.load(name)
@@ -185,7 +185,7 @@ def test_the_example_draws_its_configurations_over_each_other(name: str) -> None
 
 def test_a_single_joint_has_no_example() -> None:
     blocks = list(inverse(context_of(Robot.load("dh-general-laschi"))))
-    assert any(isinstance(block, Formula) and block.entries for block in blocks)
+    assert any(isinstance(block, SheetFormula) and block.entries for block in blocks)
     assert not any(isinstance(block, Table | Figure) for block in blocks)
 
 
@@ -208,7 +208,7 @@ def test_an_exercise_asks_for_each_unknown_and_shows_no_answer() -> None:
     tasks = [block.task for block in section.blocks if isinstance(block, Blank)]
     assert "Solve the inverse kinematics for $q_{2}$." in tasks
     assert "Which conditions must a pose satisfy so that the arm can reach it?" in tasks
-    assert not any(isinstance(block, Table | Figure | Steps | Formula) for block in section.blocks)
+    assert not any(isinstance(block, Table | Figure | Steps | SheetFormula) for block in section.blocks)
     shown = words(section) + "".join(printed(section))
     assert "D" not in "".join(printed(section))
     assert not any(word in shown for word in ("elbow", "entries (", "solutions, real", "configuration"))
@@ -278,7 +278,7 @@ def test_long_conditions_and_equations_stay_within_the_margins(seed: int, tmp_pa
     context = context_of(robot, replace(robot.handout, language=language, parts=("inverse",)))
     log = run_latex(latex(document(context), context.text), tmp_path)
     assert not log.errors
-    assert log.overfull <= 1.0
+    assert overfull(log) <= 1.0
 
 
 @pytest.mark.parametrize("case", [c for c in PUBLISHED if c.name in ("scara-wrist", "crx-10ia")], ids=lambda c: c.name)

@@ -15,7 +15,7 @@ from derive.handouts.assemble import section_of
 from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.handouts.parts.example import ANGLES, configuration, numbers_of
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Document, Formula, Paragraph, Rows, Section, blocks_of
+from derive.handouts.sheet.document import Document, Paragraph, Rows, Section, SheetFormula, blocks_of
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.mechanics.floats import value_at
@@ -29,7 +29,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.workspace.poses import RobotPoses
 from tests.evaluate import evaluate
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import random_robot, robot_text, sampled, seeds
 
 TENTH = Fraction(1, 10)
@@ -67,7 +67,7 @@ def part_of(context: Context, name: str) -> Section:
 def mathematics(section: Section) -> str:
     lines: list[str] = []
     for block in blocks_of(section):
-        rows = block.rows if isinstance(block, Formula) else (block,) if isinstance(block, Rows) else ()
+        rows = block.rows if isinstance(block, SheetFormula) else (block,) if isinstance(block, Rows) else ()
         lines += [line for part in rows for line in part.lines]
     return "\n".join(lines)
 
@@ -95,7 +95,7 @@ def assert_compiles(robot: Robot, folder: Path, **options: object) -> None:
     document = Document("Arm", "", robot.name, "en", "0" * 64, "0.0.0", "", sections)
     log = run_latex(latex(document, context.text), folder)
     assert not log.errors
-    assert log.overfull <= 1.0
+    assert overfull(log) <= 1.0
 
 
 # -- on paper
@@ -222,7 +222,7 @@ def test_the_numbers_equal_those_of_the_independent_recursion(seed: int) -> None
 
 def test_what_is_copied_is_what_is_computed() -> None:
     robot = Robot.from_text(ARM)
-    formulas = [b for b in blocks_of(section_of_example(robot)) if isinstance(b, Formula)]
+    formulas = [b for b in blocks_of(section_of_example(robot)) if isinstance(b, SheetFormula)]
     q = configuration(robot).q
     for formula, name in zip(formulas, "TJB", strict=False):
         np.testing.assert_allclose(json.loads(formula.entries[0].python), value_at(robot, name, q), atol=1e-11)
@@ -257,8 +257,8 @@ def test_lengths_without_numbers_are_those_of_the_drawing() -> None:
     assert "assumed" in words(section)
     assert all(f"= {value:g}\\,\\mathrm{{m}}" in mathematics(section) for _name, value, _unit in stated)
     numbers = replace(robot, parameters=tuple((name, Number(Fraction(str(value)))) for name, value, _unit in stated))
-    end = next(block for block in section.blocks if isinstance(block, Formula))
-    given = next(block for block in section_of_example(numbers).blocks if isinstance(block, Formula))
+    end = next(block for block in section.blocks if isinstance(block, SheetFormula))
+    given = next(block for block in section_of_example(numbers).blocks if isinstance(block, SheetFormula))
     assert end.rows == given.rows
 
 

@@ -20,7 +20,7 @@ from derive.handouts.parts.recursion import JointLetters, Recursion
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handouts.sheet.document import Block, Paragraph, Rows, Section, SheetFormula, Steps, blocks_of
 from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
@@ -50,7 +50,7 @@ def blocks(part: str, robot: str, derivation: Derivation) -> tuple[Block, ...]:
 
 
 def lines(found: Iterable[Block]) -> list[str]:
-    rows = [row for block in found if isinstance(block, Formula) for row in block.rows]
+    rows = [row for block in found if isinstance(block, SheetFormula) for row in block.rows]
     rows += [block for block in found if isinstance(block, Rows)]
     return [line for row in rows for line in row.lines]
 
@@ -60,8 +60,8 @@ def lines(found: Iterable[Block]) -> list[str]:
 def test_steps_add_to_the_result_and_take_nothing_away(part: str, robot: str) -> None:
     result, stepwise = (blocks(part, robot, derivation) for derivation in (Derivation.RESULT, Derivation.STEPS))
     assert not [block for block in result if isinstance(block, Steps)]
-    shown = [block.rows for block in stepwise if isinstance(block, Formula)]
-    assert all(block.rows in shown for block in result if isinstance(block, Formula))
+    shown = [block.rows for block in stepwise if isinstance(block, SheetFormula)]
+    assert all(block.rows in shown for block in result if isinstance(block, SheetFormula))
     assert len(stepwise) >= len(result)
 
 

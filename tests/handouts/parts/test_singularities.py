@@ -6,7 +6,7 @@ import pytest
 
 from derive.handouts.assemble import section_of
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Formula, Paragraph, Section, Steps, blocks_of
+from derive.handouts.sheet.document import Paragraph, Section, SheetFormula, Steps, blocks_of
 from derive.handouts.sheet.language import Text
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
@@ -24,7 +24,7 @@ def part(robot: Robot, *, steps: bool = False, text: Text | None = None) -> Sect
 
 
 def lines(found: Section) -> list[str]:
-    formulas = [block for block in found.blocks if isinstance(block, Formula)]
+    formulas = [block for block in found.blocks if isinstance(block, SheetFormula)]
     return [line for formula in formulas for rows in formula.rows for line in rows.lines]
 
 
@@ -46,11 +46,11 @@ def test_the_steps_show_the_blocks() -> None:
     robot = Robot.load("stanford-deluca")
     assert not any(isinstance(block, Steps) for block in part(robot).blocks)
     steps = next(block for block in part(robot, steps=True).blocks if isinstance(block, Steps))
-    assert sum(isinstance(block, Formula) for block in steps.blocks) == 2
+    assert sum(isinstance(block, SheetFormula) for block in steps.blocks) == 2
 
 
 def test_the_results_can_be_left_blank() -> None:
-    formulas = [block for block in part(Robot.load("planar-2r-perugia")).blocks if isinstance(block, Formula)]
+    formulas = [block for block in part(Robot.load("planar-2r-perugia")).blocks if isinstance(block, SheetFormula)]
     assert formulas
     assert all(formula.blanks for formula in formulas)
 
@@ -80,7 +80,7 @@ def test_every_robot_of_the_catalogue_has_the_part(name: str) -> None:
 def test_every_random_robot_has_the_part(seed: int) -> None:
     robot = Robot.from_text(random_robot(random.Random(seed), dynamics=False).text)
     for block in blocks_of(part(robot, steps=True)):
-        if isinstance(block, Formula):
+        if isinstance(block, SheetFormula):
             assert block.rows or block.omitted
             printed = (line.replace("\\{", "").replace("\\}", "") for rows in block.rows for line in rows.lines)
             assert all(line.count("{") == line.count("}") for line in printed)

@@ -9,7 +9,7 @@ from derive.handouts.assemble import context_of, document
 from derive.handouts.render import Format, handout_files
 from derive.handouts.sheet import budget
 from derive.handouts.sheet.budget import USEFULNESS, pages, within
-from derive.handouts.sheet.document import Document, Formula, Paragraph, Rows, Section, Steps, Table, blocks_of
+from derive.handouts.sheet.document import Document, Paragraph, Rows, Section, SheetFormula, Steps, Table, blocks_of
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.options.handout import PARTS, Derivation
@@ -18,7 +18,7 @@ from tests.handouts.latex_runner import require_latex, run_latex
 from tests.random_robots import swept_catalogue
 
 SHORT = Rows(("a = b",))
-LONG = Formula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",))
+LONG = SheetFormula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",))
 
 
 def sheet(**sections: tuple[object, ...]) -> Document:

@@ -4,11 +4,10 @@ import pytest
 
 from derive.handouts.sheet.document import (
     Document,
-    Formula,
-    Kind,
     Paragraph,
     Rows,
     Section,
+    SheetFormula,
     Steps,
     blocks_of,
     rows_of,
@@ -21,7 +20,7 @@ SECTION = Section("table", "Table", (Paragraph("one"), Steps("two", (ROWS, Parag
 
 def test_a_text_has_words_mathematics_and_code() -> None:
     found = list(spans("The matrix $\\mathbf{B}$ of `inertia_matrix`."))
-    assert [span.kind for span in found] == [Kind.WORDS, Kind.MATHEMATICS, Kind.WORDS, Kind.CODE, Kind.WORDS]
+    assert [span.kind.value for span in found] == ["words", "mathematics", "words", "code", "words"]
     assert [span.text for span in found] == ["The matrix ", "\\mathbf{B}", " of ", "inertia_matrix", "."]
     assert list(spans("")) == []
 
@@ -33,7 +32,7 @@ def test_blocks_inside_of_steps_are_blocks_of_the_section() -> None:
 
 def test_rows_stand_alone_or_in_a_formula() -> None:
     assert rows_of(ROWS) == (ROWS,)
-    assert rows_of(Formula((ROWS, ROWS))) == (ROWS, ROWS)
+    assert rows_of(SheetFormula((ROWS, ROWS))) == (ROWS, ROWS)
     assert rows_of(SECTION.blocks[1]) == ()
 
 

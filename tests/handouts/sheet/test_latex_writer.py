@@ -8,13 +8,13 @@ import pytest
 
 from derive.handouts.assemble import context_of, document
 from derive.handouts.layout.quantity import POLICY, SheetPolicy
-from derive.handouts.sheet.document import Block, Document, Formula, Paragraph, Rows, Section, Steps, Table
+from derive.handouts.sheet.document import Block, Document, Paragraph, Rows, Section, SheetFormula, Steps, Table
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import overfull, run_latex
 
 WORST_OVERFULL = 1.0
 MOST_PAGES = 40
@@ -44,7 +44,7 @@ def assert_is_clean(text: str, folder: Path) -> None:
     log = run_latex(text, folder)
     assert not log.errors
     assert log.status == 0
-    assert log.overfull <= WORST_OVERFULL
+    assert overfull(log) <= WORST_OVERFULL
     assert 1 <= log.pages <= MOST_PAGES
 
 
@@ -118,7 +118,7 @@ def test_the_whole_matrix_is_printed_where_it_fits() -> None:
     assert "With the abbreviations" in sheet(Robot.load("puma560-laschi"))
 
 
-NOTED = Formula((DISPLAY,), note="They end.")
+NOTED = SheetFormula((DISPLAY,), note="They end.")
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ NOTED = Formula((DISPLAY,), note="They end.")
         (NOTED, Paragraph("Others begin.")),
         (Paragraph("Before."), NOTED, Paragraph("Others begin.")),
         (DISPLAY, NOTED, Paragraph("Others begin.")),
-        (NOTED, Formula((DISPLAY,), named=("c = d",), note="Others begin.")),
+        (NOTED, SheetFormula((DISPLAY,), named=("c = d",), note="Others begin.")),
         (Steps("Steps", (NOTED,)), Paragraph("Others begin.")),
         (Steps("Steps", (Paragraph("They end."), NOTED)), Paragraph("Others begin.")),
     ],

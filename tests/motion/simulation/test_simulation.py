@@ -12,9 +12,8 @@ from scipy import integrate
 
 from derive.errors import RobotFileError, TargetError
 from derive.motion.motion import Motion
-from derive.motion.simulation.control import NEEDS
 from derive.motion.simulation.simulation import Run
-from derive.motion.simulation.stages import stages_of
+from derive.motion.simulation.stages import NEEDS, stages_of
 from derive.plans.points import Payload
 from derive.plans.profile import Profile
 from derive.plans.schema import Law

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from derive.programs.formulations import dynamics, identification, kinematics
+from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.parallel_axes import parallel_runs
 from derive.programs.formulations.trace import Trace
 from derive.programs.optimise.search_policy import Effort
@@ -30,9 +30,9 @@ FORMULATIONS = {
     "C qd": dynamics.coriolis_vectors,
     "d tau / d q": dynamics.torque_position_derivatives,
     "d tau / d qd": dynamics.torque_velocity_derivatives,
-    "Y": identification.regressors,
-    "Y_b": identification.base_regressors,
-    "beta": identification.base_parameters,
+    "Y": dynamics.regressors,
+    "Y_b": dynamics.base_regressors,
+    "beta": dynamics.base_parameters,
 }
 
 

@@ -11,7 +11,7 @@ from derive.model.model import Model
 from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard_parameters
+from derive.robot.inertial_parameters import REGRESSOR_JOINTS, has_regressor, standard_parameters
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
@@ -85,8 +85,8 @@ def test_generated_functions_give_the_torques_and_what_the_formulas_say(seed: in
 
 
 def test_long_arms_have_no_generated_regressor() -> None:
-    rows = "\n".join("  - {type: revolute, a: 0.1, alpha: pi/2}" for _ in range(MAX_JOINTS + 1))
-    links = "\n".join("  - {mass: 1}" for _ in range(MAX_JOINTS + 1))
+    rows = "\n".join("  - {type: revolute, a: 0.1, alpha: pi/2}" for _ in range(REGRESSOR_JOINTS + 1))
+    links = "\n".join("  - {mass: 1}" for _ in range(REGRESSOR_JOINTS + 1))
     robot = Robot.from_text(f"name: long\ntitle: long\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n")
     assert not has_regressor(robot)
     assert identification_program(robot).functions == ()

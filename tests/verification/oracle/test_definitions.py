@@ -7,7 +7,7 @@ from derive.model.identification.base_parameters import base_set
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle import frames, newton
-from derive.verification.oracle.frames import Arm, Array, numeric_arm
+from derive.verification.oracle.frames import Array, NumericArm, numeric_arm
 from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from derive.verification.oracle.identification import Identification
 
@@ -19,12 +19,12 @@ def numbers_for(robot: Robot) -> dict[str, float]:
     return {symbol: 0.3 + 0.1 * place for place, symbol in enumerate(free_symbols(robot))}
 
 
-def arm_of(name: str) -> Arm:
+def arm_of(name: str) -> NumericArm:
     robot = Robot.load(name)
     return numeric_arm(robot, numbers_for(robot))
 
 
-def configurations(arm: Arm, count: int = 5) -> Array:
+def configurations(arm: NumericArm, count: int = 5) -> Array:
     return np.random.default_rng(4).uniform(-1.0, 1.0, (count, arm.n))
 
 
