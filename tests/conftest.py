@@ -1,7 +1,7 @@
 """What holds for all tests: two workers share two cores, and a busy machine is no fault; examples are the same for all.
 
 With ``DERIVE_NEW_EXAMPLES=1`` in the environment every run draws others, and sweeps take the seeds after that number.
-With ``DERIVE_SWEEP_SHARE=3`` a sweep takes of each test every third case, the first among them.
+With ``DERIVE_SWEEP_SHARE=4`` a sweep takes of each test every fourth case, the first among them.
 """
 
 import gc

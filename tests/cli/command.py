@@ -94,3 +94,10 @@ def environment(**variables: str) -> dict[str, str]:
 
 def is_one_message(text: str) -> bool:
     return text.startswith("derive") and ": error: " in text and text.count("\n") == 1
+
+
+def refused(*arguments: str, folder: Path, **variables: str) -> Outcome:
+    """Run ``derive`` with what it must refuse: status 2, and one message."""
+    done = derive(*arguments, folder=folder, **variables)
+    assert (done.status, is_one_message(done.stderr)) == (2, True), done.stderr
+    return done

@@ -13,7 +13,7 @@ import pytest
 from derive.cli import schema
 from derive.cli.main import main
 from derive.errors import VerificationError
-from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message
+from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message, refused
 
 WRONG = {
     "unknown command": ("frobnicate",),
@@ -38,9 +38,7 @@ WRONG = {
 
 @pytest.mark.parametrize("arguments", WRONG.values(), ids=WRONG.keys())
 def test_wrong_input_is_refused_in_one_line_with_status_2(arguments: tuple[str, ...], tmp_path: Path) -> None:
-    outcome = derive(*arguments, folder=tmp_path)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr), outcome.stderr
+    outcome = refused(*arguments, folder=tmp_path)
     assert outcome.stdout == ""
     assert list(tmp_path.iterdir()) == []
 
@@ -52,13 +50,6 @@ def test_message_of_a_robot_file_names_file_line_and_column(tmp_path: Path) -> N
     assert outcome.stderr.startswith("derive: error: arm.yaml:4:")
     assert "did you mean 'alpha'" in outcome.stderr
     assert not (tmp_path / "generated").exists()
-
-
-@pytest.mark.parametrize("joints", ["1", "2", "6"])
-def test_new_file_loads_as_it_is(joints: str, tmp_path: Path) -> None:
-    assert derive("new", "arm", "--joints", joints, folder=tmp_path).status == 0
-    outcome = derive("show", "arm.yaml", "T", folder=tmp_path)
-    assert outcome.status == 0, outcome.stderr
 
 
 def test_output_on_an_ascii_terminal_is_escaped(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from derive.cli import import_
 from derive.errors import install_extra
-from tests.cli.command import derive, is_one_message
+from tests.cli.command import derive, refused
 from tests.exchange.urdfs import HALF, J, body, urdf
 
 ARM = urdf(
@@ -97,18 +97,14 @@ def test_all_tips_get_files(folder: Path) -> None:
 )
 def test_wrong_input_is_one_message_and_writes_nothing(folder: Path, arguments: list[str]) -> None:
     before = sorted(folder.iterdir())
-    done = derive("import", *arguments, folder=folder)
-    assert done.status == 2
-    assert is_one_message(done.stderr), done.stderr
+    done = refused("import", *arguments, folder=folder)
     assert not done.stdout
     assert sorted(folder.iterdir()) == before
 
 
 def test_without_lxml_the_message_says_what_to_install(folder: Path) -> None:
     with mock.patch.dict("sys.modules", {"lxml": None}):
-        done = derive("import", "arm.urdf", folder=folder)
-    assert done.status == 2
-    assert is_one_message(done.stderr)
+        done = refused("import", "arm.urdf", folder=folder)
     assert install_extra("exchange") in done.stderr
 
 

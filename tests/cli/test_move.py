@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from derive.cli.main import main
-from derive.cli.move import DESCRIPTION
 from derive.plans.catalogue import plan_names
 from derive.robot.load import catalogue_names
 from tests.cli.command import derive, is_one_message
@@ -203,12 +201,3 @@ def test_new_copies_a_built_in_plan_and_overwrites_nothing(tmp_path: Path) -> No
     assert derive("new", "mine", "--from", "skeleton-reach", folder=tmp_path).status == 2
     assert "--joints with --plan" in derive("new", "x", "--plan", "thumb", "--joints", "2", folder=tmp_path).stderr
     assert derive("new", "X!", "--plan", "thumb", folder=tmp_path).status == 2
-
-
-def test_help_of_move_names_every_option(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["move", "--help"])
-    assert stop.value.code == 0
-    said = capsys.readouterr().out
-    assert all(line in said for line in DESCRIPTION.splitlines())
-    assert all(option in said for option in ("--simulate", "--csv", "--plot", "--gif", "--mp4", "--json", "--show"))

@@ -11,6 +11,7 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain
 from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.workspace.point import ArmPoint, joint_ranges
 from derive.workspace.poses import RobotPoses
@@ -21,7 +22,8 @@ from tests.cli.command import PENDULUM, derive
 @pytest.mark.parametrize("joints", [*range(1, 9), 64])
 def test_a_new_file_loads_without_a_remark(joints: int) -> None:
     robot = Robot.from_text(new_robot_text("my-arm", joints=joints))
-    assert (robot.n, robot.remarks, len(robot.links)) == (joints, (), joints)
+    assert (robot.name, robot.n, robot.remarks, len(robot.links)) == ("my-arm", joints, (), joints)
+    assert "g" not in free_symbols(robot)
 
 
 def test_a_new_arm_of_six_joints_has_eight_postures_and_a_wrist_that_turns_everywhere() -> None:
@@ -80,6 +82,10 @@ def test_the_command_copies_and_refuses_what_does_not_belong_together(tmp_path: 
 
 
 def test_names_that_no_robot_may_have_are_refused() -> None:
-    for name in ("My Arm", "class", "numpy", "", "-x"):
-        with pytest.raises(RobotFileError):
-            copied_robot_text(name, "scara-perugia")
+    for name in ("My Arm", "class", "numpy", "", "-x", "../x", "con", "a" * 65):
+        for make in (new_robot_text, lambda name: copied_robot_text(name, "scara-perugia")):
+            with pytest.raises(RobotFileError, match=r"not a robot name|Python package"):
+                make(name)
+    for joints in (0, -1, 65):
+        with pytest.raises(RobotFileError, match="allowed: 1 to 64"):
+            new_robot_text("my-arm", joints)

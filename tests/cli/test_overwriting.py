@@ -9,7 +9,7 @@ import pytest
 from derive.cli.main import COMMANDS, whole_parser
 from derive.cli.options import file_or_stdout
 from derive.motion.motion import Motion
-from tests.cli.command import PENDULUM, derive, is_one_message
+from tests.cli.command import PENDULUM, derive, is_one_message, refused
 
 URDF = """\
 <robot name="arm"><link name="a"/><link name="b"/>
@@ -90,9 +90,7 @@ def test_a_file_that_exists_stays_and_nothing_is_computed_or_written(
         monkeypatch.setattr(owner, name, lambda *_, **__: pytest.fail("computed first"))
     if "--mp4" in typed:
         monkeypatch.setattr("derive.motion.output.film.ffmpeg", lambda: "ffmpeg")
-    done = derive(*shlex.split(typed), *option, folder=folder)
-    assert done.status == 2, done.stderr
-    assert is_one_message(done.stderr)
+    done = refused(*shlex.split(typed), *option, folder=folder)
     assert f"{file} exists already" in done.stderr
     assert "--force" in done.stderr
     assert contents(folder) == before

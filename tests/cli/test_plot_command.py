@@ -7,7 +7,7 @@ import pytest
 
 from derive.cli.main import main
 from derive.errors import install_extra
-from tests.cli.command import PENDULUM, derive, derive_process, is_one_message
+from tests.cli.command import PENDULUM, derive_process, refused
 
 pytest.importorskip("matplotlib")
 
@@ -61,17 +61,13 @@ WRONG = {
 
 @pytest.mark.parametrize("arguments", WRONG.values(), ids=WRONG.keys())
 def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(arguments: tuple[str, ...], tmp_path: Path) -> None:
-    outcome = derive("plot", "planar-2r-perugia", *arguments, folder=tmp_path)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr), outcome.stderr
+    refused("plot", "planar-2r-perugia", *arguments, folder=tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_unwritable_output_leaves_nothing(tmp_path: Path) -> None:
     (tmp_path / "a.svg").mkdir()
-    outcome = derive("plot", "planar-2r-perugia", "-o", "a.svg", folder=tmp_path)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr), outcome.stderr
+    refused("plot", "planar-2r-perugia", "-o", "a.svg", folder=tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["a.svg"]
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.command import derive, is_one_message
+from tests.cli.command import derive, refused
 
 NOTE = "numbers are rounded to {} significant digits; --exact prints all of them"
 ROD = """\
@@ -56,9 +56,7 @@ def test_exact_and_python_and_json_have_every_digit(folder: Path) -> None:
     "options", [("--digits", "0"), ("--digits", "4", "--exact"), ("--digits", "4", "--format", "json")]
 )
 def test_digits_that_make_no_sense_are_refused(options: tuple[str, ...], folder: Path) -> None:
-    outcome = derive("show", "rod.yaml", "B", *options, folder=folder)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr)
+    refused("show", "rod.yaml", "B", *options, folder=folder)
 
 
 DEGREES = """\
@@ -120,9 +118,7 @@ def test_without_a_quantity_a_point_shows_the_usual_ones(folder: Path) -> None:
     ],
 )
 def test_a_point_that_is_none_is_refused(options: tuple[str, ...], word: str, folder: Path) -> None:
-    outcome = derive("show", "rod.yaml", "B", *options, folder=folder)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr)
+    outcome = refused("show", "rod.yaml", "B", *options, folder=folder)
     assert word in outcome.stderr
 
 

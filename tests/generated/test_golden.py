@@ -36,17 +36,6 @@ def test_every_robot_of_the_catalogue_has_its_folder_and_no_other_is_there() -> 
     assert {path.name for path in GENERATED.iterdir() if path.is_dir() and path.name != "__pycache__"} == expected
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=LONG.get(name, ())) for name in catalogue_names()[::3]]
-)
-def test_committed_models_are_byte_for_byte_what_a_build_makes(name: str) -> None:
-    """Every third robot here, all of them in `make generated-check`."""
-    robot = Robot.load(name)
-    result = check_robot(robot, GENERATED)
-    assert not result.missing, f"{result.missing}: {REMEDY}"
-    assert not result.extra, f"{result.extra}: {REMEDY}"
-    assert not result.stale, f"{difference(robot, result.stale[-1])}\n{REMEDY}"
 
 
 def wide_instructions() -> str:

@@ -4,10 +4,12 @@ import os
 import re
 import shutil
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
+from derive.handouts.notation.pieces import Box
 from derive.handouts.pdf import LatexLog
 
 _OVERFULL = re.compile(
@@ -37,3 +39,14 @@ def run_latex(text: str, folder: Path) -> LatexLog:
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "sheet.tex"]
     done = subprocess.run(command, cwd=folder, capture_output=True, timeout=120, check=False, stdin=subprocess.DEVNULL)
     return LatexLog((folder / "sheet.log").read_text(encoding="latin-1"), done.returncode)
+
+
+def assert_widths(boxes: Sequence[Box], folder: Path) -> None:
+    """The model of widths never says too little, and at most a quarter too much."""
+    lines = [rf"\setbox0\hbox{{${box.tex}$}}\typeout{{WIDTH \the\wd0}}" for box in boxes]
+    text = "\n".join([r"\documentclass{article}\usepackage{amsmath}\begin{document}", *lines, r"x\end{document}"])
+    log = run_latex(text, folder)
+    assert not log.errors
+    found = [float(width) for width in re.findall(r"WIDTH ([0-9.]+)pt", log.text)]
+    for box, width in zip(boxes, found, strict=True):
+        assert width - 0.5 <= box.width <= 1.25 * width + 6.0, (box, width)

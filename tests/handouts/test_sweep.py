@@ -23,7 +23,7 @@ from derive.robot.options.handout import (
 )
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import overfull, run_latex
-from tests.random_robots import robot_text, seeds
+from tests.random_robots import robot_text, sampled, seeds
 
 pytestmark = pytest.mark.slow
 
@@ -35,6 +35,10 @@ where no page breaks between a sentence and its table."""
 
 LANGUAGES = languages()
 RANDOM_ROBOTS = 35
+USUAL = catalogue_names()[::3]
+WIDEST = NotationOptions(
+    AngleLetter.VARTHETA, SliderLetter.Q, Functions.FULL, frames=FrameIndices.LEFT, inertia=InertiaLetter.M
+)
 
 
 def options_of(number: int, language: str) -> HandoutOptions:
@@ -69,7 +73,20 @@ def test_the_catalogue_in_one_language_after_another(number: int, name: str, tmp
     assert_is_clean(robot, replace(robot.handout, language=LANGUAGES[number % len(LANGUAGES)]), tmp_path)
 
 
-@pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=6))
+@pytest.mark.parametrize("name", sampled(catalogue_names(), USUAL))
+def test_the_catalogue_in_the_widest_notation_is_clean(name: str, tmp_path: Path) -> None:
+    language = random.Random(name).choice(["it", "pt"])
+    assert_is_clean(Robot.load(name), HandoutOptions(language=language, notation=WIDEST), tmp_path)
+
+
+def test_nothing_is_abbreviated_where_functions_are_in_full() -> None:
+    context = context_of(Robot.load("scara-perugia"), HandoutOptions(notation=WIDEST))
+    text = latex(document(context), context.text)
+    assert "c_{12}" not in text
+    assert r"\cos (\vartheta_{1} + \vartheta_{2})" in text
+
+
+@pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=8))
 def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
     options = options_of(seed, LANGUAGES[seed % len(LANGUAGES)])

@@ -7,8 +7,6 @@ from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
-import pytest
-
 from derive import _HOMES
 from tests.places import ROOT
 
@@ -54,11 +52,15 @@ def test_no_import_leads_back_to_where_it_started() -> None:
     assert set(TopologicalSorter(graph).static_order()) == set(graph)
 
 
-@pytest.mark.parametrize("name", [name for name, path in modules().items() if path.name not in ENTRANCES])
-def test_every_module_is_imported_by_a_test_of_its_own_folder(name: str) -> None:
+def test_every_module_is_imported_by_a_test_of_its_own_folder() -> None:
     """``derive.model.equality`` by a file under ``tests/model``; what lies in ``derive`` itself by any test."""
-    folder = ROOT / "tests" / Path(*name.split(".")[1:-1][:1])
-    assert any(name in imports(path) for path in sorted(folder.rglob("*.py"))), f"no file under {folder} imports {name}"
+    named = {name: name.split(".")[1:-1][:1] for name, path in modules().items() if path.name not in ENTRANCES}
+    assert [name for name, folder in named.items() if name not in imported_under(*folder)] == []
+
+
+@cache
+def imported_under(*folder: str) -> frozenset[str]:
+    return frozenset().union(*(imports(path) for path in ROOT.joinpath("tests", *folder).rglob("*.py")))
 
 
 def test_folders_of_tests_are_those_of_derive_or_run_across() -> None:

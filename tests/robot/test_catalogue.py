@@ -2,8 +2,7 @@
 
 import pytest
 
-from derive.cli.new import new_robot_text
-from derive.errors import RobotFileError, UnknownRobotError
+from derive.errors import UnknownRobotError
 from derive.robot.evaluate import evaluate
 from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.names import free_symbols
@@ -44,22 +43,3 @@ def test_corkes_reflected_inertia_is_the_square_of_the_gear_ratio_times_the_moto
 def test_unknown_catalogue_names_are_refused() -> None:
     with pytest.raises(UnknownRobotError, match="did you mean 'kuka-kr5'"):
         catalogue_text("kuka-kr6")
-
-
-@pytest.mark.parametrize("joints", [1, 2, 7, 64])
-def test_a_new_robot_file_loads_as_it_is(joints: int) -> None:
-    robot = Robot.from_text(new_robot_text("my-arm", joints))
-    assert (robot.name, robot.n, len(robot.links)) == ("my-arm", joints, joints)
-    assert "g" not in free_symbols(robot)
-
-
-@pytest.mark.parametrize("name", ["", "../x", "Arm", "class", "con", "a" * 65])
-def test_a_new_robot_file_is_refused_for_names_that_no_robot_may_have(name: str) -> None:
-    with pytest.raises(RobotFileError, match="not a robot name"):
-        new_robot_text(name)
-
-
-@pytest.mark.parametrize("joints", [0, -1, 65])
-def test_a_new_robot_file_is_refused_for_impossible_numbers_of_joints(joints: int) -> None:
-    with pytest.raises(RobotFileError, match="allowed: 1 to 64"):
-        new_robot_text("my-arm", joints)

@@ -97,13 +97,13 @@ def test_a_relative_error_of_1e_8_in_one_entry_is_found(tmp_path: Path, function
     assert "m2 = " in message
 
 
-@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("function", FUNCTIONS[::6])
 def test_a_value_that_is_not_a_number_is_found(tmp_path: Path, function: str) -> None:
     message = failure(tmp_path, altered(function, "value.flat[0] = np.nan"))
     assert "is nan instead of" in message
 
 
-@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("function", FUNCTIONS[1::6])
 def test_a_wrong_shape_is_found(tmp_path: Path, function: str) -> None:
     assert "returns shape" in failure(tmp_path, altered(function, "value = value[..., None]"))
 

@@ -1,7 +1,6 @@
 """The options of the notation, letters, functions, frames; and the order of textbooks, whatever that of SymPy."""
 
 import random
-import re
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -26,7 +25,7 @@ from derive.robot.options.handout import (
     SliderLetter,
 )
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import assert_widths
 from tests.random_robots import robot_text
 
 q1, q2, d3, a1, a2, m1, qd1, qd2, dd3 = symbols("q1 q2 d3 a1 a2 m1 qd1 qd2 dd3")
@@ -174,7 +173,6 @@ def test_long_sums_in_full_still_fit_on_lines() -> None:
 
 
 def test_widths_are_those_that_tex_finds(tmp_path: Path) -> None:
-    """The model never says too little, and at most a quarter too much."""
     robot = scara("links: [{mass: m1}, {mass: m2}, {mass: m3}]\n")
     boxes = []
     for angle in AngleLetter:
@@ -183,13 +181,7 @@ def test_widths_are_those_that_tex_finds(tmp_path: Path) -> None:
         boxes += [joined(printer.pieces(expression)) for expression in (*IN_FULL.values(), qd1 * dd3)]
         boxes += [symbols_.frame("A", 1, 0), symbols_.frame("T", 12, 10), symbols_.frame("R", "n", 0)]
     boxes.append(Symbols(Notation.of(robot), 3).frame("T", 12, 10))
-    lines = [rf"\setbox0\hbox{{${box.tex}$}}\typeout{{WIDTH \the\wd0}}" for box in boxes]
-    text = "\n".join([r"\documentclass{article}\usepackage{amsmath}\begin{document}", *lines, r"x\end{document}"])
-    log = run_latex(text, tmp_path)
-    assert not log.errors
-    found = [float(width) for width in re.findall(r"WIDTH ([0-9.]+)pt", log.text)]
-    for box, width in zip(boxes, found, strict=True):
-        assert width - 0.5 <= box.width <= 1.25 * width + 6.0, (box, width)
+    assert_widths(boxes, tmp_path)
 
 
 def test_frames_stand_right_or_left() -> None:

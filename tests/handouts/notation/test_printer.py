@@ -18,7 +18,7 @@ from derive.handouts.notation.pieces import joined
 from derive.handouts.notation.printer import DataPrinter, LatexPrinter
 from derive.handouts.notation.subscripts import distinct, natural
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import assert_widths
 from tests.hash_seeds import another_hash_seed
 from tests.places import ROOT
 
@@ -146,18 +146,10 @@ def long_sums() -> list[str]:
 
 
 def test_widths_are_those_that_tex_finds(tmp_path: Path) -> None:
-    """The model never says too little, and at most a quarter too much."""
     names = [*NAMES, "Wx", "fM2", "phi", "Omega3", "w_tool", "Jm12", "VV2"]
     boxes = [joined(PRINTER.pieces(expression)) for expression in PRINTED.values()]
     boxes += [natural(name).box for name in names]
-    lines = [rf"\setbox0\hbox{{${box.tex}$}}\typeout{{WIDTH \the\wd0}}" for box in boxes]
-    text = "\n".join([r"\documentclass{article}\usepackage{amsmath}\begin{document}", *lines, r"x\end{document}"])
-    log = run_latex(text, tmp_path)
-    assert not log.errors
-    found = [float(width) for width in re.findall(r"WIDTH ([0-9.]+)pt", log.text)]
-    assert len(found) == len(boxes)
-    for box, width in zip(boxes, found, strict=True):
-        assert width - 0.5 <= box.width <= 1.25 * width + 6.0, (box, width)
+    assert_widths(boxes, tmp_path)
 
 
 CELL = "name: arm\nconvention: standard\nunits: {{angle: {unit}}}\njoints:\n  - {{type: {kind}, {cells}}}\n"

@@ -5,14 +5,13 @@ from pathlib import Path
 
 import pytest
 import sympy
-from jinja2 import nodes
 
 from derive.handouts.assemble import context_of
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import Box
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.formula import component_namer, entry_namer, formula, side_by_side, small, textbook
-from derive.handouts.sheet.latex_writer import latex_template, macros
+from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import of_matrix
 from derive.robot.robot import Robot
 from derive.targets.templating import template_folder
@@ -83,14 +82,6 @@ def test_every_formula_is_balanced(name: str, flag: bool) -> None:
         assert line.count("\\left") == line.count("\\right")
         assert line == line.strip()
         assert not re.search(r"<<|>>|<%|%>|<#|#>|\n", line)
-
-
-@pytest.mark.parametrize("name", sorted(path.name for path in FOLDER.iterdir()))
-def test_templates_compute_nothing(name: str) -> None:
-    tree = latex_template(name).environment.parse((FOLDER / name).read_text(encoding="utf-8"))
-    assert list(tree.find_all(nodes.Output))
-    for kind in (nodes.BinExpr, nodes.UnaryExpr, nodes.Filter, nodes.Test, nodes.Compare, nodes.Assign):
-        assert not [node for node in tree.find_all(kind) if not isinstance(node, nodes.And | nodes.Or | nodes.Not)]
 
 
 def test_an_indented_line_continues_the_one_before() -> None:

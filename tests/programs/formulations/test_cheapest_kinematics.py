@@ -12,7 +12,7 @@ from derive.programs.formulations.trace import Trace, flat
 from derive.programs.tape.tape import Operations
 from derive.robot.robot import Robot
 from tests.programs.parallel_arms import numbers, parallel_arm
-from tests.random_robots import random_robot
+from tests.random_robots import random_robot, seeds
 
 SQUARE = ["alpha: pi/2", "alpha: -pi/2", "d: d3, alpha: -pi/2", "alpha: pi/2", "d: d5, alpha: pi/2", "alpha: -pi/2", ""]
 PUMA = ["alpha: pi/2", "a: a2", "a: a3, d: d3, alpha: -pi/2", "d: d4, alpha: pi/2", "alpha: -pi/2", ""]
@@ -34,12 +34,12 @@ def assert_same_kinematics(trace: Trace) -> None:
         assert np.abs(numbers(trace, found) - numbers(trace, wanted)).max() < 1e-13 * 4**trace.n
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, usual=5))
 def test_parallel_arms(seed: int) -> None:
     assert_same_kinematics(parallel_arm(seed))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, usual=5))
 def test_any_arm(seed: int) -> None:
     robot = Robot.from_text(random_robot(random.Random(seed), dynamics=False).text)
     assert_same_kinematics(Trace(robot))

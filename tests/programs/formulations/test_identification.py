@@ -18,7 +18,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
 from tests.programs.recursion_values import random_state, value
-from tests.random_robots import catalogue, random_robot, robot_text
+from tests.random_robots import catalogue, random_robot, robot_text, seeds
 
 SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]
 RANDOM = [Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)) for seed in range(9)]
@@ -64,7 +64,7 @@ def identification_program(robot: Robot) -> Program:
     return build_program(robot, names=("regressor", "base_regressor", "base_parameters"))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", seeds(10, usual=4))
 def test_generated_functions_give_the_torques_and_what_the_formulas_say(seed: int) -> None:
     drawn = random_robot(random.Random(seed), 1 + seed % 6)
     robot = Robot.from_text(drawn.text)

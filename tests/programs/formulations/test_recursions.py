@@ -87,13 +87,6 @@ def test_coriolis_matrix_is_the_christoffel_matrix(case: Case) -> None:
     assert_close(value(program, "coriolis_matrix", state), symbols @ state.qd)
 
 
-def test_inertia_rate_less_twice_coriolis_is_skew(case: Case) -> None:
-    program, state = case.program, case.state
-    coriolis = value(program, "coriolis_matrix", state)
-    rate = derivative(program, "inertia_matrix", state, state.qd)
-    assert_close(coriolis + coriolis.T, rate)
-
-
 def test_torque_is_made_of_its_parts(case: Case) -> None:
     program, state = case.program, case.state
     friction = value(program, "inverse_dynamics", state) - value(program, "inverse_dynamics", state, qd=-state.qd)
@@ -112,21 +105,6 @@ def test_forward_dynamics_undoes_inverse_dynamics(case: Case) -> None:
         return
     found = value(program, "forward_dynamics", state, tau=value(program, "inverse_dynamics", state))
     assert np.abs(inertia @ (found - state.qdd)).max() <= 1e-9 * max(1, np.abs(inertia).max())
-
-
-def test_gravity_is_the_torque_at_rest(case: Case) -> None:
-    program, state, n = case.program, case.state, case.robot.n
-    rest = np.zeros(n)
-    held = value(program, "inverse_dynamics", state, qd=rest, qdd=rest)
-    assert_close(value(program, "gravity_vector", state), held)
-
-
-def test_the_work_of_inertia_and_coriolis_torques_is_the_rate_of_kinetic_energy(case: Case) -> None:
-    program, state = case.program, case.state
-    torque = value(program, "inertia_matrix", state) @ state.qdd + value(program, "coriolis_matrix", state) @ state.qd
-    rate = state.qd @ value(program, "inertia_matrix", state) @ state.qdd
-    rate += state.qd @ derivative(program, "inertia_matrix", state, state.qd) @ state.qd / 2
-    assert_close(np.array([state.qd @ torque]), np.array([rate]))
 
 
 def test_the_rate_of_the_energies_is_the_work_of_the_torques_less_friction(case: Case) -> None:

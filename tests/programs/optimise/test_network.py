@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import pytest
 from hypothesis import given, settings
 
 from derive.programs.optimise.convert import graph_of, network_of
@@ -75,30 +76,28 @@ def test_the_network_counts_what_the_tape_costs(program: RandomProgram) -> None:
     assert cut(*graph_of(network, graph)).operations.cost <= network.cost
 
 
-def test_pairs_of_terms_are_shared_whatever_their_sign() -> None:
-    _, (x, y, z, w, *_), _ = names()
-    assert improved(x + y + z, w - x - y) == Operations(add=3)
+SHARED = {
+    "pairs of terms whatever their sign": (lambda x, y, z, w, *_: [x + y + z, w - x - y], Operations(add=3)),
+    "pairs of factors": (lambda x, y, z, w, *_: [x * y * z, x * w * y], Operations(mul=3)),
+    "sums without their factors": (lambda x, y, z, w, *_: [x * z + y * z, x * w - -(y * w)], Operations(mul=2, add=1)),
+    "a difference of squares": (
+        lambda x, y, z, w, *_: [x * x - y * y, (x + y) * z, (x - y) * w], Operations(mul=3, add=2)
+    ),
+    "parameters inside sums": (lambda x, y, *n: [n[4] * (n[5] * x + n[6] * y)], Operations(mul=2, add=1)),
+}  # fmt: skip
 
 
-def test_pairs_of_factors_are_shared() -> None:
-    _, (x, y, z, w, *_), _ = names()
-    assert improved(x * y * z, x * w * y) == Operations(mul=3)
-
-
-def test_sums_with_factors_are_shared_without_them() -> None:
-    _, (x, y, z, w, *_), _ = names()
-    assert improved(x * z + y * z, x * w - -(y * w)) == Operations(mul=2, add=1)
+@pytest.mark.parametrize("case", SHARED)
+def test_what_occurs_twice_is_computed_once(case: str) -> None:
+    _, arguments, parameters = names()
+    values, operations = SHARED[case]
+    assert improved(*values(*arguments, *parameters)) == operations
 
 
 def test_numeric_multiples_of_a_sum_are_one_sum() -> None:
     _, (x, y, z, *_), _ = names()
     sums = [2 * x + 3 * y, 4 * x + 6 * y + z, 6 * x + 9 * y - z]
     assert improved(*sums).total <= 7
-
-
-def test_a_difference_of_squares_is_a_product() -> None:
-    _, (x, y, z, w, *_), _ = names()
-    assert improved(x * x - y * y, (x + y) * z, (x - y) * w) == Operations(mul=3, add=2)
 
 
 def test_sine_and_cosine_squared_are_one() -> None:
@@ -111,11 +110,6 @@ def test_sums_that_cancel_leave_no_hoisted_work() -> None:
     _, (x, *_), (a, b, *_) = names()
     tape = cut(*improve(x.graph, [(((a + b) - b) * x).ref, ((a + b - a) * x * x).ref]))
     assert tape.hoisted_operations == Operations()
-
-
-def test_factors_of_parameters_are_gathered_even_inside_sums() -> None:
-    _, (x, y, *_), (a, b, c, *_) = names()
-    assert improved(a * (b * x + c * y)) == Operations(mul=2, add=1)
 
 
 def test_a_trace_is_the_same_in_every_frame() -> None:
