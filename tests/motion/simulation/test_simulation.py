@@ -21,6 +21,7 @@ from derive.robot.expression import number
 from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE
 from tests.motion.random_arms import decimal, numbered, simulated
+from tests.random_robots import seeds
 
 PENDULUM = """\
 robot: {name: pendulum, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}],
