@@ -388,6 +388,11 @@ def seeds(count: int, usual: int, swept: int | None = None) -> list[Any]:
     return [pytest.param(seed + after * (seed >= usual), marks=marks[seed]) for seed in range(count)]
 
 
+def swept(*rows: Any) -> list[Any]:
+    """Cases of the sweep alone: one value each, or a tuple of several."""
+    return [pytest.param(*(row if isinstance(row, tuple) else (row,)), marks=pytest.mark.sweep) for row in rows]
+
+
 def sampled(cases: Sequence[Any], usual: Collection[Any]) -> list[Any]:
     """Cases: some of them for every run of the tests, the others for the sweep."""
     return [pytest.param(case, marks=[] if case in usual else [pytest.mark.sweep]) for case in cases]

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy
+from derive.checking.solutions import POSE_NAMES
 
 from derive.checking.comparison import check_file
 from derive.checking.files import check_path, corpus_from_bytes
@@ -17,7 +18,6 @@ from derive.checking.formulas.printed import CorpusFile
 from derive.checking.formulas.vector_formula import read_vector, value_of
 from derive.checking.frames_file import compose, point, rotation, translation
 from derive.checking.methods_file import ARMS, SETS, cases
-from derive.checking.solutions import POSE_NAMES
 from derive.errors import CheckError, DeriveError, ExpressionError, Location
 from derive.model.model import Model
 from derive.robot.robot import Robot

@@ -6,14 +6,14 @@ import re
 
 import numpy as np
 import pytest
+from derive.plans.ineffective import OF_PATHS
+from derive.plans.load_remarks import remarks_on_loads
 from sympy import Rational, cos, pi, sin
 
 from derive.errors import DeriveError, RobotFileError
 from derive.motion.motion import Motion
 from derive.plans.disturbance import Disturbance
 from derive.plans.hermite import TIME
-from derive.plans.ineffective import OF_PATHS
-from derive.plans.load_remarks import remarks_on_loads
 from derive.plans.moving_base import BaseCurve
 from derive.plans.plan import plan_from_bytes
 from derive.plans.schema import PlanFile

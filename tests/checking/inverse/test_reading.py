@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from derive.checking.inverse.solutions import names_inverse
 
 from derive.api.robots import load
 from derive.checking.comparison import check_file
@@ -16,7 +17,6 @@ from derive.checking.inverse.poses import places
 from derive.checking.inverse.printed import PrintedInverse, is_same, with_calls
 from derive.checking.inverse.reading import Vocabulary, assembled
 from derive.checking.inverse.repair import Repairer
-from derive.checking.inverse.solutions import names_inverse
 from derive.checking.inverse.text import text_equations
 from derive.checking.latex.names import PlusMinus
 from derive.errors import CheckError, Location

@@ -14,7 +14,7 @@ from derive.inverse.closed.conic import line_points
 from derive.inverse.closed.elementary_solver import CONIC_TERMS, Branch, Solver
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.formulas import Derivation
-from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Source
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind
 from derive.inverse.closed.pairs import without_angle, without_length
 from derive.inverse.closed.pose import Pose
 from derive.inverse.closed.solve import solve

@@ -14,7 +14,6 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import GraphWalk
 from derive.mechanics.floats import value_at
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Number
