@@ -26,13 +26,13 @@ models: $(READY)
 test: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release and not robots and not toolbox'
 
-# More robots of the same kinds; CI runs them.
+# More robots of the same kinds; with BASE=REVISION those that what has changed since can reach. CI takes a share.
 test-sweep: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m sweep
+	files=$$($(BIN)/python -m tests.reach $(BASE)) && DERIVE_REACHED=$$files $(BIN)/python -m pytest -n 2 --dist worksteal -m sweep $$files
 
-# All robots in all documents, and interrupts at many moments: an hour, before a release.
+# All cases with seeds that nobody has seen, all robots in all documents, interrupts at many moments: more than an hour, before a release.
 test-release: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m release
+	DERIVE_NEW_EXAMPLES=$$(date +%s) $(BIN)/python -m pytest -n 2 --dist worksteal -m 'sweep or release'
 
 # All chains of two packages of URDFs, 180 MB: CI runs them.
 test-robots: $(READY)
@@ -113,4 +113,4 @@ wheel-smoke: wheel
 	rm -rf $(SMOKE)
 
 clean:
-	rm -rf dist $(SMOKE) bench/.build docs/_build docs/api docs/bench docs/contributing.md docs/gallery .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf dist $(SMOKE) bench/.build docs/_build docs/bench docs/contributing.md docs/gallery .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

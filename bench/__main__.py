@@ -8,7 +8,7 @@ from bench import operations, timings
 from bench.inverse.run import write_inverse
 from bench.motion import write_motion
 from bench.plot import write_plot
-from bench.report import PLOT, write_pages, write_readme
+from bench.report import PLOT, write_block, write_pages
 from bench.results import read_json, write_json
 
 
@@ -22,7 +22,7 @@ def main() -> int:
     print(write_inverse(options.quick), end="")
     print(write_motion(options.quick), end="")
     write_pages()
-    write_readme()
+    write_block()
     write_plot(read_json("timings"), PLOT)
     return 0
 

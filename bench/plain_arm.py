@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.robots import Array, Case
-from derive.verification.oracle.frames import Arm
+from derive.verification.oracle.frames import NumericArm
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def plain_arm(case: Case) -> PlainArm:
     return PlainArm(joints, end, np.asarray(arm.gravity, dtype=float))
 
 
-def _joint(arm: Arm, i: int, before: Array, body: Array) -> PlainJoint:
+def _joint(arm: NumericArm, i: int, before: Array, body: Array) -> PlainJoint:
     placement = before @ _screw(2, arm.theta[i], arm.d[i])
     if i == 0:
         placement = arm.base @ placement
@@ -66,7 +66,7 @@ def _joint(arm: Arm, i: int, before: Array, body: Array) -> PlainJoint:
     return PlainJoint(placement, bool(arm.revolute[i]), float(arm.sign[i]), float(arm.mass[i]), com, inertia)
 
 
-def _step(arm: Arm, i: int) -> Array:
+def _step(arm: NumericArm, i: int) -> Array:
     return _screw(0, arm.alpha[i], arm.a[i])
 
 

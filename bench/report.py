@@ -1,6 +1,6 @@
-"""Pages, the marked block of README.md and the plot from the results: `python -m bench.report`.
+"""Pages, the marked block of docs/benchmarks.md and the plot from the results: `python -m bench.report`.
 
-The block between the two marks in README.md is written from the results, so that every figure in it comes from a
+The block between the two marks of that page is written from the results, so that every figure in it comes from a
 command that anyone can run.
 """
 
@@ -19,7 +19,7 @@ from bench.tables import ABSENT, environment_line, figure, table
 from bench.timings_report import timings_markdown
 
 ROOT = Path(__file__).parents[1]
-README, PLOT = ROOT / "README.md", ROOT / "docs" / "images" / "benchmarks.svg"
+PAGE, PLOT = ROOT / "docs" / "benchmarks.md", ROOT / "docs" / "images" / "benchmarks.svg"
 BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
 
 HEADLINE = (
@@ -89,7 +89,7 @@ def write_pages(folder: Path = FOLDER) -> None:
     (folder / "timings.md").write_text(timings_markdown(timings, operations), encoding="utf-8")
 
 
-def write_readme(page: Path = README, folder: Path = FOLDER) -> bool:
+def write_block(page: Path = PAGE, folder: Path = FOLDER) -> bool:
     """Write the marked block; False where the page has no marks."""
     text = page.read_text(encoding="utf-8")
     if BEGIN not in text:
@@ -101,14 +101,14 @@ def write_readme(page: Path = README, folder: Path = FOLDER) -> bool:
 def main() -> int:
     """Write or print."""
     parser = argparse.ArgumentParser(prog="python -m bench.report", description=__doc__)
-    parser.add_argument("--print", action="store_true", dest="shown", help="print README's block and write nothing")
+    parser.add_argument("--print", action="store_true", dest="shown", help="print the marked block and write nothing")
     parser.add_argument("--no-plot", action="store_true", help="leave docs/images/benchmarks.svg as it is")
     options = parser.parse_args()
     if options.shown:
         print(block(read_json("operations"), read_json("timings")))
         return 0
     write_pages()
-    write_readme()
+    write_block()
     if not options.no_plot:
         from bench.plot import write_plot
 

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +52,10 @@ class DeriveError(Exception):
 
     def at(self, location: Location) -> DeriveError:
         """The same error with a place."""
-        if self.location is not None:
-            return self
+        return self if self.location is not None else self.moved(location)
+
+    def moved(self, location: Location | None) -> Self:
+        """The same error at another place."""
         return type(self)(self.found, allowed=self.allowed, remedy=self.remedy, location=location)
 
 

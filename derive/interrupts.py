@@ -99,9 +99,6 @@ class TemporaryFolder:
     """A folder that goes with this object, whole: interrupts wait while it is made and while it is removed.
 
     Removed at the end of a ``with`` block, or when nobody holds the object any more, at the latest when Python ends.
-
-    Attributes:
-        path: Where it is.
     """
 
     def __init__(self) -> None:

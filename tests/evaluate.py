@@ -1,7 +1,5 @@
 """The float value of a SymPy expression: every shared subexpression once, no code generated."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -26,7 +24,6 @@ _FUNCTIONS = {
 
 
 def evaluate(expression: Any, values: Mapping[str, float]) -> Any:
-    """A float, or an array of the shape of a matrix."""
     known: dict[Any, float] = {}
     if hasattr(expression, "shape"):
         entries = [_value(x, values, known) for x in expression]

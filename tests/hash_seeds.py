@@ -1,7 +1,5 @@
 """Seeds of the hashes of strings, on which nothing may depend."""
 
-from __future__ import annotations
-
 import os
 
 

@@ -5,10 +5,9 @@ millimetres, named parameters with and without numbers, formulas), so a test tha
 with another engine checks the whole path from the text on.
 """
 
-from __future__ import annotations
-
 import json
 import math
+import os
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -54,7 +53,6 @@ class LinkNumbers:
 
     @property
     def tensor(self) -> Array:
-        """The inertia entries xx yy zz xy xz yz as a matrix."""
         xx, yy, zz, xy, xz, yz = self.inertia
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
@@ -85,7 +83,6 @@ class RandomRobot:
 
     @property
     def n(self) -> int:
-        """Number of joints."""
         return len(self.joints)
 
     def __repr__(self) -> str:
@@ -105,20 +102,11 @@ def random_robot(
     dynamics: bool = True,
     symbols: bool = True,
 ) -> RandomRobot:
-    """A random robot.
-
-    Args:
-        rng: Source of randomness.
-        n: Number of joints, 1 to 7 unless given.
-        standard: The convention, random unless given.
-        dynamics: Whether the file has links.
-        symbols: Whether cells may contain named parameters.
-    """
+    """A random robot."""
     return _Writer(rng, n or rng.randint(1, 7), standard, dynamics, symbols).robot()
 
 
 def robots(max_joints: int = 7, **options: bool) -> st.SearchStrategy[RandomRobot]:
-    """Hypothesis strategy of random robots; fewer joints are simpler."""
     seeds, sizes = st.integers(0, 2**32 - 1), st.integers(1, max_joints)
     return st.builds(lambda n, seed: random_robot(random.Random(seed), n, **options), sizes, seeds)
 
@@ -221,7 +209,6 @@ class _Writer:
         return self.turn(round(math.degrees(value), 2)) if self.degrees else _decimal(round(value, 3))
 
     def turn(self, degrees: float) -> Cell:
-        """A number of degrees, in the file's unit."""
         if self.degrees:
             return _decimal(degrees)[0], math.radians(degrees)
         over = {0: "0", 90: "pi/2", -90: "-pi/2", 180: "pi", 30: "pi/6", -45: "-pi/4", 60: "pi/3", 135: "3*pi/4"}
@@ -251,7 +238,6 @@ class _Writer:
         )
 
     def metres(self, value: float) -> Cell:
-        """A length, in the file's unit."""
         return (_decimal(round(value * 1000, 6))[0], value) if self.millimetres else _decimal(value)
 
     def quantity(self, name: str, low: float, high: float) -> Cell:
@@ -290,7 +276,6 @@ class _Writer:
         return [*rows, ["0", "0", "0", "1"]], matrix
 
     def turned(self) -> tuple[list[list[str]], Array]:
-        """A turn about z by an angle under cos and sin."""
         angle = self.rng.choice([30.0, 12.5, -75.0]) if self.degrees else self.rng.choice([0.3, -1.1, 2.0])
         value = math.radians(angle) if self.degrees else angle
         c, s = math.cos(value), math.sin(value)
@@ -334,7 +319,6 @@ class _Writer:
         )
 
     def inertia(self, i: int) -> tuple[dict[str, str], tuple[float, float, float, float, float, float]]:
-        """A positive definite tensor; products of inertia may be missing."""
         cells = {key: self.quantity(f"I{key}{i}", 0.05, 0.4) for key in ("xx", "yy", "zz")}
         for key in ("xy", "xz", "yz"):
             if self.rng.random() < 0.5:
@@ -395,9 +379,13 @@ def _flow(value: object) -> str:
 
 
 def seeds(count: int, usual: int, swept: int | None = None) -> list[Any]:
-    """Seeds: the first ones for every run of the tests, then those of the sweep, the others before a release."""
+    """Seeds: the first ones for every run of the tests, then those of the sweep, the others before a release.
+
+    Sweep and release begin after the number in ``DERIVE_NEW_EXAMPLES``.
+    """
     marks = [[]] * usual + [[pytest.mark.sweep]] * ((swept or count) - usual) + [[pytest.mark.release]] * count
-    return [pytest.param(seed, marks=marks[seed]) for seed in range(count)]
+    after = int(os.environ.get("DERIVE_NEW_EXAMPLES", "0"))
+    return [pytest.param(seed + after * (seed >= usual), marks=marks[seed]) for seed in range(count)]
 
 
 SWEPT = ("kuka-kr5", "puma560-corke", "scara-matlab", "stanford-deluca", "thumb")

@@ -1,7 +1,5 @@
 """Messages: hints that name commands are commands that work where derive runs."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Interrupts wait where they would leave something behind, and arrive afterwards; temporary folders go whole."""
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil
@@ -19,7 +17,6 @@ posix = pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="interrup
 
 @pytest.fixture(autouse=True)
 def interrupts_are_heeded() -> Iterator[None]:
-    """Also where the tests run in the background."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -38,7 +35,6 @@ class Elsewhere:
         self._sent.set()
 
     def interrupt(self) -> None:
-        """Let the process be interrupted, and wait until it is."""
         self._wanted.set()
         self._sent.wait()
 

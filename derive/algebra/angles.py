@@ -99,11 +99,12 @@ def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, t
     units: dict[Expression, float] = {}
     standard = robot.convention is Convention.STANDARD
     for i, joint in enumerate(robot.joints):
-        twist = _float(joint.alpha, units)
+        twist = _float(joint.alpha, units)  # before the joint in Craig's table, behind it in the standard one
         if not standard:
             last_axis = _after_twist(last_axis, twist)
         if joint.is_revolute:
             last = groups[-1][-1] if groups else -1
+            # z of the last revolute joint in this frame: (0, 0, 1) is aligned, (0, 0, -1) opposed
             parallel = round(last_axis[2]) if abs(abs(last_axis[2]) - 1) < 1e-12 else 0
             turn = parallel * joint.sign * robot.joints[last].sign if groups else 0
             if turn == 1 or (turn == -1 and contraction is Contraction.OPPOSED):
@@ -113,6 +114,7 @@ def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, t
                 groups.append([i])
             last_axis = (0.0, 0.0, 1.0)
         else:
+            # a prismatic joint turns the frame by its constant theta about z
             x, y, z = last_axis
             angle = _float(joint.theta, units)
             c, s = math.cos(angle), math.sin(angle)
@@ -152,7 +154,7 @@ def printed_offsets(robot: Robot, groups: Groups, directions: tuple[int, ...]) -
     offsets: list[Expression] = [ZERO] * robot.n
     nothing = ExactAngle(Fraction(0), ())
     for group in groups:
-        sums = [nothing]
+        sums = [nothing]  # constants of q_1, q_1 + q_2, ... so far, multiples of pi/2 left out
         for i in group:
             own = decompose(robot.joints[i].theta)
             turn = directions[i] * robot.joints[i].sign
@@ -161,6 +163,7 @@ def printed_offsets(robot: Robot, groups: Groups, directions: tuple[int, ...]) -
             sums = [
                 ExactAngle((s.pi_multiple + Fraction(1, 4)) % Fraction(1, 2) - Fraction(1, 4), s.terms) for s in sums
             ]
+        # the offset of a joint is the step between two sums, in the joint's own direction
         for i, (before, after) in zip(group, pairwise(sums), strict=True):
             step = _plus(after, before, -1)
             offsets[i] = composed(_plus(nothing, step, directions[i]))

@@ -58,6 +58,7 @@ def add(a: Constant, b: Constant) -> Constant:
     """The sum of two constants."""
     if isinstance(a, Fraction) and isinstance(b, Fraction):
         return _bounded(a + b)
+    # what cancels is compared with the terms, not with the sum: sqrt(2) - sqrt(2) is zero but for the last bits
     x, y = _real(a), _real(b)
     return _settle(x + y, max(abs(x), abs(y)))
 
@@ -88,7 +89,7 @@ def square_root(a: Constant) -> Constant:
             "square root of a negative number in a cell once the parameters have their numbers",
             remedy="change the parameter or name it in runtime",
         )
-    if isinstance(a, Fraction):
+    if isinstance(a, Fraction):  # the root of a square of rationals is rational
         top, bottom = isqrt(a.numerator), isqrt(a.denominator)
         if top * top == a.numerator and bottom * bottom == a.denominator:
             return Fraction(top, bottom)
@@ -130,13 +131,16 @@ def _bounded(value: Fraction) -> Constant:
 
 def _uncertainty(angle: Constant) -> Any:
     """Scale below which a sine or cosine is taken for zero: that of a rational angle other than 0 never is zero."""
+    # an algebraic angle has a transcendental sine (Lindemann); one with pi in it may be a multiple of pi/2
     return 0 if isinstance(angle, Fraction) else max(1, abs(angle))
 
 
 def _settle(value: Any, scale: Any) -> Constant:
     """Recognise zero and short rationals."""
+    # below the compared bits of the terms it is made of, a value is zero
     if abs(value) <= scale * _CONTEXT.ldexp(1, -_COMPARED_BITS):
         return Fraction(0)
+    # a binary fraction of few bits came from an identity, (sqrt(2)/2)^2, not by chance: 2^-96 is the odds against it
     sign, mantissa, exponent, bits = _rounded(value)
     if bits <= _RATIONAL_BITS and abs(exponent) <= _MAX_RATIONAL_SIZE:
         whole = -mantissa if sign else mantissa

@@ -25,7 +25,7 @@ MAX_STARS = 8
 """Largest number of sums for which each of them is tried as the common reference: every further one costs a rewriting
 of the polynomial."""
 
-MAX_TERMS = 60
+MAX_REWRITTEN_TERMS = 60
 """Polynomials with more terms are written in the basis they come in: rewriting them in every basis takes long, and
 nobody would read the result."""
 
@@ -65,9 +65,10 @@ def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
 @lru_cache(maxsize=100_000)
 def _shortest(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
     """The terms in the basis in which there are fewest; then those of least degree, with the fewest angles."""
+    # every basis is tried: rewritten, squares folded, counted; ties go to the ring's own angles, which come first
     polynomial = _context(size).from_dict({exponents: fmpq(p, q) for exponents, p, q in items})
     bases = trees(size, sums)
-    if len(items) == 1 or len(items) > MAX_TERMS:
+    if len(items) == 1 or len(items) > MAX_REWRITTEN_TERMS:
         return _terms_in(bases[0], polynomial)
     candidates = []
     for rank, tree in enumerate(bases):
@@ -90,9 +91,11 @@ def trees(size: int, sums: bool) -> tuple[Tree, ...]:
     own = tuple((0 if sums else i, i + 1) for i in range(size))
     others: list[Tree] = []
     if size <= MAX_ENUMERATED:
+        # spanning trees: as many edges as joints, and every node is reached
         edges = list(combinations(nodes, 2))
         others = [tree for tree in combinations(edges, size) if len(paths(tree, 0)) == size + 1]
     elif sums and size <= MAX_STARS:
+        # stars: all sums with one end r in common
         others = [tuple((min(r, i), max(r, i)) for i in nodes if i != r) for r in nodes]
     return tuple(dict.fromkeys([own, *others]))
 
@@ -103,6 +106,7 @@ def paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
     queue = [root]
     while queue:
         node = queue.pop()
+        # along an edge the angle counts as it is, against it with a minus
         for index, (lo, hi) in enumerate(tree):
             for here, there, sign in ((lo, hi, 1), (hi, lo, -1)):
                 if here == node and there not in found:
@@ -124,6 +128,7 @@ def _in_angles_of(size: int, sums: bool, tree: Tree) -> tuple[fmpq_mpoly, ...]:
     context = _context(size)
     g = context.gens()
     pairs = []
+    # addition theorem along the path that spans a generator's angle in the tree
     for lo, hi in trees(size, sums)[0]:
         cosine, sine = context.constant(1), context.constant(0)
         for index, sign in paths(tree, lo)[hi].items():
@@ -136,11 +141,13 @@ def _in_angles_of(size: int, sums: bool, tree: Tree) -> tuple[fmpq_mpoly, ...]:
 def _fold_squares(size: int, p: fmpq_mpoly) -> fmpq_mpoly:
     """Normal form by s^2 -> 1 - c^2, then c^2 -> 1 - s^2 for each angle where that leaves fewer terms."""
     generators = _context(size).gens()
+    # division by s^2 + c^2 - 1, led by s, leaves s linear
     circles = [generators[i] ** 2 + generators[size + i] ** 2 - 1 for i in range(size)]
     for circle in circles:
         p = divmod(p, circle)[1]
     for i in range(size):
         if p and p.degrees()[size + i] >= 2:
+            # the same division with sine and cosine exchanged replaces c^2 instead
             swapped = list(generators)
             swapped[i], swapped[size + i] = swapped[size + i], swapped[i]
             other = divmod(p.compose(*swapped), circles[i])[1].compose(*swapped)

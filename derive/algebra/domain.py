@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
+from math import prod
 
 from derive.algebra.angles import composed, contracted_groups, decompose, printed_offsets
 from derive.algebra.generators import (
@@ -60,6 +61,7 @@ class PolynomialDomain:
         self.offsets: tuple[Expression, ...] = (ZERO,) * robot.n
         if offsets:
             self.offsets = printed_offsets(robot, self.groups, self.directions)
+        # in a group the generator of a joint is the sum of its angle and all before it, where `sums` says so
         home = {joint: group for group in self.groups for joint in group}
         summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}
         self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
@@ -147,6 +149,7 @@ class PolynomialDomain:
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of the angle of a revolute joint, ``sign*q + theta``."""
         c, s = self.cosine_sine_of(index, offset=True)
+        # cos(-q) = cos q, sin(-q) = -sin q; then the constant of the cell that the generator does not hold already
         turned = (c, s) if joint.sign > 0 else (c, -s)
         rest = add(joint.theta, multiply(Number(Fraction(-joint.sign)), self.offsets[index]))
         return _add_angles(turned, self.cosine_sine(rest))
@@ -159,11 +162,13 @@ class PolynomialDomain:
         """Cosine and sine of the variable of a revolute joint itself."""
         pair = self._generator_pair(index)
         if len(self.angles[index]) > 1:
+            # q_i = (q_1 + ... + q_i) - (q_1 + ... + q_(i-1)), by the addition theorem
             cosine, sine = self._generator_pair(self.angles[index][-2])
             turned = _add_angles(pair, (cosine, -sine))
             pair = turned if self.directions[index] > 0 else (turned[0], -turned[1])
         if offset or self.offsets[index] == ZERO:
             return pair
+        # the generator is that of sign*q + theta: theta is taken off again
         joint = self.robot.joints[index]
         cosine, sine = self.cosine_sine(joint.theta)
         c, s = _add_angles(self.joint_cosine_sine(index, joint), (cosine, -sine))
@@ -193,10 +198,7 @@ class PolynomialDomain:
             case Sum(terms):
                 return sum((self.constant(t) for t in terms), self.ring.zero)
             case Product(factors):
-                result = self.ring.one
-                for factor in factors:
-                    result = result * self.constant(factor)
-                return result
+                return prod(map(self.constant, factors), start=self.ring.one)
             case Power(base, exponent) if exponent >= 0:
                 return self.constant(base) ** exponent
             case Power(Number(value), exponent):
@@ -226,10 +228,7 @@ class PolynomialDomain:
         if value == 0:
             return self.ring.zero
         factor, primes = square_free(value)
-        result = self.ring.number(factor)
-        for p in primes:
-            result = result * self.ring.generator(f"sqrt {p}")
-        return result
+        return prod((self.ring.generator(f"sqrt {p}") for p in primes), start=self.ring.number(factor))
 
     # -- angles
 
@@ -252,9 +251,10 @@ class PolynomialDomain:
             key = repr(scaled(Pi(), rest))
             cosine, sine = ring.generator(f"cos {key}"), ring.generator(f"sin {key}")
         else:
+            # cos(pi/4) = sin(pi/4) = sqrt(2)/2, cos(pi/6) = sqrt(3)/2, sin(pi/6) = 1/2
             cosine = half * ring.generator(f"sqrt {SPECIAL[rest][0]}")
             sine = cosine if rest == Fraction(1, 4) else ring.number(half)
-            if rest == Fraction(1, 12):
+            if rest == Fraction(1, 12):  # pi/12 = pi/4 - pi/6: sqrt(2)/2 (sqrt(3)/2 +- 1/2)
                 second = half * ring.generator("sqrt 3")
                 cosine, sine = cosine * (second + half), cosine * (second - half)
         if signed_rest < 0:
@@ -266,6 +266,7 @@ class PolynomialDomain:
     def _unit_multiple(self, unit: Expression, k: Fraction) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of k*unit, by the addition theorem from the part of the unit that has generators."""
         positive, size = k > 0, abs(k)
+        # of plain radians every number is a unit of its own, of symbols the common part of all coefficients that occur
         if unit == Number(Fraction(1)):
             unit, size = Number(size), Fraction(1)
         if isinstance(unit, Name) and unit.name in self._revolute:
@@ -291,6 +292,7 @@ class PolynomialDomain:
         """The partial derivative with respect to the variable of a joint."""
         if not self.robot.joints[joint].is_revolute:
             return p.partial(self.places[Kind.VARIABLE, joint])
+        # chain rule: every sine and cosine whose angle sums this joint changes with it, by +1 or -1
         total = self.ring.zero
         for i, members in enumerate(self.angles):
             if joint in members:

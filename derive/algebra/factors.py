@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from math import prod
 
 from flint import fmpq_mpoly
 
@@ -27,7 +28,7 @@ from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 
 # Polynomials with more terms are not factored beyond their sines and cosines: nobody would read the factors.
-MAX_TERMS = 400
+MAX_FACTORED_TERMS = 400
 MAX_TANGENT_TERMS = 1_500  # polynomials with more terms in the tangents are not factored: it would take too long
 
 
@@ -60,15 +61,15 @@ class Factoring:
             return (Factor(p, 1),)
         simple, rest = [], p
         for joints in self._domain.groups:
+            # every sum of neighbouring angles of a group, as an edge between the nodes before and behind them
             for edge in combinations(range(len(joints) + 1), 2):
                 for kind in (Kind.SINE, Kind.COSINE):
                     factor, rest = self._divided(rest, joints, edge, kind)
                     simple += [factor] if factor else []
         number, others = self._other_factors(rest)
         found = tuple(f for f in (Factor(number, 1), *simple, *others) if f.value != 1)
-        product = self._ring.one
-        for f in found:
-            product = product * f.value**f.exponent
+        # the product in the ring decides: it is multiplied out again, modulo s^2 + c^2 = 1
+        product = prod((f.value**f.exponent for f in found), start=self._ring.one)
         return found if product == p else (Factor(p, 1),)
 
     # -- sines and cosines
@@ -78,16 +79,19 @@ class Factoring:
     ) -> tuple[Factor | None, Polynomial]:
         """The power of one sine or cosine of neighbouring angles that divides a polynomial, and the quotient."""
         bases, places = trees(len(joints), self._domain.adds_angles(joints)), self._domain.places
+        # a basis of the group's angles that has the sum of this edge among its generators
         tree = next((tree for tree in bases if edge in tree), None)
         degrees = p.degrees()
         if tree is None or not any(degrees[places[k, joint]] for joint in joints for k in (Kind.SINE, Kind.COSINE)):
             return None, p
         joint = joints[tree.index(edge)]
         exponent, read = 0, self._read(p, joints, bases[0], tree)
+        # the multiplicity of the zero: divide as long as nothing is left over
         while (quotient := self._quotient(read, joint, kind)) is not None:
             exponent, read = exponent + 1, quotient
         if not exponent:
             return None, p
+        # factor and quotient back in the ring's own angles, which keeps their product what it was
         generator = self._ring.wrap(self._ring.context.gens()[places[kind, joint]])
         value = self._read(generator, joints, tree, bases[0])
         return Factor(value, exponent, kind, joints[slice(*edge)]), self._read(read, joints, tree, bases[0])
@@ -100,6 +104,7 @@ class Factoring:
         generators = ring.context.gens()
         images = list(generators)
         for joint, (lo, hi) in zip(joints, now, strict=True):
+            # the angle of an edge is the signed sum of those on the path between its nodes: addition theorem for each
             cosine, sine = ring.one, ring.zero
             for place, sign in paths(then, lo)[hi].items():
                 c, s = (ring.wrap(generators[places[kind, joints[place]]]) for kind in (Kind.COSINE, Kind.SINE))
@@ -114,6 +119,7 @@ class Factoring:
         if kind is Kind.COSINE:
             quotient, remainder = divmod(p.raw, c)
         else:
+            # p = A(c) + s B(c) with B = dp/ds, for s is linear in normal form; A/s = s A/(1 - c^2), since s^2 = 1 - c^2
             by_sine = p.raw.derivative(places[Kind.SINE, joint])
             quotient, remainder = divmod(p.raw - s * by_sine, 1 - c**2)
             quotient = by_sine + s * quotient
@@ -124,7 +130,7 @@ class Factoring:
     def _other_factors(self, p: Polynomial) -> tuple[Polynomial, list[Factor]]:
         """A rational number and the factors that are no single sine or cosine."""
         ring = self._ring
-        if len(p) > MAX_TERMS:
+        if len(p) > MAX_FACTORED_TERMS:
             return ring.one, [Factor(p, 1)]
         found, rest = self._half_angle_factors(p)
         content, parts = rest.raw.factor()
@@ -133,6 +139,7 @@ class Factoring:
 
     def _half_angle_factors(self, p: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
         """Factors with more than one term and their exponents, and a remainder; their product is exactly ``p``."""
+        # the degree d of every angle, s and c together: (1 + t^2)^d p is a polynomial in t = tan(q/2)
         bounds = [max((e[sine] + e[cosine] for e, _ in p.terms()), default=0) for sine, cosine in self._angles]
         numerator = self._in_tangents(p, bounds)
         if len(numerator) > MAX_TANGENT_TERMS:
@@ -141,6 +148,8 @@ class Factoring:
         rest = self._ring.context.constant(content)
         found = []
         for part, power in parts:
+            # of even degree 2k in every t a factor over (1 + t^2)^k is trigonometric; of odd degree its square is, and
+            # a single one is left over
             is_even = not any(int(part.degrees()[cosine]) % 2 for _, cosine in self._angles)
             even, exponent = (part, int(power)) if is_even else (part**2, int(power) // 2)
             if int(power) % 2 and not is_even:
@@ -149,6 +158,7 @@ class Factoring:
                 halves = self._half_degrees(even)
                 found.append((self._in_angles(even, halves), exponent))
                 bounds = [bound - exponent * half for bound, half in zip(bounds, halves, strict=True)]
+        # degrees that no factor has used are roots at infinity, t -> oo: the zero of 1 + c at q = pi
         generators, halves = self._ring.context.gens(), self._half_degrees(rest)
         for (_, cosine), bound, half in zip(self._angles, bounds, halves, strict=True):
             if bound - half:  # 1/(1 + t^2) = (1 + c)/2 to the power that the angle has left
@@ -165,6 +175,7 @@ class Factoring:
         total = self._ring.context.constant(0)
         for exponents, others in self._split(p.raw):
             for (sine, cosine), bound in zip(self._angles, bounds, strict=True):
+                # s^a c^j with s = 2t/(1 + t^2) and c = (1 - t^2)/(1 + t^2)
                 t, a, j = generators[cosine], exponents[sine], exponents[cosine]
                 others = others * (2 * t) ** a * (1 - t**2) ** j * (1 + t**2) ** (bound - a - j)
             total += others
@@ -177,6 +188,7 @@ class Factoring:
         for exponents, others in self._split(raw):
             for (sine, cosine), half in zip(self._angles, halves, strict=True):
                 s, c = generators[sine], generators[cosine]
+                # t^e/(1 + t^2)^h = sin^e cos^(2h - e) of q/2; sin^2 = (1 - c)/2, cos^2 = (1 + c)/2, sin cos = s/2
                 lower, odd = divmod(exponents[cosine], 2)
                 others = others * s**odd * (1 - c) ** lower * (1 + c) ** (half - lower - odd) / 2**half
             total += others

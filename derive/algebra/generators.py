@@ -128,6 +128,7 @@ def split_pi(multiple: Fraction) -> tuple[int, Fraction]:
 
 def square_free(value: Fraction) -> tuple[Fraction, tuple[int, ...]]:
     """The square root of a positive rational as factor * product of sqrt(p)."""
+    # sqrt(n/d) = sqrt(n d)/d: trial division takes out squares, and single primes under the root
     number = value.numerator * value.denominator
     factor, primes = Fraction(1, value.denominator), []
     p = 2
@@ -139,7 +140,7 @@ def square_free(value: Fraction) -> tuple[Fraction, tuple[int, ...]]:
             number //= p
             primes.append(p)
         p += 1
-    root = isqrt(number)
+    root = isqrt(number)  # what no small prime divides may still be a square; else it stays under the root whole
     if root * root == number:
         return factor * root, tuple(primes)
     return factor, (*primes, number)

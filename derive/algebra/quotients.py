@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import prod
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind, canonical, collect, mapped
@@ -17,7 +18,7 @@ from derive.robot.expression import Call, Expression, Name, Power, Product, Sum,
 from derive.robot.robot import Robot
 
 # Budget of one product, which keeps a comparison to seconds; beyond it formulas are compared at points.
-MAX_TERMS = 50_000
+MAX_PRODUCT_TERMS = 50_000
 # Different denominators are all multiplied together; with more of them formulas are compared at points.
 MAX_DENOMINATORS = 64
 NOT_ALGEBRAIC = frozenset({"atan2", "sign"})
@@ -51,20 +52,23 @@ class QuotientRing:
     def __init__(self, robot: Robot, formulas: Iterable[Expression]) -> None:
         given = list(formulas)
         if sum(map(_denominators, given)) > MAX_DENOMINATORS:
-            raise TooManyTerms(MAX_TERMS)
+            raise TooManyTerms(MAX_PRODUCT_TERMS)
         # joint angles of which fractions occur, cos(q1/2), get sines and cosines of their own
         units = collect((_without_division(opaque(e)) for e in given), ()).units
         joints = {joint.variable for joint in robot.joints if joint.is_revolute}
         split = [unit for unit, divisor in units.items() if isinstance(unit, Name) and divisor > 1]
         self._renamed = {unit.name: Name(f"({unit.name})") for unit in split if unit.name in joints}
         renamed = [substitute(e, self._renamed) for e in given]
+        # generators for what is irrational in them; denominators need none, they become polynomials of their own
         algebraic = [opaque(e) for e in renamed]
         plain = [_without_division(e) for e in algebraic]
         atoms = collect(plain, ())
+        # roots and constant angles may be related in ways that the ring does not know: sqrt(x y) = sqrt(x) sqrt(y)
         units_are_plain = all(isinstance(unit, Name) for unit in atoms.units)
         has_others = atoms.roots or atoms.pi_rests or atoms.inverses
         self.faithful = algebraic == renamed and units_are_plain and not has_others
-        self.domain = PolynomialDomain(robot, plain, max_terms=MAX_TERMS)
+        self.domain = PolynomialDomain(robot, plain, max_terms=MAX_PRODUCT_TERMS)
+        # an inverse u x = 1 of an x that is zero would make every polynomial of the ring zero
         for generator in self.domain.generators:
             if generator.kind is Kind.INVERSE and not self.domain.constant(generator.argument):
                 raise _division_by_zero(generator.argument)
@@ -72,6 +76,7 @@ class QuotientRing:
     def difference(self, ours: Expression, theirs: Expression) -> Polynomial:
         """A polynomial that is zero exactly where two formulas are equal wherever both are defined."""
         a, b = (self._quotient(opaque(substitute(formula, self._renamed))) for formula in (ours, theirs))
+        # n1/d1 = n2/d2 exactly where n1 d2 = n2 d1: the ring has no zero divisors
         if a.denominator == b.denominator:
             difference = a.numerator - b.numerator
         else:
@@ -87,14 +92,11 @@ class QuotientRing:
                 values = sorted((self._quotient(term) for term in terms), key=lambda value: len(value.denominator))
                 return sum(values, Quotient(self.domain.ring.zero, one))
             case Product(factors):
-                total = Quotient(one, one)
-                for factor in factors:
-                    total = total * self._quotient(factor)
-                return total
+                return prod(map(self._quotient, factors), start=Quotient(one, one))
             case Power(base, exponent):
                 value = self._quotient(base)
                 above, below = value.numerator, value.denominator
-                if exponent < 0:
+                if exponent < 0:  # a divisor that is zero everywhere is refused, not one that vanishes somewhere
                     above, below = below, _nonzero(above, base)
                 return Quotient(above ** abs(exponent), below ** abs(exponent))
             case Call("tan", (argument,)):

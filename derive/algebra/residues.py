@@ -97,6 +97,7 @@ class ResidueDomain:
         self.domain = domain
         self.samples = samples
         self._random = random.Random(seed)
+        # a prime modulo which the square roots of the ring's primes exist, then a point at which all other roots do
         radicands = [g.argument for g in domain.generators if g.kind is Kind.PRIME_ROOT]
         self.prime = _prime_with_roots([int(r.value) for r in radicands if isinstance(r, Number)])
         points = (self._draw_point() for _ in range(_ATTEMPTS))
@@ -146,6 +147,7 @@ class ResidueDomain:
     def _draw_point(self) -> list[Array] | None:
         """A value per generator; None where a root or an inverse has none."""
         generators, index, p = self.domain.generators, self.domain.ring.index, self.prime
+        # cosines, variables and parameters are free; their sines, roots and inverses follow from the relations
         point: list[Array] = [np.zeros((1, 1), dtype=np.int64)] * len(generators)
         pending = {i: g for i, g in enumerate(generators) if g.kind in _SOLVED}
         for i, g in enumerate(generators):
@@ -157,15 +159,16 @@ class ResidueDomain:
                 point[i], point[index[g.partner]] = (1 - square) % p * scale % p, 2 * t % p * scale % p
             elif i not in pending and g.kind not in (Kind.SINE, Kind.CONSTANT_SINE):
                 point[i] = self._numbers(self.samples if g.kind is Kind.VARIABLE else 1)
+        # a radicand or denominator may hold other roots and inverses: the one whose argument is known comes first
         while pending:
             arguments = {i: self.domain.constant(g.argument) for i, g in pending.items()}
             ready = next(i for i, v in arguments.items() if not any(v.degrees()[k] for k in pending))
             value = self._value(arguments[ready], point)
             if pending.pop(ready).kind is Kind.INVERSE:
-                point[ready] = _power(value, p - 2, p)
+                point[ready] = _power(value, p - 2, p)  # Fermat: x^(p-2) = 1/x
                 exists = value.all()
             else:
-                point[ready] = _power(value, (p + 1) // 4, p)
+                point[ready] = _power(value, (p + 1) // 4, p)  # a square root of x modulo p = 4k + 3, if x has one
                 exists = (point[ready] * point[ready] % p == value).all()
             if not exists:
                 return None
@@ -197,15 +200,17 @@ def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
     Returns:
         (k, j) is the coefficient of pivot column k in column j.
     """
+    # Gauss and Jordan modulo the prime: products of two residues stay below 2^62
     work = np.array(matrix, dtype=np.int64) % prime
     pivots: list[int] = []
     for j in range(work.shape[1]):
         rank = len(pivots)
         below = np.flatnonzero(work[rank:, j])
-        if not below.size:
+        if not below.size:  # column j depends on the pivot columns before it
             continue
         work[[rank, rank + below[0]]] = work[[rank + below[0], rank]]
         work[rank] = work[rank] * pow(int(work[rank, j]), -1, prime) % prime
+        # the pivot row is subtracted above and below, so that the rows are the coefficients of the dependent columns
         factors = work[:, j].copy()
         factors[rank] = 0
         work = (work - factors[:, None] * work[rank]) % prime
@@ -214,7 +219,7 @@ def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
 
 
 def _power(base: Array, exponent: int, prime: int) -> Array:
-    result: Array = np.ones_like(base)
+    result: Array = np.ones_like(base)  # by repeated squaring
     while exponent:
         if exponent & 1:
             result = result * base % prime
@@ -226,7 +231,7 @@ def _power(base: Array, exponent: int, prime: int) -> Array:
 def _prime_with_roots(numbers: Iterable[int]) -> int:
     """The largest prime 4k + 3 of 31 bits modulo which all the numbers are squares (Euler's criterion)."""
     wanted = list(numbers)
-    for candidate in range(_LARGEST, 2**30, -4):
+    for candidate in range(_LARGEST, 2**30, -4):  # 2^31 - 1 is itself 4k + 3
         squares = all(pow(number, (candidate - 1) // 2, candidate) == 1 for number in wanted)
         if squares and _is_prime(candidate):
             return candidate
@@ -235,10 +240,11 @@ def _prime_with_roots(numbers: Iterable[int]) -> int:
 
 def _is_prime(number: int) -> bool:
     """The test of Miller and Rabin for an odd number; these bases decide every one below 3,215,031,751."""
-    odd, twos = number - 1, 0
+    odd, twos = number - 1, 0  # number - 1 = odd * 2^twos
     while odd % 2 == 0:
         odd, twos = odd // 2, twos + 1
     for base in (2, 3, 5, 7):
+        # modulo a prime the squares of base^odd reach 1, and the one before the first 1 is -1
         powers = [pow(base, odd * 2**k, number) for k in range(twos)]
         if powers[0] != 1 and number - 1 not in powers:
             return False

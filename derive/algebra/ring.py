@@ -95,6 +95,7 @@ class Ring:
         for r, relation in enumerate(self.relations):
             if bits >> r & 1:
                 raw = divmod(raw, relation.polynomial)[1]
+        # an inverse brings back generators of the relations before it: they are reduced once more
         if bits & self.always:
             return self._reduce(raw, self._bits(raw) & ~self.always)
         return raw
@@ -134,6 +135,7 @@ class Ring:
         """A polynomial as one in some generators, with polynomials in all the others as coefficients."""
         parts: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
         for exponents, coefficient in p.raw.terms():
+            # the monomial without these generators belongs to the coefficient
             rest = [int(e) for e in exponents]
             for i in generators:
                 rest[i] = 0
@@ -196,6 +198,7 @@ class Polynomial:
         if len(raw) > ring.max_terms:
             raise TooManyTerms(ring.max_terms)
         if both:
+            # factors are in normal form: only a generator that stands in both can have come to its square
             bits = self._mask & o._mask | both & ring.always
             raw = ring._reduce(raw, bits)
             if bits & ring.opening:

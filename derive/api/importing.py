@@ -13,7 +13,7 @@ from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.from_urdf import Imported, ImportKeywords, ImportOptions, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
-from derive.exchange.source import Source, open_urdf, opened, relative
+from derive.exchange.source import ChainSource, open_urdf, opened, relative
 from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
 from derive.model.identification.witness import NoSuchBodies
@@ -136,7 +136,7 @@ def verify_import(file: str | Path) -> ImportCheck | None:
         RobotFileError: One of both files cannot be read.
     """
     text = robot_file_bytes(file).decode("utf-8", "replace")
-    told = Source.of(text)
+    told = ChainSource.of(text)
     if told is None:
         return None
     source, promised = told
@@ -166,11 +166,11 @@ def verify_import(file: str | Path) -> ImportCheck | None:
     return ImportCheck(str(path), promised, found, changed=urdf.sha256 != source.sha256)
 
 
-def _found(file: str | Path | bytes, options: ImportOptions) -> tuple[Urdf, Source]:
+def _found(file: str | Path | bytes, options: ImportOptions) -> tuple[Urdf, ChainSource]:
     """The URDF that a user names, and how a robot file names it, but for the links at both ends."""
     if isinstance(file, bytes):
         given = opened(file, "<stdin>", options.arguments)
-        return given.urdf, Source("", "", "", given.sha256)
+        return given.urdf, ChainSource("", "", "", given.sha256)
     path = Path(file)
     if not path.is_file():
         found = f"no file {quoted(str(file), 200)}"
@@ -179,7 +179,7 @@ def _found(file: str | Path | bytes, options: ImportOptions) -> tuple[Urdf, Sour
     given = open_urdf(path, folders, options.arguments)
     packages = tuple(_moved(folder, Path(), path.parent) for folder in folders if given.is_xacro)
     said = tuple((options.arguments or {}).items())
-    return given.urdf, Source(relative(path, Path(options.folder)), "", "", given.sha256, packages, said)
+    return given.urdf, ChainSource(relative(path, Path(options.folder)), "", "", given.sha256, packages, said)
 
 
 def _moved(package: str, from_folder: Path, to_folder: Path) -> str:

@@ -20,9 +20,9 @@ from derive.checking.formulas.printed import (
     PrintedQuantity,
     PrintedText,
 )
+from derive.checking.inverse.block import solution_findings
 from derive.checking.inverse.solutions import check_inverse
 from derive.checking.latex.check import check_latex
-from derive.checking.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
@@ -88,7 +88,7 @@ def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[F
         yield undecidable(item.quantity, (0, 0), Role.PRINTED, shown, error, item.status == "erratum", item.remark)
         return
     except DeriveError as error:
-        raise error if text.verbatim else type(error)(error.found, allowed=error.allowed, remedy=error.remedy) from None
+        raise error if text.verbatim else error.moved(None) from None
     for finding in found:
         where = finding.location if text.verbatim else text.location
         yield replace(finding, erratum=item.status == "erratum", remark=item.remark, location=where)

@@ -17,9 +17,8 @@ from derive.checking.formulas.findings import FileReport
 from derive.checking.formulas.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
 from derive.checking.formulas.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.frames_file import NO_ROBOT, check_frames
-from derive.checking.inverse.solutions import read_inverse
+from derive.checking.inverse.block import read_block
 from derive.checking.methods_file import SETS, check_methods
-from derive.checking.solutions import read_solutions
 from derive.errors import CheckError, Location, quoted
 from derive.robot.load import file_bytes
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar, read_tree
@@ -73,6 +72,7 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     identities = reading.items(reading.child(root, "identities"), "identities")
     product = reading.child(root, "factorisation")
     lines = data.decode("utf-8-sig").splitlines()
+    solutions, inverse = read_block(reading.child(root, "inverse_kinematics"), robot, lines)
     return CorpusFile(
         source=source,
         robot=robot,
@@ -80,8 +80,8 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
         identities=tuple(_identity(item, robot) for item in identities),
         factorisation=_factorisation(product) if product else None,
         unread=tuple(name for name in UNREAD if name in root.entries),
-        solutions=read_solutions(reading.child(root, "inverse_kinematics"), robot),
-        inverse=tuple(read_inverse(reading.child(root, "inverse_kinematics"), lines)),
+        solutions=solutions,
+        inverse=inverse,
         document=reading.printed_in(root),
     )
 

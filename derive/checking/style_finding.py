@@ -120,10 +120,10 @@ class StyleEvidence:
 
     def __init__(self, examples: Iterable[Example]) -> None:
         self.examples = tuple(examples)
-        self._robots: dict[int, _Robot] = {}
-        self._parts: list[tuple[_Part, ...]] = []
+        self._robots: dict[Robot, _StyledRobot] = {}
+        self._parts: list[tuple[_ExamplePart, ...]] = []
         for example in self.examples:
-            known = self._robots.setdefault(id(example.robot), _Robot(example.robot))
+            known = self._robots.setdefault(example.robot, _StyledRobot(example.robot))
             self._parts.append(tuple(_parts(known, example)))
 
     def best_style(self, without: int | None = None) -> Style:
@@ -141,16 +141,17 @@ class StyleEvidence:
         return StyleFinding(
             style,
             tuple(
-                _finding(example, parts, style, self._robots[id(example.robot)].model(style))
+                _finding(example, parts, style, self._robots[example.robot].model(style))
                 for example, parts in zip(self.examples, self._parts, strict=True)
             ),
         )
 
 
-def _improved(style: Style, known: Sequence[tuple[_Part, ...]]) -> Style:
+def _improved(style: Style, known: Sequence[tuple[_ExamplePart, ...]]) -> Style:
     """Options changed as some part asks for it, as long as that makes more parts and examples come out as printed."""
     best = _score(style, known)
     while True:
+        # steepest ascent: of all changes that some part asks for, the one after which most examples fit
         different = [part for parts in known for part in parts if not part.fits(style)]
         moves = {move for part in different for move in part.remedies(style)}
         # in a fixed order, so that of equally good moves the same is made everywhere
@@ -161,7 +162,7 @@ def _improved(style: Style, known: Sequence[tuple[_Part, ...]]) -> Style:
         best, style = score, improved
 
 
-def _score(style: Style, known: Iterable[tuple[_Part, ...]]) -> tuple[int, int]:
+def _score(style: Style, known: Iterable[tuple[_ExamplePart, ...]]) -> tuple[int, int]:
     """How many examples, and how many parts of them, come out as printed."""
     fits = [[part.fits(style) for part in parts] for parts in known]
     return sum(map(all, fits)), sum(map(sum, fits))
@@ -170,7 +171,7 @@ def _score(style: Style, known: Iterable[tuple[_Part, ...]]) -> tuple[int, int]:
 # -- parts
 
 
-class _Robot:
+class _StyledRobot:
     """A robot written in many styles; what does not depend on the style is derived once."""
 
     def __init__(self, robot: Robot) -> None:
@@ -209,10 +210,12 @@ class _Robot:
         return self._forms[key]
 
 
-class _Part:
+class _ExamplePart:
     """A part of an example that is written independently of the others."""
 
-    def __init__(self, title: str, printed: Expression, robot: _Robot, quantity: str, options: tuple[str, ...]) -> None:
+    def __init__(
+        self, title: str, printed: Expression, robot: _StyledRobot, quantity: str, options: tuple[str, ...]
+    ) -> None:
         self.title, self.options = title, options
         self._form, self._robot, self._quantity = form_of(printed), robot, quantity
         self._fits: dict[tuple[StrEnum, ...], bool] = {}
@@ -250,7 +253,7 @@ def _effective(style: Style, options: tuple[str, ...]) -> Style:
     return style
 
 
-def _parts(known: _Robot, example: Example) -> Iterator[_Part]:
+def _parts(known: _StyledRobot, example: Example) -> Iterator[_ExamplePart]:
     model = known.model(Style())
     quantity, indices, entry = parse(model, example.quantity)
     contraction = ("contraction",) if known.opposed else ()
@@ -258,12 +261,12 @@ def _parts(known: _Robot, example: Example) -> Iterator[_Part]:
         printed = _by_rates(example.robot, example.formula)
         for title, name in _TORQUE_PARTS.items():
             whole = f"{name}[{(entry or indices)[0]}]"
-            yield _Part(title, printed[title], known, whole, (*OPTIONS_OF.get(name, ()), *contraction))
+            yield _ExamplePart(title, printed[title], known, whole, (*OPTIONS_OF.get(name, ()), *contraction))
         return
     is_kinematic = not quantity.dynamic or quantity.name.startswith("J")
     kinematic = ("positions" if known.lengths & set(names(example.formula)) else "rotations", "short")
     options = OPTIONS_OF.get(quantity.name, kinematic if is_kinematic else ())
-    yield _Part("", example.formula, known, example.quantity, (*options, *contraction))
+    yield _ExamplePart("", example.formula, known, example.quantity, (*options, *contraction))
 
 
 def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
@@ -301,7 +304,7 @@ def _addends(e: Expression) -> Iterator[Expression]:
 # -- what is said
 
 
-def _finding(example: Example, parts: tuple[_Part, ...], style: Style, model: Model) -> ExampleFinding:
+def _finding(example: Example, parts: tuple[_ExamplePart, ...], style: Style, model: Model) -> ExampleFinding:
     written = scalar_quantity(model, example.quantity)
     different = [part for part in parts if not part.fits(style)]
     if not different:
@@ -311,7 +314,7 @@ def _finding(example: Example, parts: tuple[_Part, ...], style: Style, model: Mo
     return ExampleFinding(example, Outcome.EQUAL, written, "; ".join(_reason(part, style) for part in different))
 
 
-def _reason(part: _Part, style: Style) -> str:
+def _reason(part: _ExamplePart, style: Style) -> str:
     """Which options would write a part as printed."""
     subject = f"the terms of {part.title}: " if part.title else ""
     remedies = part.remedies(style)

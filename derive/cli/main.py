@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import gc
 import os
 import sys
@@ -65,6 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
     gc.set_threshold(*COLLECTED_AFTER)
+    atexit.register(gc.freeze)  # looking for garbage once more before the end takes a tenth of a second
     typed = list(sys.argv[1:] if argv is None else argv)
     try:
         arguments = _parsers()[0].parse_args(with_help(typed))

@@ -260,10 +260,8 @@ def _placed_chain(
         start, end = map(quoted, ends)
         raise RobotFileError(f"{urdf.source}: no joint moves between {start} and {end}", remedy="choose other links")
     if len(lines) > FILE_LIMITS.joints:
-        allowed = f"allowed: at most {FILE_LIMITS.joints}"
-        raise RobotFileError(
-            f"{urdf.source}: {len(lines)} joints move", allowed=allowed, remedy="choose a shorter chain"
-        )
+        found, allowed = f"{urdf.source}: {len(lines)} joints move", f"allowed: at most {FILE_LIMITS.joints}"
+        raise RobotFileError(found, allowed=allowed, remedy="choose a shorter chain")
     axes = tuple(Axis(line, joint, tuple(group)) for (line, joint), group in zip(lines, groups[1:], strict=True))
     snaps = [change for joint, _ in steps for change in _changes(joint, snap)]
     base = WORLD  # seen from the root

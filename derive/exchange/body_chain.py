@@ -16,7 +16,7 @@ from derive.exchange.certificate import along_x, along_z, ball, frame_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.body_remarks import ROUNDING
-from derive.robot.description import Convention, Inertia, Joint, Link, Motor
+from derive.robot.description import Convention, Inertia, Joint, Link
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
@@ -26,7 +26,7 @@ CONSTANT = 1e-12  # how little the cosine of two axes varies where it does not
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class RigidBody:
     """A rigid body in some frame."""
 
     mass: Real  # [kg]
@@ -34,19 +34,20 @@ class Body:
     inertia: tuple[Point, Point, Point]  # rows of the tensor about it, along the axes of the frame [kg m^2]
 
     @classmethod
-    def of(cls, link: Link) -> Body:
+    def of(cls, link: Link) -> RigidBody:
         """A link of numbers in its own DH frame, without its motor."""
-        xx, yy, zz, xy, xz, yz = moments(link.inertia)
+        cells = (getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
+        xx, yy, zz, xy, xz, yz = map(ball, cells)
         com = (ball(link.com[0]), ball(link.com[1]), ball(link.com[2]))
         return cls(ball(link.mass), com, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
 
     @classmethod
-    def spinning(cls, axis: Point, inertia: Real) -> Body:
+    def spinning(cls, axis: Point, inertia: Real) -> RigidBody:
         """An inertia about an axis, without a mass."""
-        turned = tuple(times(axis, inertia * component) for component in axis)
-        return cls(arb(0), WORLD.origin, (turned[0], turned[1], turned[2]))
+        x, y, z = (times(axis, inertia * component) for component in axis)
+        return cls(arb(0), WORLD.origin, (x, y, z))
 
-    def settled(self, inside: float) -> Body:
+    def settled(self, inside: float) -> RigidBody:
         """The nearest body that exists and is a little inside of the limit, where rounding has left it beyond.
 
         Its second moments along its principal axes, (A + B - C)/2 and so on, become at least some part of its largest
@@ -56,10 +57,10 @@ class Body:
         lack = np.maximum(inside * moments[2] - moments.sum() / 2 + moments, 0)
         body = self
         for axis, own in zip((axes.x, axes.y, axes.z), lack, strict=True):
-            body = body + Body.spinning(axis, arb(float(lack.sum() - own)))
+            body = body + RigidBody.spinning(axis, arb(float(lack.sum() - own)))
         return replace(body, mass=self.mass if self.mass > 0 else arb(0))
 
-    def moved(self, frame: Frame) -> Body:
+    def moved(self, frame: Frame) -> RigidBody:
         """The same body seen from outside."""
         axes = (frame.x, frame.y, frame.z)
         rows = [
@@ -69,7 +70,7 @@ class Body:
             )
             for i in range(3)
         ]
-        return Body(self.mass, frame.point(self.com), (rows[0], rows[1], rows[2]))
+        return RigidBody(self.mass, frame.point(self.com), (rows[0], rows[1], rows[2]))
 
     def about(self, point: Point) -> list[list[Real]]:
         """The tensor about a point (Steiner)."""
@@ -80,22 +81,20 @@ class Body:
             for i in range(3)
         ]
 
-    def __add__(self, other: Body) -> Body:
+    def __add__(self, other: RigidBody) -> RigidBody:
         """Both as one body."""
         mass, com = self.mass + other.mass, self.com
         if mass > 0:
             com = times(plus(times(self.com, self.mass), other.com, other.mass), 1 / mass)
-        both = [
-            tuple(a + b for a, b in zip(*rows, strict=True))
-            for rows in zip(self.about(com), other.about(com), strict=True)
-        ]
-        return Body(mass, com, (both[0], both[1], both[2]))
+        pairs = zip(self.about(com), other.about(com), strict=True)
+        x, y, z = ((a[0] + b[0], a[1] + b[1], a[2] + b[2]) for a, b in pairs)
+        return RigidBody(mass, com, (x, y, z))
 
     @property
-    def negative(self) -> Body:
+    def negative(self) -> RigidBody:
         """What is added to take the body away."""
-        rows = tuple(times(row, -1) for row in self.inertia)
-        return Body(-self.mass, self.com, (rows[0], rows[1], rows[2]))
+        x, y, z = (times(row, -1) for row in self.inertia)
+        return RigidBody(-self.mass, self.com, (x, y, z))
 
     def link(self, own: Link) -> Link:
         """The body as a link of a robot file."""
@@ -125,17 +124,11 @@ class Body:
         return bool(not self.mass < 0 and a >= -slack and a + b >= c - slack)
 
 
-def moments(inertia: Inertia) -> list[Real]:
-    """xx, yy, zz, xy, xz, yz."""
-    cells = (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
-    return [ball(cell) for cell in cells]
-
-
 @dataclass(frozen=True, slots=True)
 class Rotor:
     """The rotor of a joint."""
 
-    body: Body  # its mass, in the frame of the link that carries it
+    body: RigidBody  # its mass, in the frame of the link that carries it
     axis: Point  # about which it spins, there
     inertia: Real  # about its axis [kg m^2]
     ratio: Real  # of its gear
@@ -155,20 +148,20 @@ class Rotor:
         return self.ratio * self.ratio * self.inertia
 
     @property
-    def carried(self) -> Body:
+    def carried(self) -> RigidBody:
         """What it adds to the link that carries it, with its inertia about its axis."""
-        return self.body + Body.spinning(self.axis, self.inertia)
+        return self.body + RigidBody.spinning(self.axis, self.inertia)
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class ChainSegment:
     """A joint and the link that it moves."""
 
     joint: Joint  # row of the table, of numbers
     link: Link  # as in the robot file, of numbers
     origin: Frame  # frame of the link in that of the one before, at zero
     dh: Frame  # its DH frame in this frame
-    body: Body | None  # what it weighs in its DH frame, as `body_chain` makes it without rotors; None without dynamics
+    body: RigidBody | None  # in its DH frame, as `body_chain` makes it without rotors; None without dynamics
     rotor: Rotor | None  # that of this joint
     end: Point  # where the next joint or the tip is
 
@@ -179,7 +172,7 @@ class BodyChain:
 
     robot: Robot  # of numbers
     base: Frame  # frame 0 in the world
-    segments: tuple[Segment, ...]  # from the base on
+    segments: tuple[ChainSegment, ...]  # from the base on
     tool: Frame  # the end effector in frame n
 
     @property
@@ -202,26 +195,16 @@ def body_chain(robot: Robot) -> BodyChain:
     ends = [*(origin.origin for origin in origins[1:]), dh[-1].point(tool.origin)]
     drags = _drags(robot)
     links = robot.links or (Link(),) * robot.n
-    segments = tuple(
-        Segment(
-            joint,
-            link,
-            origins[i],
-            dh[i],
-            Body.of(link) if robot.links else None,
-            None if link.motor is None else _rotor(joint, link.motor, origins[i], standard, drags[i]),
-            ends[i],
-        )
-        for i, (joint, link) in enumerate(zip(robot.joints, links, strict=True))
-    )
-    return BodyChain(robot, base, segments, tool)
-
-
-def _rotor(joint: Joint, motor: Motor, origin: Frame, standard: bool, drag: tuple[float, ...] | None) -> Rotor:
-    place = origin.origin if standard else plus(origin.origin, origin.z, ball(joint.d))
-    nothing = (arb(0), arb(0), arb(0))
-    body = Body(ball(motor.mass), place, (nothing, nothing, nothing))
-    return Rotor(body, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
+    segments, nothing = [], (arb(0), arb(0), arb(0))
+    for joint, link, origin, own, end, drag in zip(robot.joints, links, origins, dh, ends, drags, strict=True):
+        body, rotor = RigidBody.of(link) if robot.links else None, None
+        if (motor := link.motor) is not None:
+            # A point mass where the frame of its joint's axis is: o_{i-1} in a standard table, o_i in a modified one.
+            place = origin.origin if standard else plus(origin.origin, origin.z, ball(joint.d))
+            rotating = RigidBody(ball(motor.mass), place, (nothing, nothing, nothing))
+            rotor = Rotor(rotating, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
+        segments.append(ChainSegment(joint, link, origin, own, body, rotor, end))
+    return BodyChain(robot, base, tuple(segments), tool)
 
 
 def _drags(robot: Robot) -> list[tuple[float, ...] | None]:

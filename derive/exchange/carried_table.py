@@ -12,7 +12,7 @@ from derive.errors import DeriveError
 from derive.exchange.arm import Arm
 from derive.exchange.body_chain import body_chain
 from derive.exchange.certificate import along_x, along_z, ball, certify, frame_of
-from derive.exchange.common_normals import Placement, Row
+from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.numeric import text
 from derive.exchange.urdf import SLIDE, Urdf
 from derive.mechanics.space import WORLD, exactly
@@ -25,14 +25,7 @@ SAME = 1e-9  # poses that differ by less are the same: a URDF's numbers have 17 
 
 
 def carried_table(urdf: Urdf, arm: Arm, convention: Convention | None) -> Robot | None:
-    """The table that a URDF carries.
-
-    Args:
-        convention: Of the table that is asked for; None for its own.
-
-    Returns:
-        A robot of numbers; None where there is none, it is of the other convention, or it is not this arm's.
-    """
+    """The table of numbers that a URDF carries; None without one, of the other convention, or of another arm."""
     if not urdf.table:
         return None
     try:
@@ -51,7 +44,7 @@ def placement_of(table: Robot) -> Placement:
     with exactly():
         frames, rows = [frame_of(table.base)], []
         for joint in table.joints:
-            row = Row(*(ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha)))
+            row = DHRow(*(ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha)))
             along, across = along_z(row.theta, row.d), along_x(row.a, row.alpha)
             standard = table.convention is Convention.STANDARD
             frames.append(frames[-1].then(along.then(across) if standard else across.then(along)))

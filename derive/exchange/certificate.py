@@ -17,7 +17,7 @@ from flint import arb
 
 from derive.errors import QuantityError
 from derive.exchange.arm import Arm
-from derive.mechanics.space import Frame, Line, Point, Real, exactly, length, plus, real, times, unit
+from derive.mechanics.space import Frame, Line, Real, exactly, length, plus, real, times, unit
 from derive.mechanics.vectors import dot
 from derive.robot.description import Convention, Description, Matrix
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
@@ -50,14 +50,17 @@ def certify(arm: Arm, robot: Description) -> Certificate:
     """The bound."""
     with exactly():
         base = frame_of(robot.base, dict(robot.parameters))
-        rigid = _rigid(base)
+        # The rigid frame next to the base, whose decimals are no rotation: axes of length 1 that are perpendicular.
+        z = unit(base.z)
+        rigid = Frame.of(base.origin, unit(plus(base.x, z, -dot(base.x, z))), z)
         axes, end = screws(robot, rigid)
         position = length(plus(arm.end.origin, end.origin, -1))
         rotation = _apart(arm.end, end)
         beyond = arb(0)
         place = arm.end.origin
         for axis, line in reversed(list(zip(arm.axes, axes, strict=True))):
-            angle = _between(axis.line.direction, line.direction)
+            # Of two unit vectors that are close, |a - b| <= angle <= pi/2 |a - b|.
+            angle = arb.pi() / 2 * length(plus(axis.line.direction, line.direction, -1))
             if axis.is_revolute:
                 pivot = axis.line.foot(place)
                 position += 2 * angle * (beyond + length(plus(place, pivot, -1))) + 2 * line.distance(pivot)
@@ -127,17 +130,6 @@ def frame_of(matrix: Matrix, known: Mapping[str, Expression] | None = None) -> F
     rows = [[ball(cell, known) for cell in row] for row in matrix[:3]]
     x, y, z, origin = ((rows[0][k], rows[1][k], rows[2][k]) for k in range(4))
     return Frame(origin, x, y, z)
-
-
-def _rigid(frame: Frame) -> Frame:
-    """The frame with axes of length 1 that are perpendicular, next to one of decimals."""
-    z = unit(frame.z)
-    return Frame.of(frame.origin, unit(plus(frame.x, z, -dot(frame.x, z))), z)
-
-
-def _between(a: Point, b: Point) -> Real:
-    """An upper bound of the angle between two unit vectors that are close: |a - b| <= angle <= pi/2 |a - b|."""
-    return arb.pi() / 2 * length(plus(a, b, -1))
 
 
 def _apart(a: Frame, b: Frame) -> Real:

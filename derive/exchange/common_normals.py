@@ -39,7 +39,7 @@ TOO_FAR = 1000.0  # what a far cell counts for each power of ten
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class DHRow:
     """The constant cells of a joint."""
 
     theta: Real  # [rad]
@@ -54,7 +54,7 @@ class Placement:
 
     convention: Convention  # standard or modified
     frames: tuple[Frame, ...]  # frame 0 to frame n, in the world
-    rows: tuple[Row, ...]  # of the table
+    rows: tuple[DHRow, ...]  # of the table
     tool: Frame  # the arm's end in frame n
     turned: tuple[float, ...]  # by how much axes were turned, where they were [rad]
     # The axes that are almost parallel to the one before, with a common normal beyond everything that the arm
@@ -75,11 +75,7 @@ class _Candidate:
 
 
 def place(arm: Arm, convention: Convention, snap: float) -> Placement:
-    """The table of an arm.
-
-    Args:
-        snap: Axes that are closer to parallel or to each other are taken for it [rad, m].
-    """
+    """The table of an arm; axes closer to parallel or to each other than the snap are taken for it [rad, m]."""
     lines, far = _straightened(arm, snap)
     turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
     standard = convention is Convention.STANDARD
@@ -125,10 +121,8 @@ def _straightened(arm: Arm, snap: float) -> tuple[list[Line], tuple[tuple[int, b
     for i, axis in enumerate(arm.axes):
         line = axis.line
         known = [other.direction for other in reversed(lines)] + [WORLD.z, WORLD.x, WORLD.y, arm.end.z]
-        for direction in known:
-            if parallel(direction, line.direction, snap):
-                line = _along(line, direction)
-                break
+        alike = next((direction for direction in known if parallel(direction, line.direction, snap)), None)
+        line = line if alike is None else _along(line, alike)
         if lines and parallel(lines[-1].direction, line.direction, snap):  # by then
             line = _along(line, lines[-1].direction)
         if lines and not parallel(line.direction, lines[-1].direction, 0) and _is_far(line, lines[-1], arm.reach):
@@ -230,7 +224,7 @@ def _normals(
             yield from ((foot, x) for foot in feet for x in across)
 
 
-def _row(before: Frame, after: Frame, standard: bool) -> Row:
+def _row(before: Frame, after: Frame, standard: bool) -> DHRow:
     """Cells from one frame to the next; what is below `NOTHING` is zero."""
     if standard:
         foot = plus(before.origin, before.z, dot(plus(after.origin, before.origin, -1), before.z))
@@ -241,7 +235,7 @@ def _row(before: Frame, after: Frame, standard: bool) -> Row:
         theta, alpha = _angle(before.x, after.x, after.z), _angle(before.z, after.z, before.x)
         a = dot(plus(foot, before.origin, -1), before.x)
         d = dot(plus(after.origin, foot, -1), after.z)
-    return Row(theta, d, a, alpha)
+    return DHRow(theta, d, a, alpha)
 
 
 def _angle(a: Point, b: Point, about: Point) -> Real:

@@ -45,11 +45,7 @@ def convention_named(text: str) -> Convention:
 
 
 def converted(robot: Robot, convention: Convention, name: str | None = None) -> Converted:
-    """The same arm by the table of the other convention.
-
-    Args:
-        name: Of the new robot; None for the same.
-    """
+    """The same arm by the table of the other convention, under another name or the same."""
     if robot.convention is convention:
         other = next(member for member in Convention if member is not convention)
         found = f"{robot.name} has a {convention.value} table already"

@@ -9,7 +9,7 @@ from functools import partial
 from types import MappingProxyType
 
 from derive.errors import DeriveError, near_miss, quoted
-from derive.exchange.body_chain import BodyChain, Rotor, Segment, body_chain, given
+from derive.exchange.body_chain import BodyChain, ChainSegment, Rotor, body_chain, given
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.rotors import lost_coupling, with_rotors
@@ -26,7 +26,7 @@ from derive.version import __version__
 # Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2].
 EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
 # What a joint or its link may have: in words, and whether it has.
-GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
+GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = MappingProxyType(
     {
         "limits": ("the limits", lambda segment: segment.joint.limits is not None),
         "speed": ("the largest speed", lambda segment: given(segment.joint.speed)),
@@ -45,16 +45,14 @@ GIVEN: Mapping[str, tuple[str, Callable[[Segment], bool]]] = MappingProxyType(
         ),
         "coupling that varies": (
             "the coupling of the rotor with the joints before it, which depends on q,",
-            lambda segment: (
-                segment.rotor is not None and segment.rotor.is_coupled and not coupled_by_tendon(segment.rotor)
-            ),
+            lambda each: each.rotor is not None and each.rotor.is_coupled and not coupled_by_tendon(each.rotor),
         ),
     }
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class ExportFormat:
     """A format."""
 
     program: str  # who reads it
@@ -79,9 +77,8 @@ class Exported:
 def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str, Expression] | None = None) -> Exported:
     """A robot in the format of another program."""
     if to not in FORMS:
-        raise DeriveError(
-            f"no format {quoted(to)}", allowed=f"allowed: {', '.join(FORMS)}", remedy=near_miss(to, FORMS)
-        )
+        allowed = f"allowed: {', '.join(FORMS)}"
+        raise DeriveError(f"no format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
     form = FORMS[to]
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
@@ -97,7 +94,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     return Exported(text, remarks)
 
 
-def _remarks(arm: BodyChain, written: BodyChain, form: Form, reversed_joints: Sequence[str]) -> Iterator[str]:
+def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_joints: Sequence[str]) -> Iterator[str]:
     """What is not in the file, as sentences."""
     for key in form.lacks:
         words, has = GIVEN[key]
@@ -155,42 +152,39 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
     down = [float(ball(cell)) for cell in arm.robot.gravity or ()]
     if down and (down[0] or down[1] or abs(down[2] - EARTH) > ROUNDING_OF_EARTH):
         yield f"URDF cannot say the gravity {down[0]:g}, {down[1]:g}, {down[2]:g} m/s^2"
-    bounds = [
-        segment.joint.variable
-        for segment in arm.segments
-        if not (given(segment.joint.torque) and given(segment.joint.speed))
-    ]
-    if bounds:
+    joints = [segment.joint for segment in arm.segments]
+    if bounds := [joint.variable for joint in joints if not (given(joint.torque) and given(joint.speed))]:
         yield f"URDF wants an effort and a velocity: 1000000 where the robot file gives none, of {', '.join(bounds)}"
-    slides = [s.joint.variable for s in arm.segments if not s.joint.is_revolute and s.joint.limits is None]
-    if slides:
+    if slides := [joint.variable for joint in joints if not joint.is_revolute and joint.limits is None]:
         yield f"URDF wants limits of slides: {SLIDE} m to either side of {', '.join(slides)}"
 
 
 # By the name that users type.
-FORMS: Mapping[str, Form] = MappingProxyType(
+FORMS: Mapping[str, ExportFormat] = MappingProxyType(
     {
-        "urdf": Form("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
-        "mjcf": Form("MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco, says=coupled_by_tendon),
-        "rtb": Form(
+        "urdf": ExportFormat("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
+        "mjcf": ExportFormat(
+            "MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco, says=coupled_by_tendon
+        ),
+        "rtb": ExportFormat(
             "DHRobot",
             ("speed", "torque", "coupling"),
             partial(script_text, "exchange/rtb.py.jinja"),
             partial(_remarks_of_toolboxes, "rne_python", "rne"),
             reverses=False,
         ),
-        "corke": Form(
+        "corke": ExportFormat(
             "SerialLink",
             ("speed", "torque", "coupling"),
             partial(script_text, "exchange/corke.m.jinja"),
             partial(_remarks_of_toolboxes, "rne", "its compiled form frne"),
             reverses=False,
         ),
-        "rigidbodytree": Form(
+        "rigidbodytree": ExportFormat(
             "rigidBodyTree",
             ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),
             partial(script_text, "exchange/rigidbodytree.m.jinja"),
         ),
-        "csv": Form("CSV", (), csv_text, has_rotors=True),
+        "csv": ExportFormat("CSV", (), csv_text, has_rotors=True),
     }
 )

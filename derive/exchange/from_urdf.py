@@ -19,7 +19,7 @@ from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, place
 from derive.exchange.convert import convention_named
 from derive.exchange.robot_of_arm import robot_of_arm
 from derive.exchange.slanted import CutOff, as_meant, cut_off, meant, named, slant, slanted, snap_for
-from derive.exchange.source import Source
+from derive.exchange.source import ChainSource
 from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
 from derive.model.identification.possible import wants_possible, with_chosen_bodies
@@ -112,14 +112,9 @@ def import_urdf(
     base: str | None,
     tip: str | None,
     options: ImportOptions = AS_USUAL,
-    source: Source | None = None,
+    source: ChainSource | None = None,
 ) -> Imported:
-    """The robot of a chain of a URDF.
-
-    Args:
-        base: Link that stands; None for the root.
-        tip: Last link; None where only one carries no other.
-    """
+    """The robot of a chain of a URDF, from its root and to the only link that carries no other where these are None."""
     convention = None if options.convention is None else convention_named(options.convention)
     snap = snap_of(options.snap)
     with exactly():
@@ -145,11 +140,7 @@ def import_urdf(
 
 
 def snap_of(snap: str | float | Fraction) -> Fraction:
-    """A distance of angles, exactly.
-
-    Args:
-        snap: Such as ``1e-6``; from 0 to 0.1 [rad].
-    """
+    """A distance of angles, such as ``1e-6``, exactly, from 0 to 0.1 [rad]."""
     if isinstance(snap, Fraction) and 0 <= snap <= MOST_SNAP:
         return snap
     try:
@@ -203,13 +194,7 @@ class _Chain:
     name: str | None  # of the robot; None for that of the URDF
 
     def understood(self, snap: Fraction) -> tuple[_Table, list[str]]:
-        """The table that the URDF carries with it, else one by common normals.
-
-        Where axes meet far away, angles are read as they were meant.
-
-        Args:
-            snap: Angles closer to simple fractions of pi are taken for them [rad].
-        """
+        """The table that the URDF carries with it, else one by common normals; where axes meet far away as meant."""
         carried = carried_table(self.urdf, self.written, self.convention)
         if carried is not None:
             arm, placement = arm_of(self.urdf, self.written.base, self.written.tip, snap), placement_of(carried)

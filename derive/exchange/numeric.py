@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from derive.errors import DeriveError
 from derive.exchange.certificate import ball
 from derive.mechanics.space import Real, decimal
-from derive.robot.description import Convention, Description, Joint, Link
+from derive.robot.description import Convention, Description, Joint
 from derive.robot.expression import Expression, Pi, Product, add, negate, number, substitute
 from derive.robot.names import file_symbols, number_of
 from derive.robot.writer import cell_text
@@ -71,13 +71,16 @@ def with_positive_axes(robot: Some) -> Some:
         base = tuple(tuple(negate(cell) if k in (1, 2) else cell for k, cell in enumerate(row)) for row in base)
     if not standard and turned[-1]:
         tool = tuple(tuple(map(negate, row)) if k in (1, 2) else row for k, row in enumerate(tool))
-    joints = tuple(map(_forward, robot.joints, halves))
-    links = tuple(_half_turned(link) if half else link for link, half in zip(robot.links, frames, strict=False))
-    links = tuple(
-        replace(link, motor=replace(link.motor, ratio=negate(link.motor.ratio))) if own and link.motor else link
-        for link, own in zip(links, turned, strict=False)
-    )
-    return replace(robot, joints=joints, base=base, tool=tool, links=links)
+    joints, links = tuple(map(_forward, robot.joints, halves)), []
+    for link, half, own in zip(robot.links, frames, turned, strict=False):
+        if half:  # seen from a frame that is turned about x by pi
+            x, y, z = link.com
+            inertia = replace(link.inertia, xy=negate(link.inertia.xy), xz=negate(link.inertia.xz))
+            link = replace(link, com=(x, negate(y), negate(z)), inertia=inertia)
+        if own and link.motor:
+            link = replace(link, motor=replace(link.motor, ratio=negate(link.motor.ratio)))
+        links.append(link)
+    return replace(robot, joints=joints, base=base, tool=tool, links=tuple(links))
 
 
 def _forward(joint: Joint, is_half: bool) -> Joint:
@@ -86,13 +89,6 @@ def _forward(joint: Joint, is_half: bool) -> Joint:
     if joint.sign > 0:
         return replace(joint, alpha=alpha)
     return replace(joint, sign=1, theta=negate(joint.theta), d=negate(joint.d), alpha=alpha)
-
-
-def _half_turned(link: Link) -> Link:
-    """A link seen from a frame that is turned about x by pi."""
-    x, y, z = link.com
-    inertia = replace(link.inertia, xy=negate(link.inertia.xy), xz=negate(link.inertia.xz))
-    return replace(link, com=(x, negate(y), negate(z)), inertia=inertia)
 
 
 def text(value: Real) -> str:

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
 from derive.exchange.body_chain import roll_pitch_yaw
-from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
-from derive.exchange.urdf_grammar import look
+from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint, look
 from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
             remedy="give a URDF; a xacro file is read where its name ends with .xacro",
             location=Location(source, root.sourceline or 1),
         )
-    reader = _Reader(source, root.get("version", VERSIONS[0]))
+    reader = _UrdfReader(source, root.get("version", VERSIONS[0]))
     if reader.version not in VERSIONS:
         found = f"version {quoted(reader.version)} of URDF"
         raise reader.refused(root, found, 'write version="1.0", or leave it out', f"allowed: {', '.join(VERSIONS)}")
@@ -164,7 +163,7 @@ def _without_default(root: etree._Element) -> list[str]:
 
 
 @dataclass(frozen=True)
-class _Reader:
+class _UrdfReader:
     """Elements to data."""
 
     source: str  # file name for messages
@@ -193,11 +192,7 @@ class _Reader:
     def numbers(
         self, element: etree._Element, attribute: str, count: int, *, infinite: bool = False
     ) -> tuple[Fraction, ...] | None:
-        """The decimals of an attribute.
-
-        Returns:
-            They; None where the attribute is not there.
-        """
+        """The decimals of an attribute; None where it is not there."""
         text = element.get(attribute)
         if text is None:
             return None
@@ -208,11 +203,7 @@ class _Reader:
         return tuple(self._number(element, attribute, word, infinite) for word in words)
 
     def number(self, element: etree._Element, attribute: str, *, infinite: bool = False) -> Fraction | None:
-        """The decimal of an attribute.
-
-        Returns:
-            It; None where the attribute is not there.
-        """
+        """The decimal of an attribute; None where it is not there."""
         found = self.numbers(element, attribute, 1, infinite=infinite)
         return found[0] if found else None
 
@@ -269,11 +260,7 @@ class _Reader:
         return roll, pitch, yaw
 
     def body(self, element: etree._Element) -> UrdfBody | None:
-        """What a link weighs.
-
-        Returns:
-            It; None where nothing is said.
-        """
+        """What a link weighs; None where nothing is said."""
         inertial = element.find("inertial")
         if inertial is None:
             return None
@@ -308,14 +295,13 @@ class _Reader:
             None if limit is None else self.number(limit, key, infinite=True)
             for key in ("lower", "upper", "effort", "velocity")
         )
-        if kind in ("revolute", "prismatic") and lower is None and upper is None:
-            self.note(
-                element, f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
-            )
+        bounded = kind in ("revolute", "prismatic") and (lower is not None or upper is not None)
+        if kind in ("revolute", "prismatic") and not bounded:
+            said = f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
+            self.note(element, said)
         damping, friction = (
             None if dynamics is None else self.number(dynamics, key) for key in ("damping", "friction")
         )
-        bounded = kind in ("revolute", "prismatic") and limit is not None and (lower is not None or upper is not None)
         return UrdfJoint(
             name=name,
             type=kind,

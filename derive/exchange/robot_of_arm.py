@@ -10,7 +10,7 @@ from flint import arb
 
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass
-from derive.exchange.common_normals import Placement, Row
+from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.urdf import UNLIMITED
 from derive.mechanics.space import NOTHING, Frame, Point, Real, decimal, plus, real
 from derive.mechanics.vectors import dot
@@ -29,11 +29,7 @@ GRAVITY = Fraction(981, 100)  # where a format says nothing [m/s^2]
 
 
 def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, title: str) -> Description:
-    """What a robot file says of an arm.
-
-    Args:
-        snap: Angles closer to simple fractions of pi are written as these [rad].
-    """
+    """What a robot file says of an arm; angles closer to simple fractions of pi than the snap are these [rad]."""
     joints = tuple(
         _joint(i, axis, row, snap) for i, (axis, row) in enumerate(zip(arm.axes, placement.rows, strict=True), 1)
     )
@@ -55,7 +51,7 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
     )
 
 
-def _joint(i: int, axis: Axis, row: Row, snap: Fraction) -> Joint:
+def _joint(i: int, axis: Axis, row: DHRow, snap: Fraction) -> Joint:
     """A row of the table; its variable is the joint's own."""
     of_file, limits = axis.joint, None
     if axis.limits is not None:
@@ -84,11 +80,7 @@ def joint_name(name: str) -> str:
 
 
 def angle(value: Real, snap: Fraction) -> Expression:
-    """A cell of an angle: a fraction of pi, or a decimal.
-
-    Args:
-        snap: How near simple fractions are taken [rad].
-    """
+    """A cell of an angle: a fraction of pi, where a simple one is as near as the snap [rad], or a decimal."""
     turns = value / arb.pi()
     for divisor in (*FRACTIONS, DIVISORS):
         near = round(float(turns) * divisor)

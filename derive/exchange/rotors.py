@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from derive.errors import DeriveError
-from derive.exchange.body_chain import Body, BodyChain, Rotor, Segment
+from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor
 from derive.mechanics.space import WORLD, Real, decimal
 from derive.model.identification.possible import possible
 from derive.model.identification.witness import NoSuchBodies
@@ -34,11 +34,9 @@ Written = tuple[BodyChain, tuple[str, ...]]
 
 
 def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted: str) -> Written:
-    """The arm as a format says it.
+    """The arm as a format says it, which may say the inertia of some rotors otherwise; None for links alone.
 
-    Args:
-        is_said: Whether a rotor's inertia is said in another way, so that others may be divided; its mass is part of
-            the link that carries it. None where nothing but links is said.
+    Other rotors may be divided then; the mass of each is part of the link that carries it.
     """
     said = [i for i, s in enumerate(arm.segments) if s.rotor is not None and is_said and is_said(s.rotor)]
     inside = 0.0 if is_said else INSIDE
@@ -54,7 +52,7 @@ def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted:
     return found
 
 
-def _is_divisible(segment: Segment) -> bool:
+def _is_divisible(segment: ChainSegment) -> bool:
     """Whether its rotor turns with the joints before its own, in a way that bodies could say."""
     rotor = segment.rotor
     if rotor is None or segment.body is None or not segment.joint.is_revolute:
@@ -62,7 +60,7 @@ def _is_divisible(segment: Segment) -> bool:
     return rotor.is_coupled and bool(rotor.reflected > _share(segment))
 
 
-def _share(segment: Segment) -> Real:
+def _share(segment: ChainSegment) -> Real:
     """The inertia J of its rotor that goes to the link behind the joint."""
     return segment.joint.sign * segment.rotor.inertia * segment.rotor.ratio if segment.rotor else 0
 
@@ -75,9 +73,9 @@ def _placed(arm: BodyChain, said: Collection[int], divided: Collection[int]) -> 
         beyond = arm.segments[i + 1] if i + 1 < len(arm.segments) else None
         if body is not None and beyond is not None and beyond.rotor is not None:
             inertia = 0 if i + 1 in said else beyond.rotor.inertia - (_share(beyond) if i + 1 in divided else 0)
-            body = body + (beyond.rotor.body + Body.spinning(beyond.rotor.axis, inertia)).moved(inwards)
+            body = body + (beyond.rotor.body + RigidBody.spinning(beyond.rotor.axis, inertia)).moved(inwards)
         if i in divided and body is not None and segment.rotor is not None:
-            body = body + Body.spinning(WORLD.z, _share(segment)).moved(inwards)
+            body = body + RigidBody.spinning(WORLD.z, _share(segment)).moved(inwards)
             armature = number(decimal(segment.rotor.reflected - _share(segment)))
             link = replace(segment.link, motor=None, armature=add(segment.link.armature, armature))
             segment = replace(segment, link=link, rotor=None)
@@ -91,14 +89,11 @@ def _chosen(arm: BodyChain, wanted: str, inside: float) -> Written:
         return arm, ()
     links = tuple(s.body.link(replace(s.link, motor=None)) for s in arm.segments if s.body is not None)
     found = possible(replace(arm.robot, links=links))
-    repaired = [Body.of(link) for link in found.robot.links]
+    repaired = [RigidBody.of(link) for link in found.robot.links]
     bodies = [body.settled(inside) for body in repaired]
     added = [float(sum(b.entries[:3]) - sum(a.entries[:3])) / 2 for a, b in zip(repaired, bodies, strict=True)]
-    sizes = [
-        f"{more:.2g} kg m^2 to link {i}"
-        for i, more in enumerate(added, 1)
-        if more > ADDED * bodies[i - 1].principal[0][2]
-    ]
+    amounts = [(i, more) for i, more in enumerate(added, 1) if more > ADDED * bodies[i - 1].principal[0][2]]
+    sizes = [f"{more:.2g} kg m^2 to link {i}" for i, more in amounts]
     changes = (f"rounding left too little for what exists: {', '.join(sizes)} are added",) if sizes else ()
     if gone := [str(i) for i, body in enumerate(bodies, 1) if not body.is_possible]:
         raise DeriveError(f"{arm.robot.name}: link {', '.join(gone)} does not exist as it would be written")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from io import StringIO
 from typing import Any
 
@@ -19,13 +19,7 @@ from derive.targets.escape import matlab_package, matlab_string, one_line
 from derive.targets.templating import render
 
 EARTH, UPWARDS = "0, 0, -9.81", "0; 0; 9.81"  # gravity where the robot file gives none, and against it [m/s^2]
-# Rows of Rot(z, angle).
-SPIN = (
-    "cos({0}), -sin({0}), 0, 0",
-    "sin({0}), cos({0}), 0, 0",
-    "0, 0, 1, 0",
-    "0, 0, 0, 1",
-)
+SPIN = ("cos({0}), -sin({0}), 0, 0", "sin({0}), cos({0}), 0, 0", "0, 0, 1, 0", "0, 0, 0, 1")  # rows of Rot(z, angle)
 SHIFT = ("1, 0, 0, 0", "0, 1, 0, 0", "0, 0, 1, {0}", "0, 0, 0, 1")  # rows of Trans(z, length)
 
 
@@ -43,20 +37,16 @@ def script_text(template: str, arm: BodyChain, head: list[str]) -> str:
         rows=[_row(arm, i) for i in range(len(arm.segments))],
         base=None if is_world(arm.base) else _matrix(arm.base),
         tool=None if is_world(arm.tool) else _matrix(arm.tool),
-        gravity=EARTH if gravity is None else _listed(map(ball, gravity)),
-        upwards=UPWARDS if gravity is None else _listed([-ball(cell) for cell in gravity], "; "),
+        gravity=EARTH if gravity is None else texts(map(ball, gravity), ", "),
+        upwards=UPWARDS if gravity is None else texts([-ball(cell) for cell in gravity], "; "),
         parts=_parts(arm),
     )
-
-
-def _listed(values: Iterable[Real], separator: str = ", ") -> str:
-    return texts(values, separator)
 
 
 def _matrix(frame: Frame) -> list[str]:
     """The rows of a homogeneous transform."""
     columns = (frame.x, frame.y, frame.z, frame.origin)
-    return [_listed(column[k] for column in columns) for k in range(3)] + ["0, 0, 0, 1"]
+    return [texts((column[k] for column in columns), ", ") for k in range(3)] + ["0, 0, 0, 1"]
 
 
 def _row(arm: BodyChain, i: int) -> dict[str, Any]:
@@ -73,7 +63,7 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
         "comment": one_line(joint.name),
         "revolute": joint.is_revolute,
         "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
-        "limits": _listed(map(ball, joint.limits)) if joint.limits else "",
+        "limits": texts(map(ball, joint.limits), ", ") if joint.limits else "",
         "body": _body(arm, i),
         "motor": _motor(arm, i) if arm.robot.links else {},
     }
@@ -83,14 +73,14 @@ def _body(arm: BodyChain, i: int) -> dict[str, Any] | None:
     body = arm.segments[i].body
     if body is None:
         return None
-    origin = (arb(0), arb(0), arb(0))
-    about = body.about(origin)
-    xx, yy, zz, xy, xz, yz = about[0][0], about[1][1], about[2][2], about[0][1], about[0][2], about[1][2]
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.about(
+        (arb(0), arb(0), arb(0))
+    )  # rigidBodyTree wants it about the frame
     return {
         "mass": text(body.mass),
-        "com": _listed(body.com),
-        "inertia": [_listed(row) for row in body.inertia],
-        "origin": _listed((xx, yy, zz, yz, xz, xy)),
+        "com": texts(body.com, ", "),
+        "inertia": [texts(row, ", ") for row in body.inertia],
+        "origin": texts((xx, yy, zz, yz, xz, xy), ", "),
     }
 
 
@@ -102,12 +92,8 @@ def _motor(arm: BodyChain, i: int) -> dict[str, Any]:
     if rotor is not None and abs(rotor.ratio) > NOTHING:
         ratio = rotor.ratio
         inertia = inertia / (ratio * ratio) + rotor.inertia
-    found = {
-        "Jm": inertia,
-        "G": ratio,
-        "B": ball(link.viscous) / (ratio * ratio),
-        "Tc": ball(link.coulomb) / abs(ratio),
-    }
+    viscous, coulomb = ball(link.viscous) / (ratio * ratio), ball(link.coulomb) / abs(ratio)
+    found = {"Jm": inertia, "G": ratio, "B": viscous, "Tc": coulomb}
     if not any(abs(found[key]) > NOTHING for key in ("Jm", "B", "Tc")):
         return {}
     return {key: text(value) if abs(value) > NOTHING or key != "Tc" else "" for key, value in found.items()}

@@ -44,11 +44,7 @@ def as_meant(urdf: Urdf) -> Urdf:
 
 
 def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> CutOff:
-    """The angles between two links that are the first decimals of fractions of pi, with their joints.
-
-    Args:
-        snap: Those that are closer are none of them [rad].
-    """
+    """Angles between two links, with their joints, that are first decimals of fractions of pi beyond the snap [rad]."""
     between = joints_between(urdf, one, other)
     angles = [(joint, angle) for joint in between for angle in joint.origin.rpy]
     return [(joint, angle) for joint, angle in angles if abs(meant(angle) - angle) > snap]

@@ -1,25 +1,30 @@
 """Where an imported robot comes from: URDFs read from files, expanded from xacro, named in the head of a robot file.
 
 The first line of an imported robot file is data, so that what it promises can be tested again.
+
+xacro hands expressions to Python without its builtins. That keeps nobody in: a generator knows the frame that runs it,
+and names within a lambda are not looked at, so a file from elsewhere could run any command. Expressions are looked at
+before xacro sees them, each time it is about to evaluate one, since one expansion may write the next.
 """
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import io
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
 from derive.exchange.certificate import Certificate
 from derive.exchange.read_urdf import MOST_BYTES, read_urdf
 from derive.exchange.urdf import Urdf
-from derive.exchange.xacro_expressions import guarded
 from derive.robot.load import file_bytes
 
 # Stands before the data in the first line; another command may have put its own lines before it.
@@ -30,10 +35,13 @@ _DATA = re.compile(rf"\A(?:#.*\n)*?# {MARK}(.*)$", re.MULTILINE)
 _XACRO = re.compile(rb"<xacro:|\$[{(]")
 _KIND = re.compile(r"^<class '[^']*'>: ")
 _PROMISE = re.compile(r"^# pose error over all limits <= (\S+) m and (\S+) rad, proven$", re.MULTILINE)
+# Names that lead from values to the program that runs.
+INNER = re.compile(r"__|(gi|cr|ag|tb)_(frame|code|yieldfrom|await|next)$|f_(back|builtins|code|globals|locals|trace)$")
+OPENERS = ("type", "vars")  # functions of xacro that do the same
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class ChainSource:
     """A chain of a file."""
 
     file: str  # its path, from the folder of the robot file; empty for standard input
@@ -49,12 +57,8 @@ class Source:
         return MARK + json.dumps({key: value for key, value in asdict(self).items() if value or key == "file"})
 
     @classmethod
-    def of(cls, text: str) -> tuple[Source, Certificate] | None:
-        """What the head of a robot file says and promises.
-
-        Returns:
-            The source and the bound; None for a file that says neither.
-        """
+    def of(cls, text: str) -> tuple[ChainSource, Certificate] | None:
+        """The source and the bound that the head of a robot file promises; None for a file that says neither."""
         line, promise = _DATA.search(text), _PROMISE.search(text)
         if line is None or promise is None:
             return None
@@ -145,6 +149,48 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
         found = f"it asks for no argument {quoted(unknown[0])}; its arguments: {known}"
         raise RobotFileError(found, remedy="correct or leave out --arg", location=place)
     return text.encode()
+
+
+def forbidden(expression: str) -> str | None:
+    """The name for which an expression is not evaluated; None without one, or for what is no expression."""
+    try:
+        tree = ast.parse(expression.strip(), mode="eval")
+    except (SyntaxError, ValueError):
+        return None
+    names = (str(getattr(node, "attr", "") or getattr(node, "id", "")) for node in ast.walk(tree))
+    return next((name for name in names if INNER.match(name)), None)
+
+
+@contextlib.contextmanager
+def guarded() -> Iterator[list[str]]:
+    """Have xacro evaluate no expression that says more than it may, as long as the context lasts."""
+    import xacro
+    from xacro import substitution_args
+
+    offered: dict[str, Any] = xacro._global_symbols["python"]
+    kept, braces, parentheses = dict(offered), xacro.safe_eval, substitution_args._eval
+    for name in OPENERS:
+        offered.pop(name, None)
+    refused: list[str] = []
+    xacro.safe_eval, substitution_args._eval = (_only_allowed(each, refused) for each in (braces, parentheses))
+    try:
+        yield refused
+    finally:
+        xacro.safe_eval, substitution_args._eval = braces, parentheses
+        offered.update(kept)
+
+
+def _only_allowed(evaluator: Callable[..., Any], refused: list[str]) -> Callable[..., Any]:
+    """An evaluator of xacro that refuses names which lead out of the file, and notes them."""
+
+    def _checked(expression: str, *context: Any) -> Any:
+        name = forbidden(expression)
+        if name is not None:
+            refused.append(name)
+            raise ValueError(f"an expression uses {name}")
+        return evaluator(expression, *context)
+
+    return _checked
 
 
 class _Asked(dict[str, str]):

@@ -15,7 +15,7 @@ from typing import Any
 
 from flint import arb
 
-from derive.exchange.body_chain import Body, BodyChain, Rotor, is_world, quaternion
+from derive.exchange.body_chain import BodyChain, RigidBody, Rotor, is_world, quaternion
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.to_urdf import THICKNESS, rod
@@ -29,7 +29,7 @@ LEAST = 1e-15
 BESIDE = 2.9  # sum of the cosines of the angles between the axes of two frames that are almost one
 MOST_JOINTS = 6  # of a body in MuJoCo
 # What a link weighs whose mass is weighed with another.
-NO_BODY = Body(arb(0), WORLD.origin, (WORLD.origin, WORLD.origin, WORLD.origin))
+NO_BODY = RigidBody(arb(0), WORLD.origin, (WORLD.origin, WORLD.origin, WORLD.origin))
 EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 
@@ -68,7 +68,7 @@ class WrittenBody:
 
     # Those that move it against the body before, from 0; the last one's link is the body, the others weigh nothing.
     joints: range
-    body: Body | None  # what it weighs, in the frame of that link; None without dynamics
+    body: RigidBody | None  # what it weighs, in the frame of that link; None without dynamics
 
 
 def written_bodies(arm: BodyChain) -> list[WrittenBody]:
@@ -83,7 +83,7 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
     return found
 
 
-def _weights(arm: BodyChain) -> list[Body]:
+def _weights(arm: BodyChain) -> list[RigidBody]:
     """What each link weighs, in its own frame; empty without dynamics.
 
     A link that MuJoCo would refuse, but that looks the same however a joint beside it turns, such as a point on the
@@ -101,11 +101,11 @@ def _weights(arm: BodyChain) -> list[Body]:
     return bodies
 
 
-def _is_nothing(body: Body) -> bool:
+def _is_nothing(body: RigidBody) -> bool:
     return body.is_possible and bool(body.mass < LEAST and body.principal[0][2] < LEAST)
 
 
-def _is_round(body: Body) -> bool:
+def _is_round(body: RigidBody) -> bool:
     """Whether it looks the same from all sides around its z axis."""
     xx, yy, _, xy, xz, yz = body.entries
     return all(bool(abs(part) < LEAST) for part in (*body.com[:2], xx - yy, xy, xz, yz))
@@ -171,12 +171,12 @@ def _joint(arm: BodyChain, i: int, axis: Frame) -> dict[str, Any]:
     }
 
 
-def is_too_thin(body: Body) -> bool:
+def is_too_thin(body: RigidBody) -> bool:
     """Whether MuJoCo would refuse a body though it is the limit of ones that exist: a point, a thin rod, or nothing."""
     return body.is_possible and bool(not body.mass >= LEAST or body.principal[0][0] < LEAST)
 
 
-def _inertial(body: Body) -> dict[str, str]:
+def _inertial(body: RigidBody) -> dict[str, str]:
     """Mass, place and tensor by its principal moments: MuJoCo does not see that axes are turned by less than 1e-6.
 
     Neither in a tensor nor in a frame beside that of the body, so that such axes change places.

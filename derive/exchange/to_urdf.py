@@ -6,7 +6,7 @@ from math import atan2, hypot
 from typing import Any
 from xml.sax.saxutils import escape
 
-from derive.exchange.body_chain import BodyChain, Segment, is_world, roll_pitch_yaw
+from derive.exchange.body_chain import BodyChain, ChainSegment, is_world, roll_pitch_yaw
 from derive.exchange.carried_table import table_text
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
@@ -59,7 +59,7 @@ def _fixed(name: str, parent: str, child: str, frame: Frame) -> dict[str, Any]:
     return {"name": name, "type": "fixed", "parent": parent, "child": child, **_origin(frame), "axis": ""}
 
 
-def _joint(segment: Segment, parent: str, child: str) -> dict[str, Any]:
+def _joint(segment: ChainSegment, parent: str, child: str) -> dict[str, Any]:
     """A joint that moves; effort and speed are mandatory where there are limits."""
     joint, link = segment.joint, segment.link
     limits = joint.limits or (None if joint.is_revolute else ())

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 
 import sympy
 
@@ -122,7 +121,7 @@ class LectureForm:
     def _kinematic_plan(self, terms: Terms) -> Plan:
         if len(terms) > MAX_CANDIDATE_TERMS:
             return flat(terms)
-        if not any(f in self._lengths for m in terms for f, _ in m):
+        if not any(f in self._lengths for m in terms for f, _ in m):  # an entry of a rotation
             short = self._stays_flat(terms, ShortSums.EXPANDED)
             return flat(terms) if short else self._by_joints(terms, self.style.rotations)
         return self._with_lengths(terms)
@@ -133,6 +132,7 @@ class LectureForm:
             return flat(terms)
         match self.style.positions:
             case LengthOrder.USUAL:
+                # d6*(c1*(...) + s1*(...)) shows the direction of an offset: kept unless nesting saves operations
                 by_base, by_offset = self._by_joints(terms, Order.BASE), self._by_offset(terms)
                 saved = by_offset.operations - by_base.operations
                 return by_offset if saved < SAVING and self._has_direction(terms) else by_base
@@ -150,6 +150,7 @@ class LectureForm:
     def _has_direction(self, terms: Terms) -> bool:
         """Whether a length multiplies a sum over the brackets of the first joint: ``d6*(c1*(...) + s1*(...))``."""
         first = next((joint for joint in self._outwards if any(f in joint for m in terms for f, _ in m)), frozenset())
+        # terms with sines of the first joint, by their length: two monomials in that joint are two brackets
         brackets = partition({m: c for m, c in terms.items() if project(m, first)}, self._lengths)
         return any(len(partition(part, first)) > 1 for part in brackets.values())
 
@@ -157,6 +158,7 @@ class LectureForm:
         """Each offset in front of the direction that it multiplies; the link lengths nested."""
 
         def _split(rest: Terms) -> Plan:
+            # terms with an offset beside those with link lengths alone
             beside = {m: c for m, c in rest.items() if project(m, self._offsets)}
             links = {m: c for m, c in rest.items() if m not in beside}
             plans = [grouped(beside, self._lengths, lambda part: self._by_joints(part, Order.BASE))] if beside else []
@@ -167,12 +169,17 @@ class LectureForm:
     def _by_length(self, terms: Terms, inside: Order) -> Plan:
         """Each length in front of what it multiplies, a common sine or cosine in front of all."""
         among = frozenset[int]() if inside is Order.EXPANDED else None
-        by_length = partial(grouped, level=self._lengths, inside=lambda part: self._beside_length(part, inside))
-        return factored(terms, by_length, among)
+
+        def _beside(part: Terms) -> Plan:
+            short = self._stays_flat(part, ShortSums.POSITIONS, ShortSums.EXPANDED)
+            return flat(part) if short else self._by_joints(part, inside)
+
+        return factored(terms, lambda rest: grouped(rest, self._lengths, _beside), among)
 
     def _by_joints(self, terms: Terms, order: Order) -> Plan:
         """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
         present = {f for m in terms for f, _ in m}
+        # one level per group of parallel axes, from the base outwards; lengths come after the first of them
         outwards = [joint for joint in self._outwards if present & joint]
         match order:
             case Order.EXPANDED:
@@ -185,10 +192,6 @@ class LectureForm:
             case Order.TOOL:
                 levels = [*outwards[::-1], self._lengths]
         return cheapest([nested(terms, levels), flat(terms)])
-
-    def _beside_length(self, terms: Terms, order: Order) -> Plan:
-        short = self._stays_flat(terms, ShortSums.POSITIONS, ShortSums.EXPANDED)
-        return flat(terms) if short else self._by_joints(terms, order)
 
     def _stays_flat(self, terms: Terms, *styles: ShortSums) -> bool:
         """Whether a sum is short and left expanded, in these styles or because the whole arm is short."""
@@ -249,6 +252,7 @@ class LectureForm:
     def _by_body(self, terms: Terms) -> Plan:
         """``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``: geometry collected for each mass and moment of inertia."""
         if self.style.brackets is Brackets.LONG and not any(project(m, self._gravity) for m in terms):
+            # coefficients of one or two terms stay multiplied out, longer ones get a bracket behind their mass
             bodies = partition(terms, self.inertial)
             short = [flat(_whole(body, part)) for body, part in bodies.items() if len(part) < 3]
             long = [_whole(body, part) for body, part in bodies.items() if len(part) > 2]
@@ -261,6 +265,7 @@ class LectureForm:
             return self._by_geometry(terms)
         plans, others = list[Plan](), dict(terms)
         for function, part in partition(terms, self._sines).items():
+            # moments of inertia of both signs beside one function of q: the difference of two principal moments
             signs = {coefficient > 0 for m, coefficient in part.items() if project(m, self._moments)}
             if function and len(signs) == 2:
                 plans.append(grouped(_whole(function, part), self._sines, flat))
@@ -281,6 +286,7 @@ class LectureForm:
                 inside = self._by_body
             case Grouping.FUNCTION_GEOMETRY:
                 inside = self._by_geometry
+        # by function of q, and by gravity with it unless it stays inside the terms
         in_terms = self.style.g is GravityPlace.TERM
         level, among = (self._sines, self._not_gravity) if in_terms else (self._sines | self._gravity, None)
         return grouped(terms, level, lambda part: factored(part, inside, among))
@@ -296,6 +302,7 @@ class LectureForm:
         products, rest = list[Plan](), Terms()
         for body, part in partition(terms, self.inertial).items():
             whole = _whole(body, part)
+            # the squared velocity of a point mass, m (a2 c2 + l3 c23)^2 qd1^2, stays a product
             plan = self._geometry_inside(part) if body else None
             is_product = isinstance(plan, Times) and sum(exponent for _, exponent in plan.inner) > 1  # a square, too
             if is_product or (isinstance(plan, Times) and project(plan.monomial, self._sines)):
@@ -310,6 +317,7 @@ class LectureForm:
         if kept and (product := product_form(terms)) is not None:
             return cheapest([product, flat(terms)])
         gravity = frozenset[int]() if self.style.g is GravityPlace.TERM else self._gravity
+        # which factors that all terms share may come out of the bracket
         in_front = {
             CommonFactors.NONE: gravity,
             CommonFactors.FUNCTIONS: gravity | self._sines,

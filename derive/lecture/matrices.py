@@ -53,6 +53,7 @@ def symbol_roles(robot: Robot) -> SymbolRoles:
         lengths.update(name for cell in link.com for name in names(cell))
         masses.update(*(names(cell) for cell in (link.mass, motor.mass)))
         moments += (t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature, motor.inertia)
+    # a moment of inertia with a mass in it, m*l^2/12, is grouped by the mass alone
     plain = [set(names(cell)) for cell in moments if masses.isdisjoint(names(cell))]
     inertias, heavy = frozenset(set().union(*plain) - lengths), frozenset(masses - lengths)
     gravity = frozenset(name for cell in robot.gravity or () for name in names(cell))

@@ -11,9 +11,11 @@ from math import ceil
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from derive.algebra.ring import fraction
-from derive.lecture.terms import Monomial, Terms, common_factor, divide, partition, project
+from derive.lecture.terms import Monomial, Terms, common_factor, divide, multiply, partition, project
 
-MAX_TERMS = 120  # sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer
+MAX_TRIED_AS_PRODUCT = (
+    120  # sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer
+)
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ def flat(terms: Terms) -> Plan:
 
 def factored(terms: Terms, inside: Writer, among: Level | None = None) -> Plan:
     """The common factor of all terms taken out."""
+    # among: only these factors may come out, such as gravity alone
     common = common_factor(terms) if len(terms) > 1 else ()
     if among is not None:
         common = project(common, among)
@@ -107,9 +110,8 @@ def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
         return flat(terms)
     if not levels:
         return factored(terms, flat)
-    present = {f for m in terms for f, _ in m}
     first, rest = levels[0], levels[1:]
-    if not present & first:
+    if not any(f in first for m in terms for f, _ in m):  # nothing of this level occurs
         return nested(terms, rest)
     return factored(terms, lambda inner: grouped(inner, first, lambda part: nested(part, rest)))
 
@@ -122,12 +124,12 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
     Returns:
         The product, or None where there are fewer sums (a square counts as two).
     """
-    if not 2 <= len(terms) <= MAX_TERMS:
+    if not 2 <= len(terms) <= MAX_TRIED_AS_PRODUCT:
         return None
     names = sorted({f for m in terms for f, _ in m})
     content, factors = _polynomial(terms, names).factor()
-    coefficient, sums = fraction(content), []
-    monomial: dict[int, int] = {}
+    coefficient, sums, outer = fraction(content), [], Monomial()
+    # irreducible factors over the rationals: single terms go in front, sums are what makes it a product
     for factor, exponent in factors:
         inner = {
             tuple((names[i], int(e)) for i, e in enumerate(exponents) if e): fraction(c)
@@ -138,16 +140,14 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
             continue
         ((single, k),) = inner.items()
         coefficient *= k ** int(exponent)
-        for f, e in single:
-            monomial[f] = monomial.get(f, 0) + e * int(exponent)
-    if sum(e for _, e in sums) < 2 and not (monomials and monomial):
+        outer = multiply(outer, tuple((f, e * int(exponent)) for f, e in single))
+    if sum(e for _, e in sums) < 2 and not (monomials and outer):
         return None
     parts = []
     for inner, exponent in sums:
-        sign = -1 if next(iter(inner.values())) < 0 else 1
+        sign = -1 if next(iter(inner.values())) < 0 else 1  # the first term of every sum is positive
         coefficient *= Fraction(sign) ** exponent
         parts.append((write({m: sign * c for m, c in inner.items()}), exponent))
-    outer = tuple(sorted(monomial.items()))
     return Times(coefficient, outer, tuple(parts)) if parts else Term(coefficient, outer)
 
 
@@ -166,25 +166,23 @@ def with_plain_numbers(plan: Plan) -> Plan:
         return plan
     coefficient, sums = plan.coefficient, []
     for inner, exponent in plan.inner:
-        numbers = _numbers(inner)
+        # the numbers in front of the terms of a sum; of a sum with another one among its terms none
+        parts = inner.parts if isinstance(inner, Plus) else ()
+        numbers = [part.coefficient for part in parts if not isinstance(part, Plus)]
+        numbers = numbers if len(numbers) == len(parts) else []
         largest = max(map(abs, numbers), default=Fraction(1))
         if largest >= LARGE_FACTOR or (largest < 1 and abs(coefficient) != 1):
+            # the power of ten of the largest number, from its digits: no logarithm, which may round
             size = Fraction(10) ** (len(str(int(largest))) - 1 if largest >= 1 else -len(str(ceil(1 / largest) - 1)))
             coefficient *= size**exponent
             inner, numbers = _scaled(inner, 1 / size), [number / size for number in numbers]
         sums.append((inner, exponent))
+    # a sum with a bare variable, 3*(q1 + 2), stays a product; any other one takes the number in front into its terms
     bare = not plan.monomial or not any(abs(number) == 1 for number in numbers)
     if len(sums) == 1 and sums[0][1] == 1 and numbers and bare and coefficient.denominator != 1:
         whole = _scaled(sums[0][0], coefficient)
         return Times(Fraction(1), plan.monomial, ((whole, 1),)) if plan.monomial else whole
     return Times(coefficient, plan.monomial, tuple(sums))
-
-
-def _numbers(plan: Plan) -> list[Fraction]:
-    """The numbers in front of the terms of a sum; none where a term is a sum itself."""
-    parts = plan.parts if isinstance(plan, Plus) else ()
-    numbers = [part.coefficient for part in parts if not isinstance(part, Plus)]
-    return numbers if len(numbers) == len(parts) else []
 
 
 def _scaled(plan: Plan, factor: Fraction) -> Plan:
@@ -213,21 +211,6 @@ def _times(monomial: Monomial, inner: Plan) -> Plan:
         if not monomial:
             return inner
         all_negative = all(not isinstance(part, Plus) and part.coefficient < 0 for part in inner.parts)
-        return Times(Fraction(-1 if all_negative else 1), monomial, ((_negated(inner) if all_negative else inner, 1),))
-    merged = dict(inner.monomial)
-    for factor, exponent in monomial:
-        merged[factor] = merged.get(factor, 0) + exponent
-    outer = tuple(sorted(merged.items()))
-    if isinstance(inner, Term):
-        return Term(inner.coefficient, outer)
-    return Times(inner.coefficient, outer, inner.inner)
-
-
-def _negated(plan: Plan) -> Plan:
-    match plan:
-        case Term(coefficient, monomial):
-            return Term(-coefficient, monomial)
-        case Times(coefficient, monomial, inner):
-            return Times(-coefficient, monomial, inner)
-        case Plus(parts):
-            return Plus(tuple(_negated(part) for part in parts))
+        sign = Fraction(-1 if all_negative else 1)
+        return Times(sign, monomial, ((_scaled(inner, sign), 1),))
+    return replace(inner, monomial=multiply(inner.monomial, monomial))

@@ -109,9 +109,11 @@ def _number(e: Expr, arguments: list[Real]) -> Real:
         return mpmath.fprod(arguments)
     if e.is_Pow:
         found = mpmath.power(*arguments)
+        # a complex number: the quantity has no real value here
         if isinstance(found, mpmath.mpc):
             raise ValueError("root of a negative number")
         return found
+    # a sum is compared with its largest term, a sine with 1: below the noise it is a zero that rounding hides
     if e.is_Add:
         found, size = mpmath.fsum(arguments), max(map(abs, arguments))
     else:

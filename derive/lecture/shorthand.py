@@ -29,7 +29,7 @@ from derive.robot.expression import (
     substitute,
     to_text,
 )
-from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
+from derive.robot.names import acceleration_name, joint_label, own_names, velocity_name
 from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, place, tokenize
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
@@ -62,6 +62,7 @@ def read_formula(
     except ExpressionError as error:
         where = error.location or start
         raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy, location=where) from None
+    # names in the order in which they stand, so that an error is placed at the first that is unknown
     wanted = set(names(expression))
     meanings: dict[str, Expression] = {}
     for token in tokens:
@@ -119,6 +120,7 @@ class _Vocabulary:
         """The function of the sum of the joint angles whose labels are the digits."""
         if len(digits) > MAX_TOKEN_DIGITS:
             raise CheckError(f"token {quoted(token)}", allowed=f"at most {MAX_TOKEN_DIGITS} digits")
+        # two ways to read the digits that sum the same angles are one: c12 is cos(q1 + q2) in either order
         readings: dict[frozenset[str], tuple[str, ...]] = {}
         whole = ((variable,) for variable in self.revolute.get(digits, ()))
         for reading in whole if digits in self.revolute else _splits(digits, self.revolute, frozenset()):
@@ -164,7 +166,7 @@ def _robot_vocabulary(robot: Robot) -> _Vocabulary:
         if label := joint_label(joint.variable):
             found = by_label[joint.is_revolute]
             found[label] = (*found.get(label, ()), joint.variable)
-    return _Vocabulary(frozenset((*robot_symbols(robot), *variables, *rates)), by_label[True], by_label[False])
+    return _Vocabulary(own_names(robot).union(rates), by_label[True], by_label[False])
 
 
 def _splits(digits: str, labels: Mapping[str, tuple[str, ...]], used: frozenset[str]) -> Iterator[tuple[str, ...]]:
@@ -191,7 +193,7 @@ def _divisible(digits: str, labels: tuple[str, ...]) -> bool:
 def notation_text(expression: Expression, robot: Robot, write: Callable[[Fraction], str] = str) -> str:
     """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only."""
     labels = [joint_label(joint.variable) for joint in robot.joints]
-    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    taken = own_names(robot)
     clear = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
     if not clear or any(name[0] in "cs" and name[1:].isdigit() for name in taken):
         return to_text(_with_tokens(expression, {}), write)

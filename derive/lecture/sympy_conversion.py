@@ -93,7 +93,7 @@ def factor_to_sympy(domain: PolynomialDomain, factor: PrintedFactor) -> Expr:
             return argument
 
 
-_PLAIN = {"sin", "cos", "tan", "atan2", "sign"}
+_PLAIN = _FUNCTIONS.keys() - {"sqrt"}  # a root comes as a power
 _RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}
 
 
@@ -145,7 +145,7 @@ def _power(e: Any, known: dict[Any, Expression]) -> Expression:
     if not exponent.is_Rational or exponent.q > 2 or abs(exponent.p) > CELL_LIMITS.exponent:
         raise _refused(e, "whole and half exponents up to 32")
     inner = _tree(base, known)
-    if exponent.q == 2:
+    if exponent.q == 2:  # x^(p/2) = sqrt(x)^p
         inner = Call("sqrt", (inner,))
     if inner == ZERO and exponent < 0:
         raise ExpressionError(f"division by zero in {quoted(str(e), 80)}")
@@ -179,10 +179,12 @@ class ProductBuilder:
         powers = [self._power(pair) for pair in monomial]
         factors = [self._table.factors[f] for f, _ in monomial]
         if not coefficient or not monomial or any(factor.kind not in PLAIN for factor in factors):
+            # roots and numbers may merge: sqrt(2)*sqrt(2), 2*sqrt(2)/2
             built = sympy.Mul(number, *powers)
         elif len(powers) == 1 and coefficient == 1:
             built = powers[0]
         else:
+            # factors that never merge, in SymPy's own order: the product that Mul would give, without its work
             ordered = [self._powers[pair] for pair in sorted(monomial, key=self._rank.__getitem__)]
             built = sympy.Mul._from_args(ordered if coefficient == 1 else [number, *ordered])
         self._cache[key] = built

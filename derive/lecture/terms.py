@@ -79,8 +79,9 @@ class FactorTable:
             for exponents, coefficient in p.raw.terms()
         ]
         for group in self._groups:
+            # a lone angle is shorter only where 1 - c^2 can become s^2; sums of angles wherever they occur
             if len(group.joints) == 1:
-                may_shorten = degrees[group.places[1]] >= 2  # 1 - c^2
+                may_shorten = degrees[group.places[1]] >= 2
             else:
                 may_shorten = any(degrees[i] for i in group.places)
             if may_shorten:
@@ -120,6 +121,7 @@ class FactorTable:
         row, trig, _ = part[0]
         rest = {i: e for i, e in row.items() if i not in group.own}
         items = []
+        # sin(-q) = -sin q: an odd power of an opposed angle changes the sign of the term
         for other, _, coefficient in part:
             exponents = tuple(other.get(i, 0) for i in group.places)
             sign = 1 if group.sums else self._sign(zip(joints, exponents, strict=False))

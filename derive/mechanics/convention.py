@@ -42,7 +42,7 @@ from derive.mechanics.vectors import (
     transpose,
 )
 from derive.robot import expression as tree
-from derive.robot.description import Convention, Description, Inertia, Joint, Link, Motor
+from derive.robot.description import Convention, Description, Inertia, Link, Motor
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, children, is_constant, number
 from derive.robot.names import number_of, without_lost_symbols
@@ -91,21 +91,26 @@ def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
             row (of a standard one): any factor is right. None for the whole base or tool where it is such a factor,
             and for nothing where it is none.
     """
+    # What may enter: the translation along x of the base (tool) with each angle that its cells may mean.
     to_modified = robot.convention is Convention.STANDARD
     end = robot.base if to_modified else robot.tool
     candidates = [entering] if entering is not None else [Factor(end[0][3], angle) for angle in _angles(end)]
     carried = [(link, motor) for link, motor, _ in _motors(robot)]
+    # All cosines, sines and quotients of the result are generators of one ring, where equality is decidable.
     calls = [Call(name, (factor.alpha,)) for factor in candidates for name in ("cos", "sin")]
     divided = [tree.power(link.mass, -1) for link, _ in carried if not _is_zero(robot, link.mass)]
     cells = _Cells(robot, [*(factor.a for factor in candidates), *calls, *divided])
     if entering is None:
+        # The candidate that equals the whole base (tool) exactly, if there is one.
         whole = cells.frame(end)
         entering = next((factor for factor in candidates if cells.factor(factor) == whole), Factor())
     first, last = robot.joints[0], robot.joints[-1]
     rows = [Factor(joint.a, joint.alpha) for joint in robot.joints]
     leaving = Factor(last.a, last.alpha) if to_modified else Factor(first.a, first.alpha)
+    # The brackets shift by one factor: X_{i-1} for X_i in row i, or the other way round.
     moved = [entering, *rows[:-1]] if to_modified else [*rows[1:], entering]
     base, tool = cells.frame(robot.base), cells.frame(robot.tool)
+    # base X_0^-1 (X_0 Z_1) ... (X_{n-1} Z_n) X_n tool is the same product.
     if to_modified:
         base, tool = base @ cells.factor(entering).inverse, cells.factor(leaving) @ tool
     else:
@@ -114,7 +119,7 @@ def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
     result = replace(
         robot,
         convention=Convention.MODIFIED if to_modified else Convention.STANDARD,
-        joints=tuple(_row(joint, factor) for joint, factor in zip(robot.joints, moved, strict=True)),
+        joints=tuple(replace(joint, a=x.a, alpha=x.alpha) for joint, x in zip(robot.joints, moved, strict=True)),
         base=cells.matrix(base, robot.base),
         tool=cells.matrix(tool, robot.tool),
         links=links,
@@ -123,13 +128,10 @@ def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
     return Conversion(robot, without_lost_symbols(robot, result), leaving, entering, tuple(notes))
 
 
-def _row(joint: Joint, factor: Factor) -> Joint:
-    return replace(joint, a=factor.a, alpha=factor.alpha)
-
-
 def _angles(matrix: Sequence[Sequence[Expression]]) -> Iterator[Expression]:
     """Angles about x that a constant transform may have: those in its cells, and the one that its numbers are."""
     cosine, sine = matrix[1][1], matrix[2][1]
+    # A rotation by a number: the multiple of pi/180 that it is but for rounding.
     if is_constant(cosine) and is_constant(sine):
         turns = atan2(evaluate(sine, {}), evaluate(cosine, {})) / pi * ROUND
         if abs(turns - round(turns)) < NEAR:
@@ -165,8 +167,8 @@ class _Cells:
         domain = self.domain = PolynomialDomain(robot, extra, rates=False)
         kinds = (Kind.PARAMETER, Kind.PI)
         places = range(len(domain.generators))
-        ranks = {place: domain.generators[place].kind in kinds for place in places}
-        self._order = [*(place for place in places if ranks[place]), *(place for place in places if not ranks[place])]
+        # Parameters and pi stand first in a product, then what is made of them.
+        self._order = sorted(places, key=lambda place: domain.generators[place].kind not in kinds)
 
     def frame(self, matrix: Sequence[Sequence[Expression]]) -> Frame[Polynomial]:
         """A constant transform."""
@@ -190,11 +192,13 @@ class _Cells:
 
     def cell(self, value: Polynomial, known: Iterable[Expression] = ()) -> Expression:
         """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order."""
+        # A cell of the file that has this value, or minus it, is kept as it is written.
         for cell in known:
             for written in (cell, _negated(cell)):
                 if self.domain.constant(written) == value:
                     return written
         terms = [([exponents[place] for place in self._order], factor) for exponents, factor in value.terms()]
+        # Positive terms first, higher powers first.
         ordered = sorted(terms, key=lambda term: (term[1] < 0, [-exponent for exponent in term[0]]))
         return tree.add(*(self._product(exponents, factor) for exponents, factor in ordered))
 
@@ -231,10 +235,12 @@ def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[
     rotors = {i: motor for _, motor, i in _motors(robot)}
     links, notes = list(robot.links), list(_on_the_ground(robot))
     for i, (link, row) in enumerate(zip(robot.links, rows, strict=False)):
+        # Both DH frames of this link coincide, and so do its parameters.
         if row.is_one and i not in rotors:
             continue
         behind, domain = cells.factor(row), cells.domain
         body = _Body(link.mass, constant_vector(link.com, domain), central_inertia(link, domain).matrix)
+        # First into the joint frame, where rotors are; then, if the frame behind is wanted, back through X_i.
         body = body.through(behind) if to_modified else body
         if i in rotors:
             body, note = _made_up(body, robot, rotors[i], i, behind, domain)
@@ -266,6 +272,7 @@ def _made_up(
     joint, mu = robot.joints[i + 1], domain.constant(motor.mass)
     axis = column(behind.rotation, 2)
     along = scale(domain.constant(joint.d), axis)
+    # o_{i-1}, and d_i further on the axis of the rotor's joint.
     places = (behind.position, add(behind.position, along))
     old, new = places if to_modified else places[::-1]
     way = f"{cell_text(joint.d)} {'further' if to_modified else 'less far'} along its axis in this convention"
@@ -273,8 +280,10 @@ def _made_up(
         note = f"the rotor of joint {i + 2} would stand {way}: link {i + 1}, without mass, has the rotor's mass now"
         return _Body(motor.mass, old, body.inertia), note
     m = domain.constant(body.mass)
+    # m c + mu r stays: c' = c - mu/m (r' - r).
     back = scale(mu * domain.constant(tree.power(body.mass, -1)), subtract(new, old))
     com = subtract(body.com, back)
+    # I' = I + St(m, c) + St(mu, r) - St(m, c') - St(mu, r')
     before = (steiner(m, body.com).matrix, steiner(mu, old).matrix)
     after = (steiner(-m, com).matrix, steiner(-mu, new).matrix)
     inertia = reduce(add_matrices, (*before, *after), body.inertia)
@@ -299,6 +308,7 @@ def has_equal_poses(conversion: Conversion) -> bool:
     values, angles = robot_cells(result)
     calls = [Call(name, (angle,)) for angle in angles for name in ("cos", "sin")]
     domain = PolynomialDomain(source, [*values, *calls], rates=False)
+    # Both products T in one ring, compared as polynomials.
     ours, theirs = (_pose(build_chain(robot, domain)) for robot in (source, result))
     return ours == theirs
 

@@ -71,9 +71,10 @@ class _Composite(Generic[S]):
     def to_parent(self, joint: ChainJoint[S], rate: S) -> _Composite[S]:
         """Seen from link i-1, in joint frame i-1."""
         c, s, fixed, p, mass = joint.cosine, joint.sine, joint.fixed.rotation, origin(joint), self.mass
-        # before the joint's turn, which for a revolute joint adds rate z x x to every x'
+        # In the axes before the joint's turn: h and h' as vectors, P and E as R P R^T.
         first, (x, y, z) = turn_vector(c, s, self.first), turn_vector(c, s, self.first_rate)
         second, second_rate = turn_about_z(c, s, self.second), turn_matrix(c, s, self.second_rate)
+        # The turn adds rate z x x to every x': rate z x h to h' and rate z^ P to E, whose third row stays.
         if joint.revolute:
             x, y = x - rate * first[1], y + rate * first[0]
             xy = rate * second.xy
@@ -82,6 +83,7 @@ class _Composite(Generic[S]):
             second_rate = (add(second_rate[0], swept_x), add(second_rate[1], swept_y), second_rate[2])
         # in the axes, and then seen from the origin, of joint frame i-1: P + h p^T + p h^T + m p p^T
         first, first_rate = multiply(fixed, first), multiply(fixed, (x, y, z))
+        # E + h' p^T: every place x grows by p, and no x' does.
         second_rate = add_matrices(matmul(matmul(fixed, second_rate), transpose(fixed)), outer(first_rate, p))
         second, moved = turn_tensor(fixed, second), add(first, scale(mass, p))
         shifted = Symmetric(
@@ -92,6 +94,7 @@ class _Composite(Generic[S]):
             second.xz + (moved[0] * p[2] + first[2] * p[0]),
             second.yz + (moved[1] * p[2] + first[2] * p[1]),
         )
+        # A slide moves everything with rate z: h' gains m rate z, and E gains rate z h^T.
         if not joint.revolute:
             slide = scale(rate, axis(joint))
             first_rate = add(first_rate, scale(mass, slide))
@@ -100,6 +103,7 @@ class _Composite(Generic[S]):
 
     def column(self, joint: ChainJoint[S], omega: Vector[S], zero: S) -> _ColumnWrench[S]:
         """What begins its way inward in joint frame j."""
+        # f = m zdot and n = h x zdot with zdot = omega x z; kappa = h' x z - n.
         (x, y, z), (hx, hy, hz), (rx, ry, _) = omega, self.first, self.first_rate
         m, p, e = self.mass, self.second, self.second_rate
         if not joint.revolute:
@@ -111,6 +115,7 @@ class _Composite(Generic[S]):
                 eta=(hy, -hx, zero),
                 kappa=(ry - moment[0], -(rx + moment[1]), -moment[2]),
             )
+        # f = omega x u + z x h', n = z x (-P omega) + (-E_xz, -E_yz, E_xx + E_yy); kappa is the rate of I z less n.
         swing_x = p.xx * x + p.xy * y + p.xz * z
         swing_y = p.xy * x + p.yy * y + p.yz * z
         planar = e[0][0] + e[1][1]
@@ -135,11 +140,13 @@ class _ColumnWrench(Generic[S]):
 
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _ColumnWrench[S]:
         """From joint frame i to i-1."""
+        # Force and moment about the origin of frame i-1: n' = n + p x f.
         p = origin(joint)
         force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
         moment = add(to_parent(joint, self.moment), cross(p, force))
         eta = add(to_parent(joint, self.eta), cross(p, unit))
         kappa, lever = self.kappa, cross(p, cross(unit, omega))
+        # The joint's rate takes eta x z from kappa; the lever adds p x (u x omega), a slide rate z x u.
         if joint.revolute:
             kappa = (kappa[0] - rate * self.eta[1], kappa[1] + rate * self.eta[0], kappa[2])
         else:
@@ -154,6 +161,7 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
     composites = _composites(chain, rates, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
+        # C_jj is the component of the wrench of column j along joint j itself.
         column = composites[j].column(joint, omegas[j + 1], chain.zero)
         matrix[j][j] = generalized_force(joint, column.force, column.moment)
         for i in range(j - 1, -1, -1):
@@ -165,8 +173,10 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
                 eta = add(column.eta, scale(joint.coupling, k))
                 moment, kappa = add(column.moment, turn), subtract(column.kappa, turn)
                 column = replace(column, moment=moment, eta=eta, kappa=kappa)
+            # C_ij = wrench . z_i; C_ji = kappa . z_i, or u . (omega x z_i) where joint i slides.
             upper = generalized_force(inner, column.force, column.moment)
             lower = column.kappa[2] if inner.revolute else column.unit[0] * omega[1] - column.unit[1] * omega[0]
+            # Rates count about +z; a joint with sign -1 has the other sign in its row and its column.
             same = joint.sign == inner.sign
             matrix[i][j], matrix[j][i] = (upper, lower) if same else (-upper, -lower)
     return matrix
@@ -176,9 +186,11 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
     composites = []
     for body in chain.bodies:  # a link alone: nothing moves seen from itself
         i, null = body.inertia, chain.null
+        # Second moments from the tensor: P = tr(I)/2 1 - I, for instance P_xx = (I_yy + I_zz - I_xx)/2.
         xx, yy, zz = half * ((i.yy + i.zz) - i.xx), half * ((i.xx + i.zz) - i.yy), half * ((i.xx + i.yy) - i.zz)
         second = Symmetric(xx, yy, zz, -i.xy, -i.xz, -i.yz)
         composites.append(_Composite(body.mass, body.first_moment, second, null, (null, null, null)))
+    # Inward, each link takes up what the next joint carries; a rotor on it adds c rate/2 k^ to E.
     for k in range(chain.n - 1, 0, -1):
         joint, own = chain.joints[k], composites[k - 1]
         moved = composites[k].to_parent(joint, rates[k])

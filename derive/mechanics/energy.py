@@ -19,11 +19,7 @@ from derive.mechanics.vectors import S, Vector, add, cross, dot, scale
 
 
 def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S, base: tuple[Vector[S], Vector[S]] | None = None) -> S:
-    """T = qd^T B qd / 2, on a base that stands.
-
-    Args:
-        base: Velocity and angular velocity of frame 0 in its own axes; None where it stands.
-    """
+    """T = qd^T B qd / 2; ``base``: velocity and angular velocity of frame 0 in its own axes, None where it stands."""
     twice, once = chain.zero, chain.zero
     velocity, omega = base or (chain.null, chain.null)
     for i, (joint, rate) in enumerate(zip(chain.joints, along_axes(chain, qd), strict=True)):

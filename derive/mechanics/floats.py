@@ -6,6 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
+
+import numpy as np
 
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
@@ -17,14 +20,9 @@ from derive.robot.robot import Robot
 
 
 class FloatDomain:
-    """Cells of a robot whose parameters all have numbers, at joint positions.
+    """Cells at joint positions q [rad or m], n entries, by numbers of parameters, None for the robot file's."""
 
-    Args:
-        q: Joint variables [rad or m], n entries.
-        values: Numbers of the parameters; None for those of the robot file.
-    """
-
-    def __init__(self, robot: Robot, q: Sequence[float], values: Mapping[str, Fraction | float] | None = None) -> None:
+    def __init__(self, robot: Robot, q: Sequence[Any], values: Mapping[str, Fraction | float] | None = None) -> None:
         self.q = q
         self.values = parameter_values(robot) if values is None else dict(values)
 
@@ -48,15 +46,21 @@ class FloatDomain:
 
     def joint_offset(self, index: int, joint: Joint) -> float:
         """Displacement of a prismatic joint along its axis [m]."""
-        return joint.sign * self.q[index] + self.constant(joint.d)
+        offset: float = joint.sign * self.q[index] + self.constant(joint.d)
+        return offset
+
+
+class ArrayDomain(FloatDomain):
+    """The same at many configurations at once: for each joint an array of its variables [rad or m]."""
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Any, Any]:
+        """Cosines and sines of the angles of a revolute joint."""
+        value = joint.sign * self.q[index] + self.constant(joint.theta)
+        return np.cos(value), np.sin(value)
 
 
 def value_at(robot: Robot, name: str, q: Sequence[float]) -> Sequence[Sequence[float]]:
-    """T, J, B or g of a robot at a configuration, by the recursions of the generated functions.
-
-    Args:
-        q: Joint variables [rad or m], n entries.
-    """
+    """T, J, B or g at a configuration q [rad or m], n entries, by the recursions of the generated functions."""
     known = {symbol for symbol, _ in robot.parameters}
     further = tuple((symbol, value) for symbol, value in robot.figure.values if symbol not in known)
     robot = replace(robot, parameters=robot.parameters + further)

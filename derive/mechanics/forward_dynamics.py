@@ -62,24 +62,24 @@ F = TypeVar("F", bound=Field)
 
 
 def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques: Sequence[F]) -> list[F]:
-    """The accelerations qdd that torques give an arm.
+    """The accelerations qdd under torques tau, n entries [N m or N].
 
     The inertia matrix is factorised as U D U^T with unit upper U, from the last row up: starting at the tip keeps the
     zeros of a chain's inertia matrix (Featherstone, Rigid Body Dynamics Algorithms, section 6.5).
-
-    Args:
-        torques: tau, n entries [N m or N].
     """
+    # B = U D U^T: `rest` is the part still to be factorised, `factors[k]` column k of U, `rest[k][k]` pivot D_k.
     n = len(torques)
     qdd = [torque - b for torque, b in zip(torques, bias, strict=True)]
     rest = [list(row[: i + 1]) for i, row in enumerate(inertia)]
     factors: list[list[F]] = [[] for _ in range(n)]
     for k in range(n - 1, -1, -1):
         factors[k] = [entry / rest[k][k] for entry in rest[k][:k]]
+        # Schur complement rest - U_k D_k U_k^T, and back substitution in U y = tau - bias beside it.
         for i in range(k):
             for j in range(i + 1):
                 rest[i][j] = rest[i][j] - factors[k][i] * rest[k][j]
             qdd[i] = qdd[i] - factors[k][i] * qdd[k]
+    # D U^T qdd = y, from the base outward.
     for k in range(n):
         qdd[k] = qdd[k] / rest[k][k]
         for i in range(k):
@@ -108,13 +108,16 @@ class _Articulated(Generic[F]):
 
     def to_parent(self, joint: ChainJoint[F]) -> _Articulated[F]:
         """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^."""
+        # In the axes of frame i-1 first, then about its origin.
         p = origin(joint)
         mass, inertia = tensor_to_parent(joint, self.mass), tensor_to_parent(joint, self.inertia)
         turned = matrix_to_parent(joint, self.coupling)
         m = mass.matrix
+        # H' = H + p^ M: p x the columns of M, which is symmetric.
         moved = add_matrices(turned, transpose((cross(p, m[0]), cross(p, m[1]), cross(p, m[2]))))
         force = to_parent(joint, self.force)
         moment = add(to_parent(joint, self.moment), cross(p, force))
+        # I' = I + p^ H^T - H' p^, its upper triangle alone.
         left, right = [cross(p, row) for row in turned], [cross(p, row) for row in moved]
         i, above = inertia.matrix, ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
         shifted = Symmetric(*(i[r][c] + (left[c][r] + right[r][c]) for r, c in above))
@@ -123,16 +126,20 @@ class _Articulated(Generic[F]):
     def release(self, joint: ChainJoint[F], torque: F) -> tuple[_Release[F], _Articulated[F]]:
         """What the joint needs, and the link as the one before feels it while the joint gives way."""
         mass, coupling, inertia = self.mass.matrix, self.coupling, self.inertia.matrix
+        # U = I_A s, its force part (upper) and its moment part (lower): the third row of [H I] or column of [M; H].
         if joint.revolute:
             upper, lower = coupling[2], inertia[2]
         else:
             upper, lower = mass[2], column(coupling, 2)
+        # D = s . U + armature; the rotor's coupling belongs to U and not to D.
         pivot = (lower[2] if joint.revolute else upper[2]) + joint.armature
         lower = (lower[0], lower[1], lower[2] + joint.coupling)
         up: Vector[F] = (upper[0] / pivot, upper[1] / pivot, upper[2] / pivot)
         low: Vector[F] = (lower[0] / pivot, lower[1] / pivot, lower[2] / pivot)
+        # The acceleration of the joint if its link's origin did not accelerate: (tau - s . p) / D.
         rest = (torque - generalized_force(joint, self.force, self.moment)) / pivot
         mass_left, taken = _less(self.mass, upper, up), outer(low, upper)
+        # As the link before feels it: I_A - U U^T / D and p + U (tau - s . p) / D.
         free = _Articulated(
             mass_left,
             (subtract(coupling[0], taken[0]), subtract(coupling[1], taken[1]), subtract(coupling[2], taken[2])),
@@ -155,18 +162,17 @@ class _Release(Generic[S]):
 def articulated_accelerations(
     chain: Chain[F], qd: Sequence[F], torques: Sequence[F], choices: Sequence[FrameChoice] = ()
 ) -> list[F]:
-    """The accelerations qdd that torques give an arm, by articulated bodies.
-
-    Args:
-        torques: tau less friction, n entries [N m or N].
-    """
+    """The accelerations qdd under torques tau less friction, n entries [N m or N], by articulated bodies."""
     releases = _releases(chain, along_axes(chain, qd), along_axes(chain, torques), choices)
     a = alpha = chain.null
     qdd: list[F] = []
     for joint, release in zip(chain.joints, releases, strict=True):
+        # Acceleration of the link's origin as a point of the link before, its joint still.
         a, alpha = to_child(joint, add(a, cross(alpha, origin(joint)))), to_child(joint, alpha)
+        # qdd = (tau - s . p - U . A) / D
         own = release.rest - (dot(release.upper, a) + dot(release.lower, alpha))
         qdd.append(own if joint.sign > 0 else -own)
+        # A of this link: the joint's own s qdd on top.
         if joint.revolute:
             alpha = (alpha[0], alpha[1], alpha[2] + own)
         else:
@@ -185,12 +191,15 @@ def _releases(
         joint, before = chain.joints[i], motions[i]
         wrench = body_wrench(chain.bodies[i], motions[i + 1], bool(choices) and choices[i].second_moments)
         body, m, zero = chain.bodies[i], chain.bodies[i].mass, chain.zero
+        # A single rigid link: M = m 1, H = h^, I about the origin.
         mass, coupling = Symmetric(m, m, m, zero, zero, zero), hat(body.first_moment, zero)
         link = _Articulated(mass, coupling, body.inertia, *wrench)
         link = link if beyond is None else link + beyond
+        # Of its torque the joint spends c u . alpha on its own rotor.
         release, free = link.release(joint, torques[i] - joint.coupling * dot(axis(joint), before.alpha))
         found.append(release)
         beyond = free.to_parent(joint)
+        # The spinning rotor turns with link i-1: moment c rate omega x u.
         turning = scale(joint.coupling * rates[i], cross(before.omega, axis(joint)))
         beyond = replace(beyond, moment=add(beyond.moment, turning))
     return found[::-1]

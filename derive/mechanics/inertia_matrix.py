@@ -52,11 +52,7 @@ def wrench_to_parent(joint: ChainJoint[S], wrench: Wrench[S]) -> Wrench[S]:
 
 
 def gravity_vector(chain: Chain[S]) -> list[S]:
-    """g(q) = dU/dq.
-
-    Returns:
-        n entries [N m or N].
-    """
+    """g(q) = dU/dq, n entries [N m or N]."""
     gravities = [chain.gravity]
     for joint in chain.joints:
         gravities.append(to_child(joint, gravities[-1]))

@@ -43,11 +43,7 @@ def to_parent(joint: ChainJoint[S], v: Vector[S]) -> Vector[S]:
 
 
 def angular_velocities(chain: Chain[S], rates: Sequence[S]) -> list[Vector[S]]:
-    """Angular velocities of the base and of links 1..n, each in its own joint frame.
-
-    Returns:
-        n+1 vectors [rad/s], that of the base 0.
-    """
+    """Angular velocities [rad/s] of the base, 0, and of links 1..n, each in its own joint frame."""
     omegas: list[Vector[S]] = [chain.null]
     for joint, rate in zip(chain.joints, rates, strict=True):
         x, y, z = to_child(joint, omegas[-1])

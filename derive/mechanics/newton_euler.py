@@ -83,10 +83,9 @@ def link_motions(
     choices: Sequence[FrameChoice] = (),
     base: LinkMotion[S] | None = None,
 ) -> list[LinkMotion[S]]:
-    """Motions of the base and of links 1..n, gravity taken as an acceleration of the base.
+    """Motions of the base, gravity taken as an acceleration of it, and of links 1..n.
 
-    Args:
-        base: Motion of frame 0 in its own axes, its acceleration less gravity; None where it stands.
+    ``base`` is that of frame 0 in its own axes, its acceleration less gravity; None where it stands.
     """
     x, y, z = chain.gravity
     null = chain.null
@@ -182,14 +181,7 @@ def inverse_dynamics(
     choices: Sequence[FrameChoice] = (),
     base: LinkMotion[S] | None = None,
 ) -> list[S]:
-    """Torques and forces of the joints, friction left out.
-
-    Args:
-        base: Motion of frame 0, as `link_motions` takes it; None where it stands.
-
-    Returns:
-        B qdd + C qd + g, n entries [N m or N].
-    """
+    """B qdd + C qd + g without friction, n entries [N m or N]; ``base`` as `link_motions` takes it."""
     return torques_and_wrench(chain, qd, qdd, choices, base)[0]
 
 

@@ -92,12 +92,14 @@ class LinkData(Generic[S]):
     def next_motion(self, m: FrameMotion[S]) -> FrameMotion[S]:
         """The motion of frame i."""
         rate, acceleration = scale(self.qd, self.z), scale(self.qdd, self.z)
+        # omega_i and omegad_i; vd_i of a slide has z qdd + 2 omega x z qd more.
         if self.revolute:
             w = add(m.w, rate)
             joined = FrameMotion(w, add(add(m.wd, acceleration), cross(m.w, rate)), m.v, m.vd)
         else:
             twice = cross(m.w, rate)
             joined = FrameMotion(m.w, m.wd, add(m.v, rate), add(add(m.vd, acceleration), add(twice, twice)))
+        # From o_{i-1} over p* to o_i.
         v = add(cross(joined.w, self.p), joined.v)
         return FrameMotion(joined.w, joined.wd, v, add(joined.swept(self.p), joined.vd))
 
@@ -105,10 +107,14 @@ class LinkData(Generic[S]):
         self, previous: FrameMotion[S], motion: FrameMotion[S], following: LinkWrench[S], turn: Matrix[S]
     ) -> LinkStep[S]:
         """Forces and moments of link i."""
+        # a_i = omegad x s + omega x (omega x s) + vd_i
         a = add(motion.swept(self.s), motion.vd)
+        # F_i = m a_i, N_i = I omegad + omega x I omega
         resultant = scale(self.mass, a)
         spin = add(multiply(self.inertia, motion.wd), cross(motion.w, multiply(self.inertia, motion.w)))
+        # f_{i+1}, n_{i+1} in the axes of link i.
         next_f, next_n = multiply(turn, following.f), multiply(turn, following.n)
+        # f_i, n_i and their part along z_{i-1} with viscous friction
         f = add(resultant, next_f)
         n = add(add(next_n, cross(self.p, next_f)), add(cross(add(self.p, self.s), resultant), spin))
         tau = dot(n if self.revolute else f, self.z) + self.viscous * self.qd
@@ -177,6 +183,7 @@ def _recursion(
     chain: Chain[S] = build_chain(robot, domain)
     unit = identity(chain.zero, chain.one)
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
+    # Outward: vd_0 = -g makes the base accelerate against gravity.
     links: list[LinkData[S]] = []
     g = chain.gravity
     motions = [FrameMotion(chain.null, chain.null, chain.null, (-g[0], -g[1], -g[2]))]
@@ -184,6 +191,7 @@ def _recursion(
         before = links[-1].rotation if links else unit
         links.append(_link_data(robot, domain, chain, i, before, (rates[i], accelerations[i]), base=base))
         motions.append(links[i].next_motion(motions[i] if base else motions[i].turned(links[i].before)))
+    # Inward from the load at the end effector.
     wrench = load or LinkWrench(chain.null, chain.null)
     steps: list[LinkStep[S]] = []
     for i in range(chain.n - 1, -1, -1):
@@ -199,6 +207,7 @@ def _link_data(
 ) -> LinkData[S]:
     """What is known of link i (from 0): ``before`` is R_{i-1}, ``rates`` those of its joint, +z being positive."""
     joint, link = chain.joints[i], robot.links[i]
+    # A_i gives R_i = R_{i-1} R, and p* = o_i - o_{i-1} in the coordinates of the set.
     row = chain.row(i + 1, robot.convention)
     rotation, back = matmul(before, row.rotation), transpose(row.rotation)
     com, tensor = constant_vector(link.com, domain), central_inertia(link, domain).matrix

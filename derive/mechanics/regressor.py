@@ -56,6 +56,7 @@ def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
 
 def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
     """The screws of the link behind a joint."""
+    # Joints further in: the same motion, its velocity that of the new origin. The joint itself moves about or along z.
     outward = [Screw(to_child(joint, screw.angular), to_child(joint, screw.at(origin(joint)))) for screw in before]
     along = (chain.zero, chain.zero, chain.one)
     return [*outward, Screw(along, chain.null) if joint.revolute else Screw(chain.null, along)]
@@ -87,6 +88,7 @@ class _LinkView(Generic[S]):
         """The same link seen from another frame on it; U is computed anew, for turning it would cost more."""
         turned = transpose(frame.rotation)
         before = self.motion
+        # a + U p is the acceleration of the new origin.
         acceleration = multiply(turned, add(before.acceleration, multiply(before.tensor, frame.position)))
         omega, alpha = multiply(turned, before.omega), multiply(turned, before.alpha)
         motion = LinkMotion(omega, alpha, angular_acceleration_tensor(omega, alpha)[0], acceleration)
@@ -99,8 +101,10 @@ class _LinkView(Generic[S]):
         moment: Vector[S]  # E alpha + omega x (E omega) of the unit tensor E
         match part:
             case "m":
+                # m a, and no moment about the origin.
                 return dot(screw.linear, motion.acceleration)
             case "mx" | "my" | "mz":
+                # Force U e_k, moment e_k x a: v . U e_k + w . (e_k x a), the latter as (a x w)_k.
                 k = "xyz".index(part[1])
                 turning = cross(motion.acceleration, screw.angular)[k]
                 return dot((u[0][k], u[1][k], u[2][k]), screw.linear) + turning
@@ -138,6 +142,7 @@ class Regressor(Generic[S]):
         self._sign = sign
         self._rates, self._accelerations = along_axes(chain, qd), along_axes(chain, qdd)
         motions = link_motions(chain, self._rates, self._accelerations)
+        # Links' parameters of the file stand in DH frames, base parameters in joint frames.
         self._joint_views = [_LinkView(m, s) for m, s in zip(motions[1:], link_screws(chain), strict=True)]
         self._views = self._joint_views
         if ends:
@@ -161,9 +166,11 @@ class Regressor(Generic[S]):
                 assert self._sign is not None, "Coulomb friction needs a sign"
                 own = self._sign(self._qd[i])
             else:
+                # Armature and friction act on their own joint alone.
                 own = {"Ia": self._qdd, "b": self._qd}[part][i]
             return [own if k == i else self.chain.zero for k in range(self.chain.n)]
         joints = self.chain.joints[: len(found)]
+        # From rates about +z to the sense of the joint variables; joints beyond the link do no work on it.
         signed = [value if joint.sign > 0 else -value for joint, value in zip(joints, found, strict=True)]
         return signed + [self.chain.zero] * (self.chain.n - len(found))
 
@@ -174,14 +181,17 @@ class Regressor(Generic[S]):
         own joint.
         """
         joint, acceleration, rate = self.chain.joints[i], self._accelerations[i], self._rates[i]
+        # The first rotor stands on the ground: its mass never moves.
         if i == 0:
             return [] if part == "mm" else [joint.armature * acceleration]
         u, carrier = axis(joint), self._joint_views[i - 1]
         if part == "mm":
+            # Its mass: acceleration of its place against the velocity of its place.
             place = rotor_place(self.chain, i + 1)
             felt = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, place))
             return [dot(screw.at(place), felt) for screw in carrier.screws]
         omega, alpha = carrier.motion.omega, carrier.motion.alpha
+        # Its inertia: the spin k rate + u . omega, whose axis u turns with link i-1.
         spin_rate = dot(u, alpha) + joint.coupling * acceleration
         spin = dot(u, omega) + joint.coupling * rate
         moment = add(scale(spin_rate, u), scale(spin, cross(omega, u)))

@@ -86,23 +86,29 @@ class _MovingBody(Generic[S]):
 
     def response(self, chain: Chain[S], joint: ChainJoint[S], motion: LinkMotion[S]) -> _Response[S]:
         """Derivatives by q_j of the wrench on all that joint j carries, in frame j, and of its own torque."""
+        # Unit wrench of the joint, and zddot = U z: d/dt of omega x z on the link, the third column of U.
         h, hdot, e, body = self.body.first_moment, self.first_rate, self.second_rate, self.body
         unit, eta = unit_wrench(chain, joint, body)
         zddot = column(motion.tensor, 2)
+        # Shifted base: df = m zddot, dn = h x zddot; the torque's lever delta = h' x z.
         if not joint.revolute:
             delta = (hdot[1], -hdot[0], chain.zero)
             return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, delta)
+        # Turned base: zdot = omega x z, d a = a x z, and twice zdot meets the moments' rates.
         zdot: Vector[S] = (motion.omega[1], -motion.omega[0], chain.zero)
         twice = add(zdot, zdot)
         a = motion.acceleration
         a_z: Vector[S] = (a[1], -a[0], chain.zero)
+        # df = m a x z + zddot x h + 2 zdot x hdot
         force = add(add(scale(body.mass, a_z), cross(zddot, h)), cross(twice, hdot))
         x, y, _ = twice
+        # 2 D zdot with D = tr(E) 1 - E; the third component of zdot is zero.
         spread = (
             (e[1][1] + e[2][2]) * x - e[0][1] * y,
             (e[0][0] + e[2][2]) * y - e[1][0] * x,
             -(e[2][0] * x + e[2][1] * y),
         )
+        # dn = h x (a x z) + I zddot + 2 D zdot; delta = D^T z
         moment = add(add(cross(h, a_z), multiply(body.inertia.matrix, zddot)), spread)
         return _Response(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
 
@@ -119,6 +125,7 @@ class _Response(Generic[S]):
 
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _Response[S]:
         """From joint frame i to i-1."""
+        # To the origin of frame i-1: moments gain p x force, delta gains pdot x u.
         p = origin(joint)
         force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
         moment = add(to_parent(joint, self.moment), cross(p, force))
@@ -128,6 +135,7 @@ class _Response(Generic[S]):
 
     def inner_derivative(self, inner: ChainJoint[S], motion: LinkMotion[S]) -> S:
         """d tau_j / d q_i in rates, i < j."""
+        # u . da + eta . zddot + 2 delta . zdot, of which a slide has the first alone.
         zddot = column(motion.tensor, 2)
         if not inner.revolute:
             return dot(self.unit, zddot)
@@ -161,6 +169,7 @@ def torque_position_derivative(
     bodies = _moving_composites(chain, rates, omegas, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
+        # d tau_j / d q_j
         response = bodies[j].response(chain, joint, motions[j + 1])
         matrix[j][j] = generalized_force(joint, response.force, response.moment)
         # seen from the links before, the carried wrench turns with a revolute joint and is shifted by a prismatic one
@@ -171,6 +180,7 @@ def torque_position_derivative(
             response = replace(response, force=add(response.force, turned), moment=moment)
         else:
             response = replace(response, moment=add(response.moment, turned))
+        # Inward: d tau_i / d q_j from the wrench, and d tau_j / d q_i from the unit wrench, i < j.
         for i in range(j - 1, -1, -1):
             inner = chain.joints[i]
             response = response.to_parent(chain.joints[i + 1], omegas[i + 1], rates[i + 1])
@@ -219,6 +229,7 @@ def _moving_composites(
         x, y, z = (cross(omega, row) for row in second)
         bodies.append(_MovingBody(body, cross(omega, body.first_moment), transpose((x, y, z))))
     for i in range(chain.n - 1, 0, -1):
+        # The rotor of joint i spins on link i-1: c rate/2 u^ in E.
         joint, inner = chain.joints[i], bodies[i - 1]
         spin = hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
         moved = bodies[i].to_parent(joint, _origin_rate(joint, omegas[i], rates[i]))

@@ -80,6 +80,7 @@ class DynamicForm:
 
     def _grouped(self, p: Polynomial) -> Expr:
         """Sum of lumped parameter times trigonometric polynomial, equal ones of the latter written once."""
+        # p = sum of lumped parameter * trigonometric polynomial; multiples of one polynomial are written once.
         parts, rest = self.dynamics.split(p)
         terms = []
         for lump, coefficient in parts:
@@ -107,6 +108,7 @@ class DynamicForm:
                 return self._by_term(known)
             if writing.rates is Rates.GEOMETRY:
                 return self._by_geometry(known)
+        # Coefficients that are equal or opposite share a bracket of rates.
         groups: dict[object, tuple[Polynomial, list[Expr]]] = {}
         for number, (p, rate) in enumerate(known):
             if not self._collects(p, writing.rates):
@@ -143,6 +145,7 @@ class DynamicForm:
             alike: dict[tuple[tuple[Expr, Fraction], ...], list[Plan]] = {}
             for body, rates in bodies.items():
                 scale = next(iter(rates.values()))
+                # Combinations of rates in whole numbers: 2 qd1 + qd2, with the fraction at the mass.
                 whole = lcm(*((value / scale).denominator for value in rates.values()))
                 combination = tuple((rate, value * whole / scale) for rate, value in rates.items())
                 alike.setdefault(combination, []).append(Term(scale / whole, body))
@@ -173,6 +176,7 @@ class DynamicForm:
         for (body, geometry), rates in self._combinations(pairs).items():
             key = tuple(rates.items())
             if key not in factored:
+                # A square of rates where it is one: qd1^2 + 2 qd1 qd2 + qd2^2 = (qd1 + qd2)^2.
                 total = sympy.Add(*(sympy.Rational(value) * rate for rate, value in key))
                 factored[key] = sympy.factor(total) if len(key) > 1 else total
             bodies.setdefault(body, []).append(self.form.monomial(geometry) * factored[key])
@@ -186,6 +190,7 @@ class DynamicForm:
         for p, rate in pairs:
             number, product = rate.as_coeff_Mul()
             for monomial, coefficient in self.form.terms(self.dynamics.expand(p)).items():
+                # Each monomial is a mass or moment of inertia times lengths, sines and cosines.
                 body = project(monomial, self.form.inertial)
                 rates = found.setdefault((body, divide(monomial, body)), {})
                 rates[product] = rates.get(product, Fraction(0)) + coefficient * Fraction(int(number.p), int(number.q))

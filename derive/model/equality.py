@@ -72,6 +72,7 @@ def _compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> tu
             if right is None or printed is None:
                 continue
             points += 1
+            # Relative to both, so that formulas of any size are judged alike.
             gap = abs(right - printed) / (1 + abs(right) + abs(printed))
             if gap > CLOSE:
                 example = CounterExample(tuple(values.items()), float(printed), float(right))

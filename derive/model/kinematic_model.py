@@ -340,6 +340,7 @@ class KinematicModel:
         rates = []
         for k in range(self.n):
             wx, wy, wz = self.J[3:, k]
+            # omega split about the axis that the second angle tilts and across it (Siciliano et al., section 3.6).
             about = (x * wx + y * wy) / square
             across = (x * wy - y * wx) / sympy.sqrt(square)
             turn = wz - z * about

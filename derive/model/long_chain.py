@@ -77,6 +77,7 @@ def nested_kinematics(chain: Chain[S]) -> NestedKinematics[S]:
     angular: list[Vector[S]] = []
     for joint in reversed(chain.joints):
         motion = joint.motion(zero, chain.one)
+        # Columns of the joints farther out are seen through this joint's motion.
         linear, angular = ([multiply(motion.rotation, v) for v in columns] for columns in (linear, angular))
         end = motion @ end
         # velocity of the end and of the link per unit rate about (along) z, in a frame on the axis of the joint
@@ -92,7 +93,7 @@ def nested_kinematics(chain: Chain[S]) -> NestedKinematics[S]:
 
 
 # Entries of a transform with more terms are nested from the recursion instead of derived as polynomials.
-MAX_TERMS = 300
+LONGEST_ENTRY = 300
 ALWAYS_SHORT = 8  # arms with so few joints are never long; measuring them would be wasted
 
 
@@ -109,12 +110,12 @@ class LongChain:
             return False
         start, end = sorted((i, j))
         if start not in self._reach:
-            probe = PolynomialDomain(self.robot, rates=False, offsets=True, max_terms=20 * MAX_TERMS)
+            probe = PolynomialDomain(self.robot, rates=False, offsets=True, max_terms=20 * LONGEST_ENTRY)
             kinematics, last = Kinematics(self.robot, probe), start
             with suppress(TooManyTerms):
                 for k in range(start + 1, self.robot.n + 1):
                     frame = kinematics.transform(start, k)
-                    if max(len(x) for x in (*frame.position, *frame.rotation[0], *frame.rotation[1])) > MAX_TERMS:
+                    if max(len(x) for x in (*frame.position, *frame.rotation[0], *frame.rotation[1])) > LONGEST_ENTRY:
                         break
                     last = k
             self._reach[start] = last
@@ -140,6 +141,7 @@ class LongChain:
         if i < j:
             return frame_matrix(_product(self._rows(i, j)))
         t = self.transform(j, i)
+        # T^-1 = (R^T, -R^T p).
         turned = t[:3, :3].T
         rows = turned.row_join(-turned * t[:3, 3])
         return sympy.ImmutableMatrix(rows.col_join(sympy.Matrix([[0, 0, 0, 1]])))

@@ -146,6 +146,7 @@ class IdentifiedModel(KinematicModel):
             yield times_rate(write(inertia.get((i, j), zero)), self.qdd[j], self.style.accelerations)
         for j in n:
             for k in range(j, self.n):
+                # 2 c_ijk = dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i.
                 twice = _slope(i, j, k) + _slope(i, k, j) - _slope(j, k, i)
                 if twice:
                     value = twice * Fraction(1, 2) if j == k else twice

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -15,7 +15,7 @@ from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.vectors import dot
 from derive.model.kinematic_model import KinematicModel
 from derive.motion.motion import Motion
-from derive.motion.torques.functions import Functions
+from derive.motion.torques.functions import Functions, check_numbers
 from derive.plans.hermite import TIME
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
@@ -44,22 +44,20 @@ class HandCurve:
         times = np.asarray(t, dtype=float)
         q, qd, _ = self._motion(times)
         p = self._functions("forward_kinematics", q)[..., :3, 3]
-        v = np.einsum("tij,tj->ti", self._functions("jacobian", q)[..., :3, :], qd)
+        v = np.einsum("tij,tj->ti", self._functions("jacobian", q)[..., :3, :], qd)  # v = J_v qd
         base = self._motion.base
         if base is None:
             return p, v
+        # On a base with the pose (R, o): p_world = R p + o, v_world = R' p + R v + o'.
         now, rate = base(times, 0), base(times, 1)
         turned = np.einsum("tij,tj->ti", rate[:, :3, :3], p) + np.einsum("tij,tj->ti", now[:, :3, :3], v)
         return np.einsum("tij,tj->ti", now[:, :3, :3], p) + now[:, :3, 3], turned + rate[:, :3, 3]
 
     @cached_property
     def _functions(self) -> Functions:
-        values: Mapping[str, float] = self._motion.values
-        if missing := [name for name in free_symbols(self._robot) if name not in values]:
-            remedy = f"write values: {{{missing[0]}: ...}} in the plan"
-            found, place = f"the symbol '{missing[0]}' of {self._robot.name} has no number", self._motion.plan.places
-            raise QuantityError(found, remedy=remedy, location=place["robot"])
-        return Functions(self._robot, frozenset({"forward_kinematics", "jacobian"}), values)
+        robot, place = self._robot, self._motion.plan.places["robot"]
+        check_numbers(free_symbols(robot), self._motion.values, robot.name, place)
+        return Functions(robot, frozenset({"forward_kinematics", "jacobian"}), self._motion.values)
 
     @cached_property
     def position(self) -> tuple[Expr, Expr, Expr]:
@@ -101,12 +99,8 @@ def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     for letter, entries in zip("pv", by_time, strict=False):
         for axis, entry in zip(AXES, entries, strict=True):
             value = entry.subs(TIME, plain)
-            if value == 0:
-                continue
-            if as_latex:
-                yield f"{letter}_{axis}(t) = {latex(value)}"
-            else:
-                yield f"  {letter}{axis} = {sstr(value)}"
+            if value != 0:
+                yield f"{letter}_{axis}(t) = {latex(value)}" if as_latex else f"  {letter}{axis} = {sstr(value)}"
 
 
 def printed_weights(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:

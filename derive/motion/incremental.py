@@ -72,12 +72,7 @@ class Walker:
         return self._functions("forward_kinematics", q)
 
     def walk(self, q: Array, target: Array, steps: int) -> Increments:
-        """Along the straight line to a target, each step from where the line should be.
-
-        Args:
-            q: Joint variables at the start, (n,).
-            target: Where the hand goes, (3,) [m], or its pose, (4, 4).
-        """
+        """Along the line to a target, (3,) [m] or a pose (4, 4), each step from where the line should be."""
         way = self._off(target, q)
         rows, near = [q], []
         for _ in range(steps):

@@ -16,23 +16,25 @@ from sympy import Expr, Symbol
 from derive.arrays import Array, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.motion.curves.formulas_of_time import followed
+from derive.motion.curves.extremes import peak
+from derive.motion.curves.formulas_of_time import curves_of, followed
 from derive.motion.curves.recording import read_recording
-from derive.motion.curves.trajectory import Segment, Trajectory, curves_of
+from derive.motion.curves.trajectory import Trajectory
 from derive.motion.curves.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques
-from derive.motion.torques.bodies import Body
-from derive.motion.torques.functions import Functions
-from derive.motion.torques.loads import LEAST_INTERVALS, Load, SegmentPeaks, loads
+from derive.motion.torques.bodies import CarriedBody
+from derive.motion.torques.functions import Functions, check_numbers
+from derive.motion.torques.loads import LEAST_INTERVALS, loads
+from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
-from derive.plans.data import plan_text, waypoints
 from derive.plans.disturbance import check_starts
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import PATHS, BaseCurve
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
 from derive.plans.points import Step
+from derive.plans.segments import Load, Segment, SegmentPeaks
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
@@ -305,20 +307,19 @@ class Motion:
         """
         if step.payload is None:
             return ()
-        body = Body.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
+        body = CarriedBody.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
         standard = self._functions.standard_parameters
         return tuple((k, body[name]) for k, name in enumerate(standard) if name in body)
 
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:
         """Largest speeds, accelerations and torques, segment by segment."""
-        return tuple(
-            SegmentPeaks(
-                segment, segment.peaks(1), segment.peaks(2), found[: self.plan.robot.n], *found[self.plan.robot.n :]
-            )
-            for segment in self.trajectory.segments
-            for found in (self._loads(segment),)
-        )
+        n, found = self.plan.robot.n, []
+        for segment in self.trajectory.segments:
+            speeds, accelerations = (tuple(peak(pieces, order) for pieces in segment.joints) for order in (1, 2))
+            of_joints = self._loads(segment)
+            found.append(SegmentPeaks(segment, speeds, accelerations, of_joints[:n], *of_joints[n:]))
+        return tuple(found)
 
     @cached_property
     def bounds(self) -> Bounds:
@@ -337,11 +338,7 @@ class Motion:
             "acceleration": lambda t: self.trajectory(t)[2],
             **({"torque": self.torques} if self.has_torques else {}),
         }
-        limited = {
-            what: functions[what]
-            for what, bound in self.bounds.items()
-            if np.isfinite(bound).any() and what in functions
-        }
+        limited = {what: function for what, function in functions.items() if np.isfinite(self.bounds[what]).any()}
         within = np.arange(LEAST_INTERVALS) / LEAST_INTERVALS
         places = [float(segment.start) + float(segment.duration) * within for segment in self.trajectory.segments]
         times = np.sort(np.concatenate([self.times, *places]))
@@ -432,15 +429,12 @@ class Motion:
     @cached_property
     def _functions(self) -> Functions:
         self._check_dynamics()
-        payload = any(step.payload for step in self.plan.steps)
-        wanted = {"inverse_dynamics", *(["regressor"] if payload else [])}
-        return Functions(self.plan.robot, frozenset(wanted), self.values)
+        carries = any(step.payload for step in self.plan.steps)
+        names = ("inverse_dynamics", "regressor") if carries else ("inverse_dynamics",)
+        return Functions(self.plan.robot, frozenset(names), self.values)
 
     def _check_dynamics(self) -> None:
         robot = self.plan.robot
         if not robot.has_dynamics:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
-        if missing := [name for name in free_symbols(robot) if name not in self.values]:
-            remedy = f"write values: {{{missing[0]}: ...}} in the plan"
-            found = f"the symbol '{missing[0]}' of {robot.name} has no number"
-            raise QuantityError(found, remedy=remedy, location=self.plan.places["robot"])
+        check_numbers(free_symbols(robot), self.values, robot.name, self.plan.places["robot"])

@@ -1,12 +1,14 @@
-"""The plans that come with derive, one YAML file each under ``derive/plans/built_in``, and new ones to start from."""
+"""Plans that come with derive, under ``derive/plans/built_in``, new ones to start from, and such of Python data."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from derive.errors import UnknownRobotError, near_miss, quoted
 from derive.robot.description import Joint
@@ -16,6 +18,9 @@ from derive.robot.load import file_bytes, is_there
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.units import in_symbol_units
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 _FOLDER = files("derive.plans") / "built_in"
 _SUFFIX = ".yaml"
@@ -91,3 +96,38 @@ def _stride(robot: Robot, joint: Joint, known: Mapping[str, float]) -> tuple[flo
     low, high = (evaluate(cell, known) for cell in bounds)
     home = 0.0 if low <= 0 < high else (low + high) / 2
     return home / unit, min(home + stride, (home + high) / 2) / unit
+
+
+def plan_text(keys: Mapping[str, Any]) -> str:
+    """The file of a plan of numbers, texts of cells, lists, arrays and mappings; None and False count as left out."""
+    return json.dumps(_plain(keys), indent=1, ensure_ascii=False)
+
+
+def _plain(value: object) -> object:
+    """What stands in a file for a value."""
+    if isinstance(value, Mapping):
+        plain = {str(key): _plain(entry) for key, entry in value.items()}
+        return {key: entry for key, entry in plain.items() if entry is not None}
+    if hasattr(value, "tolist"):  # arrays and numbers of NumPy
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, bool):
+        return "yes" if value else None
+    return value if value is None or isinstance(value, int | float | str) else str(value)
+
+
+def waypoints(points: ArrayLike, times: ArrayLike | None) -> dict[str, Any]:
+    """The points, (points, n), and the path of a plan; times of the segments or one for all [s], None by limits."""
+    import numpy as np  # names of plans are completed without it
+
+    rows = np.asarray(points)
+    if rows.ndim != 2 or len(rows) < 2:
+        raise ValueError(f"points: two rows at least, not an array of shape {rows.shape}")
+    count = len(rows) - 1
+    if times is not None and np.size(times) not in (1, count):
+        raise ValueError(f"times: one, or {count} for {len(rows)} points, not {np.size(times)}")
+    steps: list[dict[str, Any]] = [{"to": f"p{k}"} for k in range(1, len(rows))]
+    for step, time in zip(steps, np.resize([] if times is None else times, count).tolist(), strict=True):
+        step["time"] = None if times is None else time
+    return {"points": {f"p{k}": row for k, row in enumerate(rows)}, "path": ["p0", *steps]}

@@ -111,11 +111,7 @@ class PlanCells:
         return value
 
     def of_joints(self, path: KeyPath, read: Read | None = None) -> tuple[Expression, ...]:
-        """One cell a joint.
-
-        Args:
-            read: One of the readers of `cells`; None for angles and lengths in the units of the robot.
-        """
+        """One cell a joint, by one of the readers of `cells`; None for angles and lengths in the units of the robot."""
         robot, count = self._robot, self._document.length(path)
         if count != robot.n:
             variables = listed(tuple(joint.variable for joint in robot.joints))

@@ -114,13 +114,7 @@ def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
 
 
 def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int) -> Array:
-    """A derivative of pieces at points of unit time.
-
-    Args:
-        piece_numbers: Values at both ends of the piece of each point, (points, 2k).
-        u: Where, from 0 to 1, (points,).
-        duration: Of the piece of each point [s], (points,).
-    """
+    """A derivative of pieces at points u of unit time, (points,); their values at both ends are (points, 2k)."""
     rows = _derived(k, order)
     powers = np.zeros((2 * k, u.size))
     for column in rows.T:
@@ -130,9 +124,10 @@ def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int)
         piece_numbers = piece_numbers.copy()
         piece_numbers[:, k] -= piece_numbers[:, 0]
         piece_numbers[:, 0] = 0.0
+    scale = [duration ** float(i - order) for i in range(k)]
     for b in range(2 * k):
         i = b % k
-        total += powers[b] / factorial(i) * duration ** float(i - order) * piece_numbers[:, b]
+        total += powers[b] / factorial(i) * scale[i] * piece_numbers[:, b]
     return total
 
 

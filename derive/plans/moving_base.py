@@ -33,11 +33,7 @@ class MovingBase:
 
 
 def read_base(document: Document, numbers: PlanCells) -> MovingBase | None:
-    """The block ``base`` of a plan.
-
-    Returns:
-        The base; None where it stands still.
-    """
+    """The block ``base`` of a plan; None where the base stands still."""
     if document.find(("base",)) is None:
         return None
     lengths, angles = list(PATHS.values())[:3], list(PATHS.values())[3:]

@@ -11,9 +11,8 @@ from pathlib import Path
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
 from derive.plans.catalogue import plan_bytes
 from derive.plans.cells import PlanCells, Read
+from derive.plans.checks import check_effects, remarks_on_loads
 from derive.plans.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
-from derive.plans.ineffective import check_effects
-from derive.plans.load_remarks import remarks_on_loads
 from derive.plans.moving_base import PATHS, MovingBase, read_base
 from derive.plans.points import Payload, Point, Pose, Step, Vector
 from derive.plans.profile import Profile
@@ -81,7 +80,7 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
         raise RobotFileError("this is no motion plan", allowed=allowed, location=Location(source))
     document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
     check_structure(document, PlanFile)
-    plan = _Reader(document, _robot(document, data)).read()
+    plan = _PlanReader(document, _robot(document, data)).read()
     robot = _with_values(plan.robot, plan.values)
     carried: dict[KeyPath, Payload | None] = {("plant", PAYLOAD): plan.plant_payload}
     carried |= {("path", k, "payload"): step.payload for k, step in enumerate(plan.steps, 1)}
@@ -113,7 +112,7 @@ def _robot(document: Document, data: bytes) -> Robot:
         raise error.at(scalar.location) from None
 
 
-class _Reader:
+class _PlanReader:
     """Reads the blocks of a plan in the units of its robot."""
 
     def __init__(self, document: Document, robot: Robot) -> None:

@@ -133,11 +133,7 @@ def _on_array(formula: Expr) -> Callable[[Array], Array]:
 
 
 def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Expr) -> tuple[AnyPiece, ...]:
-    """From standing to standing.
-
-    Args:
-        duration: How long it takes [s].
-    """
+    """From standing to standing in a duration [s]."""
     if profile is Profile.HARMONIC:
         return (Cosine(start, duration, ((q0,), (q1,))),)
     rest = (ZERO,) * (VALUES[profile] - 1)
@@ -148,9 +144,6 @@ def trapezoid(start: Expr, duration: Expr, q0: Expr, q1: Expr, speed: Expr) -> t
     """Constant acceleration, constant speed, constant deceleration.
 
     With D = |q1 - q0| the time to speed up is T - D/V, and V lies in (D/T, 2 D/T].
-
-    Args:
-        duration: How long it takes [s].
     """
     way = q1 - q0
     if way == 0:
@@ -166,24 +159,17 @@ def trapezoid(start: Expr, duration: Expr, q0: Expr, q1: Expr, speed: Expr) -> t
 
 
 def via_velocities(times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Expr, ...]:
-    """Velocities at the points of a path that is not stopped at: the mean of both sides, zero where they turn back.
-
-    Args:
-        times: When each point is passed [s].
-    """
+    """Velocities at points that are passed at times [s]: the mean of both slopes, zero where the path turns back."""
     slopes = [(positions[j + 1] - positions[j]) / (times[j + 1] - times[j]) for j in range(len(times) - 1)]
     inner = [(before + after) / 2 if float(before) * float(after) > 0 else ZERO for before, after in pairwise(slopes)]
     return (ZERO, *inner, ZERO)
 
 
 def spline(times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Piece, ...]:
-    """The cubic spline through the points, with continuous acceleration, standing at both ends.
+    """The cubic spline through points at rational times [s], with continuous acceleration, standing at both ends.
 
     Its velocities solve v[j-1]/h[j-1] + 2 v[j] (1/h[j-1] + 1/h[j]) + v[j+1]/h[j] = 3 (s[j-1]/h[j-1] + s[j]/h[j]) with
     the slopes s and lengths h of the intervals (Biagiotti and Melchiorri, 4.4.1).
-
-    Args:
-        times: When each point is passed [s], rationals.
     """
     count = len(times)
     lengths = [times[j + 1] - times[j] for j in range(count - 1)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 from derive.errors import QuantityError
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace
-from derive.programs.functions import INTERFACES, ROWS, Row
+from derive.programs.functions import INTERFACES, ROWS, FunctionRow
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Column, Function, Inverse, InverseSearch, Program
 from derive.programs.tape.cost import program_cost
@@ -85,13 +85,13 @@ class _Traced:
     singular angles, or of an inertia matrix that is singular everywhere.
     """
 
-    row: Row
+    row: FunctionRow
     trace: Trace
     columns: tuple[Column, ...]
     formulations: tuple[Formulation, ...]
 
     @classmethod
-    def of(cls, row: Row, trace: Trace) -> _Traced:
+    def of(cls, row: FunctionRow, trace: Trace) -> _Traced:
         """Trace a function."""
         columns = row.columns(trace) if row.columns else ()
         try:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 
-from derive.programs.formulations import dynamics, identification, kinematics
+from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace
 from derive.programs.optimise.search_policy import POLICY
@@ -17,13 +18,7 @@ from derive.programs.program import Column, Interface, Magnitude
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
 
-
-def _always(robot: Robot) -> bool:
-    return True
-
-
-def _has_links(robot: Robot) -> bool:
-    return robot.has_dynamics
+_has_links = attrgetter("has_dynamics")
 
 
 def _has_regressor(robot: Robot) -> bool:
@@ -31,12 +26,12 @@ def _has_regressor(robot: Robot) -> bool:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class FunctionRow:
     """A generated function."""
 
     interface: Interface  # what it takes and gives
     formulations: Callable[[Trace], Iterable[Formulation]]  # the ways to compute it, of which the cheapest is emitted
-    exists: Callable[[Robot], bool] = _always  # which robots have it
+    exists: Callable[[Robot], bool] = lambda robot: True  # which robots have it
     # How many times the cheapest a formulation may cost as traced to be improved at all; None for all.
     margin: float | None = None
     search: bool = True  # whether a long search for shared parts pays
@@ -52,7 +47,7 @@ class Row:
 
 # In the order in which they are printed.
 ROWS = (
-    Row(
+    FunctionRow(
         interface=Interface(
             "forward_kinematics",
             ("q",),
@@ -65,7 +60,7 @@ ROWS = (
         formulations=kinematics.poses,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "link_transforms",
             ("q",),
@@ -78,7 +73,7 @@ ROWS = (
         formulations=kinematics.link_poses,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "jacobian",
             ("q",),
@@ -91,7 +86,7 @@ ROWS = (
         formulations=kinematics.jacobians,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "jacobian_end",
             ("q",),
@@ -104,7 +99,7 @@ ROWS = (
         formulations=kinematics.end_jacobians,
         margin=POLICY.kinematics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "jacobian_dot",
             ("q", "qd"),
@@ -116,7 +111,7 @@ ROWS = (
         ),
         formulations=kinematics.jacobian_rates,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "analytic_jacobian_rpy",
             ("q",),
@@ -130,7 +125,7 @@ ROWS = (
         formulations=kinematics.analytic_jacobians("rpy"),
         is_optional=True,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "analytic_jacobian_zyz",
             ("q",),
@@ -144,7 +139,7 @@ ROWS = (
         formulations=kinematics.analytic_jacobians("zyz"),
         is_optional=True,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inertia_matrix",
             ("q",),
@@ -158,7 +153,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "coriolis_matrix",
             ("q", "qd"),
@@ -172,7 +167,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "gravity_vector",
             ("q",),
@@ -186,7 +181,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "kinetic_energy",
             ("q", "qd"),
@@ -200,7 +195,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "potential_energy",
             ("q",),
@@ -214,7 +209,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inverse_dynamics",
             ("q", "qd", "qdd"),
@@ -228,7 +223,7 @@ ROWS = (
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "forward_dynamics",
             ("q", "qd", "tau"),
@@ -241,7 +236,7 @@ ROWS = (
         exists=_has_links,
         without_value=dynamics.no_accelerations,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "coriolis_vector",
             ("q", "qd"),
@@ -254,7 +249,7 @@ ROWS = (
         formulations=dynamics.coriolis_vectors,
         exists=_has_links,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inverse_dynamics_dq",
             ("q", "qd", "qdd"),
@@ -267,7 +262,7 @@ ROWS = (
         formulations=dynamics.torque_position_derivatives,
         exists=_has_links,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "inverse_dynamics_dqd",
             ("q", "qd"),
@@ -280,7 +275,7 @@ ROWS = (
         formulations=dynamics.torque_velocity_derivatives,
         exists=_has_links,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "regressor",
             ("q", "qd", "qdd"),
@@ -290,12 +285,12 @@ ROWS = (
             "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's "
             "origin",
         ),
-        formulations=identification.regressors,
+        formulations=dynamics.regressors,
         exists=_has_regressor,
-        columns=identification.standard_columns,
+        columns=dynamics.standard_columns,
         search=False,  # its entries share little beyond what the recursion shares
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "base_regressor",
             ("q", "qd", "qdd"),
@@ -304,12 +299,12 @@ ROWS = (
             "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
             "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
         ),
-        formulations=identification.base_regressors,
+        formulations=dynamics.base_regressors,
         exists=_has_regressor,
-        columns=identification.base_columns,
+        columns=dynamics.base_columns,
         search=False,
     ),
-    Row(
+    FunctionRow(
         interface=Interface(
             "base_parameters",
             (),
@@ -318,9 +313,9 @@ ROWS = (
             "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
             "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
         ),
-        formulations=identification.base_parameters,
+        formulations=dynamics.base_parameters,
         exists=_has_regressor,
-        columns=identification.base_columns,
+        columns=dynamics.base_columns,
     ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

@@ -17,9 +17,9 @@ from derive.inverse.closed.branches import starts
 from derive.inverse.closed.conic import line_points
 from derive.inverse.closed.fields import BEYOND, MERGED, ZERO
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.nodes import Formula, Kind
+from derive.inverse.closed.nodes import NodeFormula, NodeKind
 from derive.inverse.closed.solve import Freedom, refusal, solve
-from derive.inverse.closed.walk import Leaf, Run, pose_of
+from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
 from derive.inverse.numeric.newton import Status
 from derive.inverse.words.postures import postures
 from derive.programs.formulations.choice import Formulation
@@ -163,7 +163,7 @@ class TapeField:
         """The common points of the unit circle and a conic."""
         return line_points(self, coefficients)
 
-    def general(self, formula: Formula, values: Mapping[str, Value]) -> Sequence[Any]:
+    def general(self, formula: NodeFormula, values: Mapping[str, Value]) -> Sequence[Any]:
         """Graphs with eigenvalue problems have no program (`derive.programs.inverse_search`)."""
         raise NotImplementedError
 
@@ -173,18 +173,14 @@ Solved = tuple[Inverse | InverseSearch | None, str]
 
 
 def solved(trace: Trace) -> Solved:
-    """Inverse kinematics of a robot as its file asks for it.
-
-    Returns:
-        The program or what takes its place, or None and the reason why there is none.
-    """
+    """Inverse kinematics as the file asks for it: a program, what takes its place, or None and the reason."""
     if not has_exact_rotations(trace.robot):
         reason = "base or tool is a rotation only to the digits that the file gives"
         if not has_exact_rotations(trace.robot, NEARLY_EXACT):
             return None, reason
         return search_function(trace, _without_formulas(trace.robot, reason))
     graph = solve(trace.robot)
-    if not graph.is_closed or any(node.kind is Kind.GENERAL for node in graph.nodes):
+    if not graph.is_closed or any(node.kind is NodeKind.GENERAL for node in graph.nodes):
         return search_function(trace, graph)
     return inverse_function(trace, graph), ""
 
@@ -203,7 +199,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     field = TapeField(domain)
     pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
     given = [domain.argument(GIVEN, i) for i in range(len(graph.given))]
-    run = Run(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
+    run = GraphWalk(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
     angles: list[Value] = []
     codes: list[Value] = []
     leaves = list(run.leaves())
@@ -216,7 +212,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     codes += [field.number(Status.NONE)] * graph.spare
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
-    interface = INTERFACE if graph.given else _without_given(INTERFACE)
+    interface = INTERFACE if graph.given else replace(INTERFACE, arguments=(POSE, NEAR))
     given_width = {GIVEN: len(graph.given)} if graph.given else {}
     widths = {POSE: POSE_ENTRIES, **given_width, NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
@@ -258,45 +254,36 @@ def count_text(graph: SolutionGraph) -> str:
     return f"A reachable pose has {solutions}{proof} but where joints are free."
 
 
-def _without_given(interface: Interface) -> Interface:
-    return Interface(
-        interface.name, (POSE, NEAR), interface.shape, interface.symbol, interface.summary, interface.result
-    )
-
-
-def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:
+def _existing(run: GraphWalk[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:
     """Which solutions exist, and which are to be checked: those whose pose is asked for, if that may be another.
 
     Where one of them has the pose to more digits, so have the others: a wrong choice of signs is almost right next to
     poses at which two choices are one. Those that have lost digits on the way are checked instead, and all where none
     has the pose to all digits and there are more choices than solutions: perhaps none of them is one.
     """
-    if not _may_miss(run.graph):
+    graph = run.graph
+    # As many branches as solutions in space: none of them is extraneous.
+    if graph.complete and graph.leaves == graph.count and graph.robot.n - len(graph.given) >= 6:
         return [(leaf.exists, leaf.ill) for leaf in leaves]
     most, small = CLOSED * run.reach, Fraction(str(POLICY.reproduced)) * run.reach
     errors = [_error(run, leaf) for leaf in leaves]
     found = [leaf.exists & Mask(error.less(most)) for leaf, error in zip(leaves, errors, strict=True)]
     best = reduce(Value.minimum, [mask.value.select(e, most) for mask, e in zip(found, errors, strict=True)])
     limit = (best * WORSE).maximum(small)
-    rough = Mask(small.less(limit)) if run.graph.leaves != run.graph.count else run.field.truth(False)
+    rough = Mask(small.less(limit)) if graph.leaves != graph.count else run.field.truth(False)
     if len(leaves) == 1:
         return [(found[0], leaves[0].ill | rough)]
     right = [leaf.ill | Mask(error.less(limit)) for leaf, error in zip(leaves, errors, strict=True)]
     return [(mask & each, leaf.ill | rough) for mask, each, leaf in zip(found, right, leaves, strict=True)]
 
 
-def _error(run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
+def _error(run: GraphWalk[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
     """The largest error of the pose of cosines and sines that are nearly those of angles, as a length."""
     pose, entries = pose_of(run, leaf.joints), run.graph.places
     turns = [abs(pose.rotation[i][j] - run.pose[i][j]) for i, j in entries if j < 3]
     turns += [abs(pair[0] * pair[0] + pair[1] * pair[1] - 1) for pair in leaf.joints if len(pair) == 2]
     moves = [abs(pose.position[i] - run.pose[i][j]) for i, j in entries if j == 3]
     return reduce(Value.maximum, [*([reduce(Value.maximum, turns) * run.reach] if turns else []), *moves])
-
-
-def _may_miss(graph: SolutionGraph) -> bool:
-    """Whether a branch may exist whose pose is another: not where there are as many branches as solutions in space."""
-    return not graph.complete or graph.leaves != graph.count or graph.robot.n - len(graph.given) < 6
 
 
 def _code(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask], lost: Mask) -> Value:

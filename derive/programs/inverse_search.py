@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.general.closure import Closure
 from derive.inverse.general.elimination import Elimination as ModelElimination
 from derive.inverse.general.rigid_motion import BESIDE
@@ -59,16 +59,12 @@ def frames(trace: Trace) -> list[Value]:
 
 
 def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch | None, str]:
-    """What finds all solutions of an arm without formulas.
-
-    Returns:
-        What generated code needs, or None and why there is nothing to be had.
-    """
+    """What generated code needs to find all solutions without formulas; None and why where it cannot."""
     free = graph.robot.n - len(graph.given)
     wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
     if free > wanted:
         return None, f"{graph.why_not}; the task fixes {wanted} of {free} joints, so the others are to be `given`"
-    payload = next((node.formulas[0].payload for node in graph.nodes if node.kind is Kind.GENERAL), None)
+    payload = next((node.formulas[0].payload for node in graph.nodes if node.kind is NodeKind.GENERAL), None)
     solution: GeneralSolution | None = payload.solution if payload else None
     places = tuple(sorted(graph.places))
     entries = next((known for known in (POSE, POSITION) if tuple(sorted(known)) == places), places)
@@ -86,7 +82,7 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
         eliminations=tuple(map(_plain, solution.eliminations)) if solution else (),
         count=solution.count if solution else 0,
         summary=_summary(graph, solution),
-        reason=_reason(graph, solution),
+        reason=f"its joints follow from {_eigenvalues(solution)}" if solution else graph.why_not,
         motions=MOTIONS,
     ), ""
 
@@ -118,15 +114,12 @@ def _summary(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
             "Damped Newton from many starts: there are no formulas, and solutions may be missing. "
             f"At most {MOST_SOLUTIONS} are listed."
         )
-    size = solution.eliminations[0].eigenvalues
-    method = f"from the eigenvalues of a {size}x{size} matrix, each refined by Newton's method"
+    method = f"from {_eigenvalues(solution)}, each refined by Newton's method"
     more = ", and no more but where joints are free," if graph.everywhere else ","
     pose = "A" if graph.everywhere or not graph.complete else "Almost every"
     return f"{pose} reachable pose has up to {solution.count or solution.branches} solutions{more} {method}."
 
 
-def _reason(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
-    if solution is None:
-        return graph.why_not
+def _eigenvalues(solution: GeneralSolution) -> str:
     size = solution.eliminations[0].eigenvalues
-    return f"its joints follow from the eigenvalues of a {size}x{size} matrix"
+    return f"the eigenvalues of a {size}x{size} matrix"

@@ -262,11 +262,7 @@ def cost_text(operations: Operations) -> str:
 
 
 def joint_lines(robot: Robot, escape: Callable[[str], str] | None = None) -> tuple[str, ...]:
-    """The joints of a robot, for the documentation of its functions.
-
-    Args:
-        escape: Makes a comment of a name; None for lines without names.
-    """
+    """The joints of a robot as lines of documentation; ``escape`` makes comments of names, None leaves them out."""
     return tuple(
         f"{i + 1}: {joint.variable}, {joint.type.value} [{'rad' if joint.is_revolute else 'm'}]"
         + (f", {escape(joint.name)}" if escape and joint.name else "")

@@ -2,6 +2,6 @@
 
 A build goes through the modules in this order: `many` (several robots, one after the other or in processes) calls
 `build` for each; `targets` says what can be written; `render` makes every file in memory, the manifest of `manifest`
-included, and compiles libraries; `publish` writes them into a folder of `staging` beside the target, has it verified
-there, and puts it in the target's place.
+included, and compiles libraries; `atomic_folder` writes them into a folder beside the target, has it verified there,
+and puts it in the target's place.
 """

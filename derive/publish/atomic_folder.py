@@ -2,18 +2,26 @@
 
 A new folder is written and checked beside the target and then takes its name in one step, so that a kill at any moment,
 a full disk or two builds at once leave the complete old folder or the complete new one. Files of the user's in it are
-kept. Single files are all written beside their targets before the first takes its name, which must be free: only with
+kept. Two calls of the system make this safe: folders are exchanged in one step where the file system can, and locks on
+folders end with their holder, however that ends. ``.derive-NAME-XXXXXXXX`` is a folder being written, or the old one
+after an exchange; its maker holds a lock on it, so that one without a lock belongs to nobody. ``.derive-NAME.old`` is
+the old folder in the instant between two renames, on systems that cannot exchange folders.
+
+Single files are all written beside their targets before the first takes its name, which must be free: only with
 ``force`` they replace files, whoever wrote those.
 """
 
 from __future__ import annotations
 
+import ctypes
+import errno
 import os
+import re
 import secrets
 import shutil
 import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path, PurePosixPath
 from typing import TypeVar
 
@@ -21,18 +29,19 @@ from derive.errors import DeriveError, OutputError
 from derive.interrupts import uninterrupted
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, contents, read_manifest
-from derive.publish.staging import (
-    backup_of,
-    exchange,
-    exclusively,
-    flush_folder,
-    hold,
-    recover,
-    release,
-    remove,
-    staging_of,
-)
 
+try:
+    import fcntl
+except ImportError:  # not a POSIX system
+    fcntl = None  # type: ignore[assignment]
+
+_STAGING = re.compile(r"\.derive-([a-z0-9_]+)-[0-9a-f]{8}")
+_BACKUP = re.compile(r"\.derive-([a-z0-9_]+)\.old")
+
+_AT_FDCWD = -100
+_RENAME_EXCHANGE = 2
+_NO_EXCHANGE = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM)
+_NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 _CACHE = "__pycache__"
 
 R = TypeVar("R")
@@ -52,32 +61,30 @@ def publish(
 ) -> R:
     """Writes files into a folder that replaces ``target``."""
     names = (*files, *further)
-    staging, lock = staging_of(target), None
+    staging = target.with_name(f".derive-{target.name}-{secrets.token_hex(4)}")
     try:
-        with _system_errors(target):
-            target.parent.mkdir(parents=True, exist_ok=True)
-            with exclusively(target.parent) as locks_work:
-                recover(target.parent, locks_work)
+        with ExitStack() as lock:
+            with _system_errors(target):
+                target.parent.mkdir(parents=True, exist_ok=True)
+                with locked(target.parent):
+                    _recover(target.parent)
+                    require_replaceable(target, robot_name, names)
+                    staging.mkdir()
+                    lock.enter_context(locked(staging, wait=False))
+                for name, data in files.items():
+                    (staging / name).parent.mkdir(exist_ok=True)
+                    _write_new(staging / name, data)
+            result = check(staging)
+            with _system_errors(target), locked(target.parent):
                 require_replaceable(target, robot_name, names)
-                staging.mkdir()
-                lock = hold(staging)
-            for name, data in files.items():
-                (staging / name).parent.mkdir(exist_ok=True)
-                _write_new(staging / name, data)
-            for folder in {(staging / name).parent for name in files} | {staging}:
-                flush_folder(folder)
-        result = check(staging)
-        with _system_errors(target), exclusively(target.parent):
-            require_replaceable(target, robot_name, names)
-            if not still():
-                raise OvertakenError(f"{target} was replaced meanwhile")
-            carry_over(target, staging)
-            _take_place(staging, target)
-        return result
+                if not still():
+                    raise OvertakenError(f"{target} was replaced meanwhile")
+                _carry_over(target, staging)
+                _take_place(staging, target)
+            return result
     finally:
         with uninterrupted():
-            remove(staging)
-            release(lock)
+            shutil.rmtree(staging, ignore_errors=True)
 
 
 def rewrite(files: Mapping[str, bytes], folder: Path, target: Path) -> None:
@@ -87,7 +94,6 @@ def rewrite(files: Mapping[str, bytes], folder: Path, target: Path) -> None:
             if contents(folder / name) != data:
                 (folder / name).unlink(missing_ok=True)
                 _write_new(folder / name, data)
-        flush_folder(folder)
 
 
 def heal(parent: Path) -> None:
@@ -95,8 +101,61 @@ def heal(parent: Path) -> None:
     if os.path.lexists(parent) and not parent.is_dir():
         raise OutputError(f"{parent} is not a folder", remedy="choose another --out")
     if parent.is_dir():
-        with _system_errors(parent), exclusively(parent) as locks_work:
-            recover(parent, locks_work)
+        with _system_errors(parent), locked(parent):
+            _recover(parent)
+
+
+def _recover(parent: Path) -> None:
+    """Puts back what a killed build left half-way, and removes the temporary folders of the dead.
+
+    Without working locks nobody can tell the dead from the living, and temporary folders stay.
+    """
+    for path in sorted(parent.iterdir()):
+        if path.is_symlink() or not path.is_dir():
+            continue
+        backup = _BACKUP.fullmatch(path.name)
+        if backup and not os.path.lexists(parent / backup[1]):
+            path.rename(parent / backup[1])
+        elif backup:
+            shutil.rmtree(path, ignore_errors=True)
+        elif _STAGING.fullmatch(path.name):
+            with suppress(OSError), locked(path, wait=False) as is_dead:  # else its maker lives, or it is not ours
+                if is_dead:
+                    shutil.rmtree(path, ignore_errors=True)
+
+
+@contextmanager
+def locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
+    """Holds the lock on a folder; False where folders have no locks, `OSError` where another one is not waited for."""
+    if fcntl is None:
+        yield False
+        return
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        works = True
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            works = error.errno not in _NO_LOCKS
+            if works:
+                raise
+        yield works
+    finally:
+        os.close(descriptor)
+
+
+def exchange(one: Path, other: Path) -> bool:
+    """Swaps two folders atomically (``renameat2`` with ``RENAME_EXCHANGE``, Linux)."""
+    try:
+        call = ctypes.CDLL(None, use_errno=True).renameat2
+    except (AttributeError, OSError, TypeError):
+        return False
+    if call(_AT_FDCWD, os.fsencode(one), _AT_FDCWD, os.fsencode(other), ctypes.c_uint(_RENAME_EXCHANGE)) == 0:
+        return True
+    number = ctypes.get_errno()
+    if number in _NO_EXCHANGE:
+        return False
+    raise OSError(number, os.strerror(number), str(one), None, str(other))
 
 
 @contextmanager
@@ -113,11 +172,9 @@ def _system_errors(target: Path) -> Iterator[None]:
 
 
 def _write_new(path: Path, data: bytes) -> None:
-    """A file that was not there before, safe against a power cut."""
+    """A file that was not there before."""
     with open(path, "xb") as file:
         file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def _take_place(staging: Path, target: Path) -> None:
@@ -125,23 +182,17 @@ def _take_place(staging: Path, target: Path) -> None:
 
     Where folders cannot be exchanged, two renames do it, and a kill between them is healed by the next build.
     """
-    backup = backup_of(target)
     if not os.path.lexists(target):
         staging.rename(target)
     elif not exchange(staging, target):
+        backup = target.with_name(f".derive-{target.name}.old")
         target.rename(backup)
         try:
             staging.rename(target)
         except OSError:
             backup.rename(target)
             raise
-        try:
-            flush_folder(target.parent)
-        except OSError:  # keep both until a build finds the disk in order
-            return
-        remove(backup)
-    with suppress(OSError):  # the new folder is in place; what fails now is how long it outlives a power cut
-        flush_folder(target.parent)
+        shutil.rmtree(backup, ignore_errors=True)
 
 
 def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> None:
@@ -160,12 +211,12 @@ def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> 
     if manifest.get("robot") != robot_name:
         raise _refusal(target, f"belongs to the robot {manifest.get('robot')!r}", "choose another --out")
     wanted = {place.as_posix() for name in files for place in (PurePosixPath(name), *PurePosixPath(name).parents)}
-    taken = sorted(wanted & set(users_files(target)))
+    taken = sorted(wanted & set(_users_files(target)))
     if taken:
         raise _refusal(target / taken[0], f"is not listed in {MANIFEST}, but a build would write it", "move it away")
 
 
-def users_files(target: Path) -> list[str]:
+def _users_files(target: Path) -> list[str]:
     """Names in a generated folder that no build has written: they are kept."""
     if target.is_symlink() or not target.is_dir():
         return []
@@ -178,9 +229,9 @@ def users_files(target: Path) -> list[str]:
     return sorted(name for name in (path.relative_to(target).as_posix() for path in found) if name not in ours)
 
 
-def carry_over(target: Path, staging: Path) -> None:
+def _carry_over(target: Path, staging: Path) -> None:
     """Takes the user's files from the old folder into the new one; the old one keeps them until it is removed."""
-    for name in users_files(target):
+    for name in _users_files(target):
         source, copy = target / name, staging / name
         copy.parent.mkdir(exist_ok=True)
         if source.is_symlink():

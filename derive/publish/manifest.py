@@ -46,11 +46,7 @@ def manifest_text(
 
 
 def read_manifest(folder: Path) -> dict[str, Any] | None:
-    """The manifest of a folder.
-
-    Returns:
-        Its content; None if there is none of ours.
-    """
+    """The manifest of a folder; None if there is none of ours."""
     path = folder / FILE
     try:
         if path.is_symlink() or not path.is_file() or path.stat().st_size > LARGEST:
@@ -93,11 +89,7 @@ def is_current(
 
 
 def contents(path: Path) -> bytes | None:
-    """What a generated file holds.
-
-    Returns:
-        Its bytes; None if it is a link, is not there, or cannot be read.
-    """
+    """The bytes of a generated file; None if it is a link, is not there, or cannot be read."""
     try:
         return None if path.is_symlink() else path.read_bytes()
     except OSError:

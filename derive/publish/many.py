@@ -41,11 +41,7 @@ def build_many(
     effort: Effort = Effort.FULL,
     progress: Progress | None = None,
 ) -> list[BuildResult | BuildFailure]:
-    """Builds robots as `build_robot` does.
-
-    Args:
-        targets: Names of targets; None for those of a usual build.
-    """
+    """Builds robots as `build_robot` does."""
     seen: dict[str, Robot] = {}
     for robot in robots:  # two files with one name would overwrite each other's folder
         other = seen.setdefault(package_name(robot), robot)
@@ -78,11 +74,7 @@ def check_many(
     effort: Effort = Effort.FULL,
     progress: Progress | None = None,
 ) -> list[CheckResult | BuildFailure]:
-    """Checks robots as `check_robot` does.
-
-    Args:
-        targets: Names of targets; None for those of a usual build.
-    """
+    """Checks robots as `check_robot` does."""
     names = None if targets is None else tuple(targets)
     work = partial(check_robot, out=out, targets=names, effort=effort, only=only)
     return _run(work, robots, jobs, progress)

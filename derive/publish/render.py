@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import filecmp
-import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -126,12 +125,10 @@ def compile_libraries(folder: Path, targets: Iterable[Target], compiler: Command
 
 
 def take_libraries(names: Iterable[str], origin: Path, folder: Path) -> None:
-    """Copy libraries that were compiled elsewhere, safe against a power cut."""
+    """Copy libraries that were compiled elsewhere."""
     try:
         for name in names:
             shutil.copy2(origin / name, folder / name)
-            with open(folder / name, "rb+") as file:
-                os.fsync(file.fileno())
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
 

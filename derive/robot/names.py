@@ -50,6 +50,11 @@ def robot_symbols(robot: Description) -> tuple[str, ...]:
     return tuple(name for name in found if name not in variables)
 
 
+def own_names(robot: Description) -> frozenset[str]:
+    """Symbols and joint variables, which no printed formula may mean otherwise."""
+    return frozenset((*robot_symbols(robot), *(joint.variable for joint in robot.joints)))
+
+
 def limit_symbols(robot: Description) -> tuple[str, ...]:
     """Symbols in the limits of joints."""
     limits = [limit for joint in robot.joints for limit in joint.limits or ()]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from derive.programs.program import Inverse, InverseSearch, Program, joint_lines
 from derive.programs.tape.tape import Op
 from derive.targets.c_function import c_function
@@ -28,13 +30,13 @@ TARGET = Target(
 )
 
 
-def c_context(source: Source) -> dict[str, object]:
+def c_context(source: Source) -> dict[str, Any]:
     """What the templates of C ask for."""
     program, prefix = source.program, c_prefix(source.robot.name)
     functions = [c_function(function, program.parameters) for function in program]
     solved = solvable(program)
     inverse = c_inverse(solved, source) if solved else None
-    texts = [*functions, inverse.function] if inverse else functions
+    texts = [*functions, inverse["function"]] if inverse else functions
     return c_heading(source) | {
         "parameters": [{"name": name, "place": str(i)} for i, name in enumerate(program.parameters)],
         "parameter_count": len(program.parameters),

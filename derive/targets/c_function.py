@@ -12,7 +12,7 @@ from math import prod
 
 from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, Function
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
-from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
+from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, input_name, temporary_names, write_statements
 from derive.targets.target import shape_text
 
 # In the order in which they are read and declared; ``k`` holds the constants from the parameters.
@@ -31,7 +31,7 @@ class Read:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class CodePart:
     """A piece of straight-line code."""
 
     reads: tuple[Read, ...]  # what it takes
@@ -43,18 +43,6 @@ class Part:
         """The arrays that it reads, in the order of their declaration."""
         used = {read.array for read in self.reads}
         return tuple(array for array in _ARRAYS if array in used)
-
-
-@dataclass(frozen=True, slots=True)
-class StaticFunction:
-    """A part as a function of the file: its statements, and how it is declared and called."""
-
-    declaration: str  # its parameters
-    one: str  # the arguments of its call for one configuration
-    lane: str  # the arguments of its call for one lane of a block
-    varying: str  # the arguments of its call for a lane where the constants differ from lane to lane
-    body: tuple[str, ...]  # statements
-    results: tuple[str, ...]  # assignments to the entries of the result
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +59,9 @@ class CFunction:
     has_sines: bool  # whether a sine is taken of any
     has_cosines: bool  # whether a cosine is
     constant_count: int  # constants that come from the parameters
-    constants: StaticFunction  # from the parameters to the constants
-    angles: StaticFunction  # from the arguments to the angles
-    lane: StaticFunction  # from the arguments and sines to the result, for one configuration of a block
+    constants: dict[str, object]  # from the parameters to the constants
+    angles: dict[str, object]  # from the arguments to the angles
+    lane: dict[str, object]  # from the arguments and sines to the result, for one configuration of a block
     declaration: str  # parameters of the public function
     batch_declaration: str  # parameters of the public function of a batch
     prototype: str  # parameters of the public function in the header
@@ -120,7 +108,7 @@ def pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
     return ", ".join([*(f"const double *{qualifier}{name}" for name in inputs), f"double *{qualifier}{output}"])
 
 
-def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) -> StaticFunction:
+def _static_function(part: CodePart, output: str, lanes: str, *, step: bool = True) -> dict[str, object]:
     """A part whose entries lie ``lanes`` apart, or one after the other without a ``step``."""
     further = [read.array for read in part.reads if read.index]
     steps: list[str] = []
@@ -138,14 +126,14 @@ def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) 
     reads = [f"const double {read.name} = {_entry(read.array, read.index)};" for read in part.reads]
     moved = [f"{name} + i" for name in (*part.arrays, output)]
     still = ["k" if name == "k + i" else name for name in moved]  # constants are the same in all lanes
-    return StaticFunction(
-        declaration=", ".join([pointers(part.arrays, output, "restrict "), *(f"const size_t {s}" for s in steps)]),
-        one=", ".join([*part.arrays, output, *("1" for _ in steps)]),
-        lane=", ".join([*still, *(lanes if s == "lanes" else "1" for s in steps)]),
-        varying=", ".join([*moved, *(lanes for _ in steps)]),
-        body=(*reads, *part.body),
-        results=tuple(f"{_entry(output, i)} = {text};" for i, text in enumerate(part.results)),
-    )
+    return {
+        "declaration": ", ".join([pointers(part.arrays, output, "restrict "), *(f"const size_t {s}" for s in steps)]),
+        "one": ", ".join([*part.arrays, output, *("1" for _ in steps)]),
+        "lane": ", ".join([*still, *(lanes if s == "lanes" else "1" for s in steps)]),
+        "varying": ", ".join([*moved, *(lanes for _ in steps)]),
+        "body": (*reads, *part.body),
+        "results": tuple(f"{_entry(output, i)} = {text};" for i, text in enumerate(part.results)),
+    }
 
 
 def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
@@ -168,7 +156,7 @@ def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
     )
 
 
-def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[Part, Part, Part]:
+def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[CodePart, CodePart, CodePart]:
     """From parameters to constants, from arguments and constants to angles, and from all of these to the outputs."""
     joints = {i: n.source.index for i, n in enumerate(tape.nodes) if n.source is not None and n.source.kind == "q"}
     angles = sorted(_angles(tape), key=lambda angle: (0, joints[angle]) if angle in joints else (1, angle))
@@ -201,7 +189,7 @@ def _angles(tape: Tape) -> set[int]:
     return angles
 
 
-def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], given: Mapping[int, Read]) -> Part:
+def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], given: Mapping[int, Read]) -> CodePart:
     """Code for some outputs, in which ``given`` values need not be computed."""
     needed = {output.node for output in outputs}
     stack = list(needed)
@@ -211,7 +199,7 @@ def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], give
         needed |= fresh
         stack += fresh
     reads: list[Read] = []
-    pieces: dict[int, Piece] = {}
+    pieces: dict[int, CodePiece] = {}
     operations: list[int] = []
     for i in sorted(needed):
         node = tape.nodes[i]
@@ -226,7 +214,7 @@ def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], give
         else:
             operations.append(i)
             continue
-        pieces[i] = Piece(reads[-1].name)
+        pieces[i] = CodePiece(reads[-1].name)
     body = write_statements(tape, C, operations, pieces, temporary_names())
     reads.sort(key=lambda read: (_ARRAYS.index(read.array), read.index))
-    return Part(tuple(reads), body, tuple(C.output(tape, output, pieces) for output in outputs))
+    return CodePart(tuple(reads), body, tuple(C.output(tape, output, pieces) for output in outputs))

@@ -1,67 +1,26 @@
-"""Inverse kinematics in C: all branches at a pose, a batch of poses, and the nearest solution within the limits."""
+"""Inverse kinematics in C: all branches at a pose, a batch of poses, and the nearest solution within the limits.
+
+Of arms without formulas: lengths of the solver's arrays, and how joints are eliminated.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf, isfinite, prod
+from typing import Any
 
-from derive.programs.program import NEAR, POSE, Around, Inverse, InverseSearch
+from derive.programs.program import NEAR, POSE, Elimination, Inverse, InverseSearch, Way
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
-from derive.targets.c_function import CFunction, c_function, pointers
-from derive.targets.c_search import CSearch, c_search
+from derive.targets.c_function import c_function, pointers
 from derive.targets.escape import c_comment
 from derive.targets.target import Source, joint_limits
 
-
-@dataclass(frozen=True, slots=True)
-class Load:
-    """An argument that a batch loads into lanes."""
-
-    name: str  # its name
-    width: int  # number of its entries
-    is_optional: bool  # whether it may be NULL, which stands for zeros
+# Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones.
+_LEAST = 4
 
 
-@dataclass(frozen=True, slots=True)
-class CInverse:
-    """Inverse kinematics."""
-
-    function: CFunction  # the texts of its program; its constants are followed by those of the step
-    step: CFunction | None  # those of its Newton step
-    step_constants: str  # where the step's constants are, behind a comma; nothing where it has none
-    constants_declaration: str  # declares all constants, behind a comma, for those that call the step and nothing else
-    constants_argument: str  # hands them on
-    branches: int  # number of branches
-    size: int  # joint variables of all branches
-    closed: str  # error of the pose of a branch in doubt up to which it is a solution
-    around: Around | None  # where further solutions are looked for
-    loads: tuple[Load, ...]  # the arguments that are read
-    declaration: str  # parameters of the public function
-    batch_declaration: str  # of that of a batch
-    nearest_declaration: str  # of that of the nearest solution
-    prototype: str  # parameters of the first in the header
-    batch_prototype: str  # of the second
-    nearest_prototype: str  # of the third
-    lower: str  # lower limits of the joints, as the inside of an array
-    upper: str  # upper limits
-    revolute: str  # which joints turn, 1 or 0
-    turning: str  # which of them are not given
-    given: tuple[dict[str, str], ...]  # numbers of the given joints, from 1, and their places
-    given_array: str  # declares the variables of the given joints, if there are any
-    given_lines: tuple[str, ...]  # statements that take them from a configuration
-    nearest_call: str  # arguments of the call of the first function in the third
-    start_call: str  # arguments of a call with the free joints elsewhere
-    alone_declaration: str  # parameters of what looks for further solutions: the inputs
-    alone_call: str  # arguments of a call of it
-    beside_call: str  # arguments of a call at a pose beside
-    row_call: str  # inputs of a call for one row of a batch
-    documentation: tuple[str, ...]  # lines of the comment of the first
-    search: CSearch | None  # what the solver takes of the arm, where there is no program
-
-
-def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
+def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any]:
     """Inverse kinematics in C."""
     robot, parameters = source.robot, source.program.parameters
     step = c_function(inverse.step, parameters) if isinstance(inverse, Inverse) else None
@@ -78,39 +37,42 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
     def _declared(names: Iterable[str], qualifier: str, *, status: bool = True) -> str:
         return pointers(names, "q", qualifier) + (f", int *{qualifier}status" if status else "")
 
-    return CInverse(
-        function=function,
-        step=step,
-        step_constants=f", k + {function.constant_count - further}" if further else "",
-        constants_declaration=", const double *restrict k" if further else "",
-        constants_argument=", k" if further else "",
-        branches=inverse.branches,
-        size=inverse.branches * inverse.joints,
-        closed=repr(inverse.closed) if isinstance(inverse, Inverse) else "",
-        around=inverse.around if isinstance(inverse, Inverse) else None,
-        loads=tuple(Load(name, inverse.function.widths[name], name == NEAR) for name in function.used),
-        declaration=_declared(inputs, "restrict "),
-        batch_declaration=f"size_t count, {_declared(inputs, 'restrict ')}",
-        nearest_declaration=_declared(nearest, "restrict ", status=False),
-        prototype=_declared(inputs, ""),
-        batch_prototype=f"size_t count, {_declared(inputs, '')}",
-        nearest_prototype=_declared(nearest, "", status=False),
-        lower=", ".join(_bound(pair[0]) for pair in limits),
-        upper=", ".join(_bound(pair[1]) for pair in limits),
-        revolute=", ".join(str(int(joint.is_revolute)) for joint in robot.joints),
-        turning=", ".join(str(int(i not in inverse.given and joint.is_revolute)) for i, joint in joints),
-        given=tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
-        given_array=f", given[{len(inverse.given)}]" if inverse.given else "",
-        given_lines=tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
-        nearest_call=", ".join([*inputs, "solutions", "status"]),
-        start_call=", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
-        alone_declaration=pointers(inputs, "q", "restrict "),
-        alone_call=", ".join("start" if name == NEAR else name for name in [*inputs, "q"]),
-        beside_call=", ".join([*("moved" if name == POSE else name for name in inputs), "values"]),
-        row_call=", ".join([*rows, *hoisted]),
-        documentation=_inverse_documentation(inverse, robot, function.constant_count),
-        search=c_search(inverse, robot) if isinstance(inverse, InverseSearch) else None,
-    )
+    return {
+        "function": function,  # the texts of its program; its constants are followed by those of the step
+        "step": step,  # those of its Newton step
+        "step_constants": f", k + {function.constant_count - further}" if further else "",
+        "constants_declaration": ", const double *restrict k" if further else "",
+        "constants_argument": ", k" if further else "",
+        "branches": inverse.branches,
+        "size": inverse.branches * inverse.joints,  # joint variables of all branches
+        "closed": repr(inverse.closed) if isinstance(inverse, Inverse) else "",
+        "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
+        "loads": [  # the arguments that a batch loads into lanes; an optional one may be NULL, which stands for zeros
+            {"name": name, "width": inverse.function.widths[name], "is_optional": name == NEAR}
+            for name in function.used
+        ],
+        "declaration": _declared(inputs, "restrict "),  # parameters of the public function
+        "batch_declaration": f"size_t count, {_declared(inputs, 'restrict ')}",  # of that of a batch
+        "nearest_declaration": _declared(nearest, "restrict ", status=False),  # of that of the nearest solution
+        "prototype": _declared(inputs, ""),  # parameters of the first in the header
+        "batch_prototype": f"size_t count, {_declared(inputs, '')}",
+        "nearest_prototype": _declared(nearest, "", status=False),
+        "lower": ", ".join(_bound(pair[0]) for pair in limits),  # lower limits of the joints, as the inside of an array
+        "upper": ", ".join(_bound(pair[1]) for pair in limits),
+        "revolute": ", ".join(str(int(joint.is_revolute)) for joint in robot.joints),  # which joints turn, 1 or 0
+        "turning": ", ".join(str(int(i not in inverse.given and joint.is_revolute)) for i, joint in joints),
+        "given": tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
+        "given_array": f", given[{len(inverse.given)}]" if inverse.given else "",
+        "given_lines": tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
+        "nearest_call": ", ".join([*inputs, "solutions", "status"]),
+        "start_call": ", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
+        "alone_declaration": pointers(inputs, "q", "restrict "),
+        "alone_call": ", ".join("start" if name == NEAR else name for name in [*inputs, "q"]),
+        "beside_call": ", ".join([*("moved" if name == POSE else name for name in inputs), "values"]),
+        "row_call": ", ".join([*rows, *hoisted]),  # inputs of a call for one row of a batch
+        "documentation": _inverse_documentation(inverse, robot, function.constant_count),
+        "search": c_search(inverse, robot) if isinstance(inverse, InverseSearch) else None,
+    }
 
 
 def _bound(value: float) -> str:
@@ -145,3 +107,52 @@ def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, const
         "",
         *((*map(c_comment, inverse.order), *inverse.function.notes) if isinstance(inverse, Inverse) else ()),
     )
+
+
+def c_search(search: InverseSearch, robot: Robot) -> dict[str, Any]:
+    """Numbers and initialisers for the templates below ``c/search``."""
+    free = [joint for joint in range(robot.n) if joint not in search.given]
+    size = max(each.rows[1] + 2 * each.rows[2] for each in search.eliminations)
+    return {
+        "eliminations": tuple(map(_initialiser, search.eliminations)),  # each as the inside of an array
+        "is_position": all(column == 3 for _, column in search.entries),  # whether the position alone is wanted
+        "free": _listed(free),  # indices of the joints that are solved for, as the inside of an array
+        "free_count": len(free),
+        "given_joints": _listed(search.given or (-1,)),
+        "given_count": len(search.given),
+        "entry_rows": _listed(row for row, _ in search.entries),  # rows of the entries of T that are wanted
+        "entry_columns": _listed(column for _, column in search.entries),
+        "entry_count": len(search.entries),
+        "signs": _listed(float(joint.sign) for joint in robot.joints),  # factors of the joint variables
+        "ways": max(len(each.ways) for each in search.eliminations),  # most ways around the loop of an elimination
+        "rows": max(sum(way.equations for way in each.ways) for each in search.eliminations),  # most equations of one
+        "columns": max(_LEAST, *(max(sum(each.rows), _products(each)) for each in search.eliminations)),
+        "size": max(_LEAST, size),
+        "most": max(search.branches, 8 * size),  # solutions that are kept
+        "motions": tuple(map(_listed, search.motions)),
+    }
+
+
+def _products(elimination: Elimination) -> int:
+    """How many products of the joints beside the hidden one there are."""
+    way = elimination.finish
+    met = {(way.dropped + way.direction * place) % way.joints for place in range(way.eliminated + 1)}
+    others = [joint for joint in range(way.joints) if joint not in met and joint != elimination.hidden]
+    return prod((2 if joint in elimination.straight else 3) + (joint == elimination.multiplied) for joint in others)
+
+
+def _initialiser(elimination: Elimination) -> str:
+    multiplied = -1 if elimination.multiplied is None else elimination.multiplied
+    straight = sum(1 << joint for joint in elimination.straight)
+    ways = ", ".join(map(_way, elimination.ways))
+    head = f"{elimination.start}, {elimination.hidden}, {multiplied}, {{{_listed(elimination.rows)}}}"
+    return f"{{{head}, {straight}, {len(elimination.ways)}, {{{ways}}}, {_way(elimination.finish)}}}"
+
+
+def _way(way: Way) -> str:
+    numbers = (way.dropped, way.direction, way.eliminated, way.equations, way.constant, way.linear)
+    return f"{{{_listed(numbers)}}}"
+
+
+def _listed(values: Iterable[float]) -> str:
+    return ", ".join(map(str, values))

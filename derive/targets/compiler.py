@@ -26,19 +26,16 @@ R = TypeVar("R")
 
 
 def find_compiler(environment: Mapping[str, str] | None = None) -> Command | None:
-    """Look for the C compiler.
+    """Command of the C compiler: ``$CC``, else the usual names on the path of an environment; None if there is none."""
+    return find_command("CC", NAMES, environment)
 
-    Args:
-        environment: Where ``CC`` and ``PATH`` are looked up; None for the process's.
 
-    Returns:
-        Its command, ``$CC`` before the usual names; None if there is none.
-    """
+def find_command(variable: str, names: Sequence[str], environment: Mapping[str, str] | None = None) -> Command | None:
+    """What a variable of an environment, by default this process's, names, else the first name on its path; or None."""
     variables = os.environ if environment is None else environment
-    path = variables.get("PATH", os.defpath)
-    given = shlex.split(variables.get("CC", ""))
-    for command in [given] if given else [[name] for name in NAMES]:
-        found = shutil.which(command[0], path=path)
+    given = shlex.split(variables.get(variable, ""))
+    for command in [given] if given else [[name] for name in names]:
+        found = shutil.which(command[0], path=variables.get("PATH", os.defpath))
         if found:
             return (found, *command[1:])
     return None

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Around, Function, Program, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Program, joint_lines
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
@@ -13,47 +12,6 @@ from derive.targets.target import Source, Target, joint_bounds, joint_limits, sh
 from derive.targets.templating import render
 
 FILE = "model.mjs"
-
-
-@dataclass(frozen=True, slots=True)
-class JavaScriptFunction:
-    """One function, ready for a template; every text is finished."""
-
-    name: str  # ``inertiaMatrix``
-    label: str  # its name as a string literal
-    signature: str  # ``q, qd, params``
-    documentation: tuple[str, ...]  # lines of its comment
-    parameters: tuple[str, ...]  # names of the run-time parameters that it needs, as lines of string literals
-    hoists: bool  # whether it needs any
-    unpack_parameters: tuple[str, ...]  # lines that name them
-    hoisted: tuple[str, ...]  # statements on parameters alone
-    hoisted_results: tuple[str, ...]  # lines of the values that the body takes from there
-    checks: tuple[str, ...]  # statements that check the arguments and name their entries
-    constants: tuple[str, ...]  # lines of the names of the values on parameters alone
-    body: tuple[str, ...]  # statements
-    results: tuple[str, ...]  # lines of nested array literals
-    scalar: str  # the result where it is one number, else nothing
-
-
-@dataclass(frozen=True, slots=True)
-class JavaScriptInverse:
-    """Inverse kinematics, ready for a template."""
-
-    kernel: JavaScriptFunction  # the texts of its program
-    step: JavaScriptFunction  # those of its Newton step
-    # For each argument of the step its name, and lines of the names of its entries.
-    step_entries: tuple[tuple[str, tuple[str, ...]], ...]
-    documentation: tuple[str, ...]  # lines of its comment
-    entries: tuple[str, ...]  # lines of the names of the entries of a pose
-    near_entries: tuple[str, ...]  # lines of those of ``near``
-    size: int  # joint variables of all branches
-    closed: str  # error of the pose of a branch in doubt up to which it is a solution
-    around: Around  # where further solutions are looked for
-    given_count: int  # number of given joints
-    unpack_given: tuple[str, ...]  # statements that check their variables and name them
-    given_of_q: str  # their variables in a configuration
-    turning: str  # revolute joints that are not given, from 0
-    nearest_given: str  # what `q` says besides
 
 
 def render_javascript(source: Source) -> dict[str, str]:
@@ -109,28 +67,28 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
     }
 
 
-def _function(function: Function, parameters: Sequence[str], joints: int) -> JavaScriptFunction:
+def _function(function: Function, parameters: Sequence[str], joints: int) -> dict[str, object]:
     kernel = write_kernel(function.tape, JAVASCRIPT, parameters)
     needed = [parameters[index] for index in kernel.parameters]
-    return JavaScriptFunction(
-        name=camel_case(function.name),
-        label=javascript_string(camel_case(function.name)),
-        signature=", ".join((*function.arguments, "params")),
-        documentation=_documentation(function),
-        parameters=wrapped([javascript_string(name) for name in needed]),
-        hoists=bool(needed),
-        unpack_parameters=wrapped([javascript_name(name) for name in needed]),
-        hoisted=kernel.hoisted,
-        hoisted_results=wrapped(kernel.constant_values),
-        checks=_checks(function, kernel, joints) if not function.widths else (),
-        constants=wrapped(kernel.constants),
-        body=kernel.body,
-        results=_nested(kernel.results, function.shape) if function.shape else (),
-        scalar="" if function.shape else kernel.results[0],
-    )
+    return {
+        "name": camel_case(function.name),
+        "label": javascript_string(camel_case(function.name)),  # its name as a string literal
+        "signature": ", ".join((*function.arguments, "params")),
+        "documentation": _documentation(function),  # lines of its comment
+        "parameters": wrapped([javascript_string(name) for name in needed]),
+        "hoists": bool(needed),  # whether it needs any
+        "unpack_parameters": wrapped([javascript_name(name) for name in needed]),  # lines that name them
+        "hoisted": kernel.hoisted,  # statements on parameters alone
+        "hoisted_results": wrapped(kernel.constant_values),  # lines of the values that the body takes from there
+        "checks": _checks(function, kernel, joints) if not function.widths else (),
+        "constants": wrapped(kernel.constants),  # lines of the names of the values on parameters alone
+        "body": kernel.body,
+        "results": _nested(kernel.results, function.shape) if function.shape else (),  # lines of nested array literals
+        "scalar": "" if function.shape else kernel.results[0],  # the result where it is one number, else nothing
+    }
 
 
-def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
+def _inverse(program: Program, robot: Robot) -> dict[str, object]:
     inverse = program.inverse
     assert inverse is not None
     function = inverse.function
@@ -154,24 +112,24 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
     turning = [i for i, joint in enumerate(robot.joints) if joint.is_revolute and i not in inverse.given]
     count, unpacked = len(inverse.given), ", ".join(entry_names(function, GIVEN, 0))
     given = f'const [{unpacked}] = finite("inverseKinematics", "given", given, {count});'
-    return JavaScriptInverse(
-        kernel=_function(function, program.parameters, robot.n),
-        step=_function(inverse.step, program.parameters, robot.n),
-        step_entries=tuple(
+    return {
+        "kernel": _function(function, program.parameters, robot.n),  # the texts of its program
+        "step": _function(inverse.step, program.parameters, robot.n),  # those of its Newton step
+        "step_entries": tuple(
             (name, wrapped(entry_names(inverse.step, name, robot.n))) for name in inverse.step.arguments
         ),
-        documentation=tuple(f" * {line}".rstrip() for line in documentation),
-        entries=wrapped(entry_names(function, POSE, 0)),
-        near_entries=wrapped(entry_names(function, NEAR, 0)),
-        size=inverse.branches * inverse.joints,
-        closed=repr(inverse.closed),
-        around=inverse.around,
-        given_count=count,
-        unpack_given=(given,) if count else (),
-        given_of_q=", ".join(f"q[{i}]" for i in inverse.given),
-        turning=", ".join(map(str, turning)),
-        nearest_given=f"; {words} stay there" if names else "",
-    )
+        "documentation": tuple(f" * {line}".rstrip() for line in documentation),  # lines of its comment
+        "entries": wrapped(entry_names(function, POSE, 0)),  # lines of the names of the entries of a pose
+        "near_entries": wrapped(entry_names(function, NEAR, 0)),  # lines of those of ``near``
+        "size": inverse.branches * inverse.joints,  # joint variables of all branches
+        "closed": repr(inverse.closed),  # error of the pose of a branch in doubt up to which it is a solution
+        "around": inverse.around,  # where further solutions are looked for
+        "given_count": count,  # number of given joints
+        "unpack_given": (given,) if count else (),  # statements that check their variables and name them
+        "given_of_q": ", ".join(f"q[{i}]" for i in inverse.given),  # their variables in a configuration
+        "turning": ", ".join(map(str, turning)),  # revolute joints that are not given, from 0
+        "nearest_given": f"; {words} stay there" if names else "",  # what `q` says besides
+    }
 
 
 def _checks(function: Function, kernel: Kernel, joints: int) -> tuple[str, ...]:

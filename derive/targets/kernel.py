@@ -17,10 +17,10 @@ from derive.programs.tape.tape import (
     FUNCTION_NAMES,
     LEAVES,
     PARAMETER,
+    InputSource,
     Layer,
     Op,
     Output,
-    Source,
     Tape,
 )
 
@@ -32,7 +32,7 @@ _MATLAB_NAMES = {Op.ROOT: "root", Op.MAXIMUM: "max", Op.MINIMUM: "min", Op.ABSOL
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class CodePiece:
     """Text of a value, and how tightly its outermost operation binds."""
 
     text: str
@@ -55,36 +55,36 @@ class Language:
     over: str = "/"  # how it divides
     names: Mapping[Op, str] = field(default_factory=lambda: ALL_NAMES)  # what it calls functions
 
-    def number(self, value: Constant | None) -> Piece:
+    def number(self, value: Constant | None) -> CodePiece:
         """An exact constant."""
         assert value is not None
         text = repr(to_float(value))
-        return Piece(text, SUM if text.startswith("-") and not self.double_minus else ATOM)
+        return CodePiece(text, SUM if text.startswith("-") and not self.double_minus else ATOM)
 
-    def operation(self, op: Op, operands: Sequence[Piece]) -> Piece:
+    def operation(self, op: Op, operands: Sequence[CodePiece]) -> CodePiece:
         """One operation."""
         a, b = operands[0], operands[-1]
         match op:
             case Op.ADD:
-                return Piece(f"{a.inside(SUM)} + {b.inside(PRODUCT)}", SUM)
+                return CodePiece(f"{a.inside(SUM)} + {b.inside(PRODUCT)}", SUM)
             case Op.SUBTRACT:
-                return Piece(f"{a.inside(SUM)} - {b.inside(PRODUCT)}", SUM)
+                return CodePiece(f"{a.inside(SUM)} - {b.inside(PRODUCT)}", SUM)
             case Op.MULTIPLY:
-                return Piece(f"{a.inside(PRODUCT)}{self.times}{b.inside(ATOM)}", PRODUCT)
+                return CodePiece(f"{a.inside(PRODUCT)}{self.times}{b.inside(ATOM)}", PRODUCT)
             case Op.DIVIDE:
-                return Piece(f"{a.inside(PRODUCT)}{self.over}{b.inside(ATOM)}", PRODUCT)
+                return CodePiece(f"{a.inside(PRODUCT)}{self.over}{b.inside(ATOM)}", PRODUCT)
             case Op.NEGATE:
-                return Piece(f"-{a.inside(PRODUCT)}", SUM)
+                return CodePiece(f"-{a.inside(PRODUCT)}", SUM)
             case Op.LESS if self.has_choice:
-                return Piece(f"{a.inside(SUM)} < {b.inside(SUM)}", CASE)
+                return CodePiece(f"{a.inside(SUM)} < {b.inside(SUM)}", CASE)
             case Op.SELECT if self.has_choice:
                 case, chosen, other = operands
                 test = case.inside(SUM) if case.binding == CASE else f"{case.inside(SUM)} > 0.0"
-                return Piece(f"{test} ? {chosen.inside(SUM)} : {other.inside(SUM)}", CASE)
+                return CodePiece(f"{test} ? {chosen.inside(SUM)} : {other.inside(SUM)}", CASE)
             case _:
-                return Piece(f"{self.names[op]}({', '.join(operand.text for operand in operands)})")
+                return CodePiece(f"{self.names[op]}({', '.join(operand.text for operand in operands)})")
 
-    def output(self, tape: Tape, output: Output, pieces: Mapping[int, Piece]) -> str:
+    def output(self, tape: Tape, output: Output, pieces: Mapping[int, CodePiece]) -> str:
         """A result, with its sign."""
         node = tape.nodes[output.node]
         if output.negative and node.op is Op.CONSTANT and node.value is not None:
@@ -112,7 +112,7 @@ def case_context(tapes: Iterable[Tape]) -> dict[str, object]:
     return {"has_cases": has_cases, "operators": ", ".join((ALL_NAMES if has_cases else FUNCTION_NAMES).values())}
 
 
-def input_name(source: Source, parameters: Sequence[str]) -> str:
+def input_name(source: InputSource, parameters: Sequence[str]) -> str:
     """The variable that holds an input."""
     if source.kind == POSE:
         return f"T{source.index // 4 + 1}{source.index % 4 + 1}"
@@ -121,7 +121,7 @@ def input_name(source: Source, parameters: Sequence[str]) -> str:
 
 def entry_names(function: Function, argument: str, joints: int) -> list[str]:
     """The variables that hold the entries of an argument."""
-    return [input_name(Source(argument, i), ()) for i in range(function.widths.get(argument, joints))]
+    return [input_name(InputSource(argument, i), ()) for i in range(function.widths.get(argument, joints))]
 
 
 def temporary_names() -> Iterator[str]:
@@ -133,7 +133,7 @@ def write_statements(
     tape: Tape,
     language: Language,
     nodes: Iterable[int],
-    pieces: dict[int, Piece],
+    pieces: dict[int, CodePiece],
     free_names: Iterator[str],
     names: Mapping[int, str] | None = None,
 ) -> tuple[str, ...]:
@@ -146,7 +146,7 @@ def write_statements(
         if i in named or tape.use_counts[i] != 1 or len(piece.text) > _INLINE_WIDTH:
             name = named.get(i) or next(free_names)
             lines.append(language.assignment.format(name=name, value=piece.text))
-            piece = Piece(name)
+            piece = CodePiece(name)
         pieces[i] = piece
     return tuple(lines)
 
@@ -179,7 +179,7 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
     values = tuple(pieces[i].text for i in crossing)
     for place, i in enumerate(crossing):
         if tape.nodes[i].op not in LEAVES:  # a bare parameter keeps its name
-            pieces[i] = Piece(f"k{place + 1}")
+            pieces[i] = CodePiece(f"k{place + 1}")
     body = write_statements(tape, language, layers[Layer.BODY], pieces, free_names, names)
     kinds = {node.source.kind for node in tape.nodes if node.source is not None}
     return Kernel(
@@ -197,15 +197,15 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
 
 def _leaves_and_names(
     tape: Tape, language: Language, parameters: Sequence[str]
-) -> tuple[dict[int, Piece], dict[int, str]]:
+) -> tuple[dict[int, CodePiece], dict[int, str]]:
     """Texts of constants and inputs, and the values with a name: ``s2`` and ``c2`` are the sine and cosine of q2."""
-    pieces: dict[int, Piece] = {}
+    pieces: dict[int, CodePiece] = {}
     names = dict.fromkeys(tape.hoisted_results, "")
     for i, node in enumerate(tape.nodes):
         if node.op is Op.CONSTANT:
             pieces[i] = language.number(node.value)
         elif node.source is not None:
-            pieces[i] = Piece(input_name(node.source, parameters))
+            pieces[i] = CodePiece(input_name(node.source, parameters))
         elif node.op in TRIGONOMETRIC:
             angle = tape.nodes[node.operands[0]].source
             names[i] = f"{TRIGONOMETRIC[node.op]}{angle.index + 1}" if angle and angle.kind == "q" else ""

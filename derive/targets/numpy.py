@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 from derive.programs.program import (
     ARGUMENTS,
-    Around,
     Elimination,
     Function,
     Inverse,
@@ -29,83 +27,6 @@ from derive.targets.templating import render
 FILE = "model_numpy.py"
 
 _SHORT = 100  # longest constant that stands on one line
-
-
-@dataclass(frozen=True, slots=True)
-class PythonFunction:
-    """One function, ready for a template; every text is finished."""
-
-    name: str  # its name
-    arguments: str  # ``q, qd``
-    signature: str  # ``q, qd, params=None, out=None``
-    kernel_arguments: str  # ``functions, k, q, qd``
-    arguments_tuple: str  # the names of its arguments, as the inside of a tuple
-    argument_names: str  # these names quoted, as the inside of a tuple
-    symbol: str  # how the notes write its result
-    shape: str  # as a Python tuple
-    is_scalar: bool  # whether the result is one number
-    parameter_places: tuple[str, ...]  # indices of the run-time parameters that it needs, in lines
-    hoists: bool  # whether it needs any
-    unpack_parameters: str  # statement that names the parameters
-    hoisted: tuple[str, ...]  # statements on parameters alone
-    hoisted_results: tuple[str, ...]  # the values that the body takes from there
-    hoisted_calls: bool  # whether sines and the like occur in them
-    unpack: tuple[str, ...]  # statements that name the entries of the arguments
-    body: tuple[str, ...]  # statements
-    results: tuple[str, ...]  # rows of outputs
-    calls: bool  # whether sines and the like occur in the statements or results
-    summary: str  # first line of the docstring
-    documentation: tuple[str, ...]  # the other lines
-    operations: str  # counts as a Python dictionary
-
-
-@dataclass(frozen=True, slots=True)
-class PythonInverse:
-    """Inverse kinematics, ready for a template."""
-
-    kernel: PythonFunction  # the texts of its program
-    step: PythonFunction | None  # those of its Newton step
-    summary: str  # first line of the docstring
-    count: str  # how many solutions there are
-    branches: int  # number of branches
-    closed: str  # error of the pose of a branch in doubt up to which it is a solution
-    around: Around | None  # where further solutions are looked for
-    given_names: str  # names of the given joints, quoted, as the inside of a tuple
-    given_joints: str  # their indices, as the inside of a tuple
-    given_argument: str  # what stands behind ``T`` in a list of arguments
-    given_words: str  # what ``given`` is
-    nearest_given: str  # what `q` says besides
-    result: str  # what the entries of the result are
-    notes: tuple[str, ...]  # formulation and cost
-    is_search: bool = False  # whether the kernel gives the arm's frames alone, and solutions are searched by numbers
-    entries: str = ""  # the entries of T that are wanted, as a tuple
-    eliminations: tuple[str, ...] = ()  # how joints are found as eigenvalues, each as a call
-    solutions: int = 0  # the number of complex solutions, 0 where it is not known
-    signs: str = ""  # factors of the joint variables, as a list
-    order: tuple[str, ...] = ()  # the branches by name, in their order
-
-
-@dataclass(frozen=True, slots=True)
-class Constant:
-    """A tuple at the top of the module."""
-
-    name: str  # its name
-    values: tuple[str, ...]  # its entries
-
-    @property
-    def inside(self) -> str:
-        """What stands in the parentheses, on one line."""
-        return _tuple(self.values)
-
-    @property
-    def short(self) -> bool:
-        """Whether one line is enough."""
-        return len(self.name) + len(self.inside) <= _SHORT
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """What stands in the parentheses, in several lines."""
-        return wrapped(self.values)
 
 
 def render_numpy(source: Source) -> dict[str, str]:
@@ -146,7 +67,11 @@ def python_context(source: Source) -> dict[str, object]:
         "convention": robot.convention.value,
         "joints": joint_lines(robot, python_docstring),
         "dof": robot.n,
-        "constants": [Constant(name, tuple(values)) for name, values in constants.items()],
+        "constants": [  # tuples at the top of the module, on one line where that is enough
+            {"name": name, "inside": _tuple(values), "lines": wrapped(values)}
+            | {"short": len(name) + len(_tuple(values)) <= _SHORT}
+            for name, values in constants.items()
+        ],
         "tables": tuple(tables),
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
@@ -158,79 +83,71 @@ def python_context(source: Source) -> dict[str, object]:
     }
 
 
-def _python_function(function: Function, parameters: Sequence[str], joints: int) -> PythonFunction:
+def _python_function(function: Function, parameters: Sequence[str], joints: int) -> dict[str, object]:
     """The texts of one function of a robot with so many joints."""
     kernel = write_kernel(function.tape, PYTHON, parameters)
     length = function.shape[-1] if function.shape else 1
     unpack = [_unpacking(entry_names(function, kind, joints), kind) for kind in kernel.arguments]
     if kernel.constants:
         unpack.append(_unpacking(kernel.constants, "k"))
-    return PythonFunction(
-        name=function.name,
-        arguments=", ".join(function.arguments),
-        signature=", ".join((*function.arguments, "params=None", "out=None")),
-        kernel_arguments=", ".join(("functions", "k", *function.arguments)),
-        arguments_tuple=_tuple(function.arguments),
-        argument_names=_tuple([f'"{name}"' for name in function.arguments]),
-        symbol=function.interface.symbol,
-        shape=str(function.shape),
-        is_scalar=not function.shape,
-        parameter_places=wrapped([str(index) for index in kernel.parameters]),
-        hoists=bool(kernel.parameters),
-        unpack_parameters=_unpacking([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
-        hoisted=kernel.hoisted,
-        hoisted_results=wrapped(kernel.constant_values),
-        hoisted_calls=kernel.hoisted_calls,
-        unpack=tuple(unpack),
-        body=kernel.body,
-        results=tuple(row for columns in rows_of(kernel.results, length) for row in wrapped(columns)),
-        calls=kernel.calls,
-        summary=function.interface.summary,
-        documentation=_documentation(function),
-        operations=str(function.operations.as_dict()).replace("'", '"'),
-    )
+    return {
+        "name": function.name,
+        "arguments": ", ".join(function.arguments),
+        "signature": ", ".join((*function.arguments, "params=None", "out=None")),  # ``q, qd, params=None, out=None``
+        "kernel_arguments": ", ".join(("functions", "k", *function.arguments)),  # ``functions, k, q, qd``
+        "arguments_tuple": _tuple(function.arguments),  # the names of its arguments, as the inside of a tuple
+        "argument_names": _tuple([f'"{name}"' for name in function.arguments]),
+        "symbol": function.interface.symbol,  # how the notes write its result
+        "shape": str(function.shape),  # as a Python tuple
+        "is_scalar": not function.shape,  # whether the result is one number
+        "parameter_places": wrapped([str(index) for index in kernel.parameters]),
+        "hoists": bool(kernel.parameters),  # whether it needs any
+        "unpack_parameters": _unpacking([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
+        "hoisted": kernel.hoisted,  # statements on parameters alone
+        "hoisted_results": wrapped(kernel.constant_values),  # the values that the body takes from there
+        "hoisted_calls": kernel.hoisted_calls,  # whether sines and the like occur in them
+        "unpack": tuple(unpack),  # statements that name the entries of the arguments
+        "body": kernel.body,
+        "results": tuple(row for columns in rows_of(kernel.results, length) for row in wrapped(columns)),
+        "calls": kernel.calls,  # whether sines and the like occur in the statements or results
+        "summary": function.interface.summary,  # first line of the docstring
+        "documentation": _documentation(function),
+        "operations": str(function.operations.as_dict()).replace("'", '"'),  # counts as a Python dictionary
+    }
 
 
-def _inverse(program: Program, robot: Robot) -> PythonInverse | None:
+def _inverse(program: Program, robot: Robot) -> dict[str, object] | None:
     """Inverse kinematics by formulas or by a search, if there is any."""
     inverse = program.inverse or program.search
     if inverse is None:
         return None
     names = [robot.joints[i].label for i in inverse.given]
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
-    found = PythonInverse(
-        kernel=_python_function(inverse.function, program.parameters, robot.n),
-        step=_python_function(inverse.step, program.parameters, robot.n) if isinstance(inverse, Inverse) else None,
-        summary=interface.summary,
-        count=inverse.summary,
-        branches=inverse.branches,
-        closed=repr(inverse.closed) if isinstance(inverse, Inverse) else "",
-        around=inverse.around if isinstance(inverse, Inverse) else None,
-        given_names=_tuple([python_string(name) for name in names]) if names else "",
-        given_joints=_tuple([str(i) for i in inverse.given]) if names else "",
-        given_argument=", given" if names else "",
-        given_words=f"Variables of {words}, (..., {len(names)})"
+    search = inverse if isinstance(inverse, InverseSearch) else None
+    return {
+        "kernel": _python_function(inverse.function, program.parameters, robot.n),  # the texts of its program
+        "step": _python_function(inverse.step, program.parameters, robot.n) if isinstance(inverse, Inverse) else None,
+        "summary": interface.summary,  # first line of the docstring
+        "count": inverse.summary,  # how many solutions there are
+        "branches": inverse.branches,
+        "closed": repr(inverse.closed) if isinstance(inverse, Inverse) else "",
+        "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
+        "given_names": _tuple([python_string(name) for name in names]) if names else "",
+        "given_joints": _tuple([str(i) for i in inverse.given]) if names else "",
+        "given_argument": ", given" if names else "",  # what stands behind ``T`` in a list of arguments
+        "given_words": f"Variables of {words}, (..., {len(names)})"
         if names
         else "Nothing, since all joints are solved for",
-        nearest_given=f"; {words} stay there" if names else "",
-        result=interface.result,
-        notes=inverse.function.notes,
-        order=tuple(map(python_docstring, inverse.order)) if isinstance(inverse, Inverse) else (),
-    )
-    return found if isinstance(inverse, Inverse) else _searched(found, inverse, robot)
-
-
-def _searched(found: PythonInverse, search: InverseSearch, robot: Robot) -> PythonInverse:
-    """What the code needs besides that searches for solutions."""
-    return replace(
-        found,
-        notes=(),
-        is_search=True,
-        entries=repr(search.entries),
-        eliminations=tuple(map(_elimination, search.eliminations)),
-        solutions=search.count,
-        signs=repr([float(joint.sign) for joint in robot.joints]),
-    )
+        "nearest_given": f"; {words} stay there" if names else "",  # what `q` says besides
+        "result": interface.result,  # what the entries of the result are
+        "notes": () if search else inverse.function.notes,
+        "order": tuple(map(python_docstring, inverse.order)) if isinstance(inverse, Inverse) else (),
+        "is_search": search is not None,  # whether the kernel gives the arm's frames alone, and numbers are searched
+        "entries": repr(search.entries) if search else "",  # the entries of T that are wanted, as a tuple
+        "eliminations": tuple(map(_elimination, search.eliminations)) if search else (),
+        "solutions": search.count if search else 0,  # the number of complex solutions, 0 where it is not known
+        "signs": repr([float(joint.sign) for joint in robot.joints]),  # factors of the joint variables
+    }
 
 
 def _elimination(elimination: Elimination) -> str:

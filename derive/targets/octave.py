@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite
+from typing import Any
 
-from derive.programs.program import ARGUMENTS, GIVEN, POSE, Around, Function, Inverse, Program, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Inverse, Program, joint_lines
 from derive.programs.tape.tape import BRANCHING_NAMES, PARAMETER, Layer, Op
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_comment, matlab_package, matlab_string, matlab_symbol
@@ -21,59 +21,6 @@ from derive.targets.target import Source, Target, joint_bounds, joint_limits, sh
 from derive.targets.templating import render
 
 _WIDE = "x N"  # how the shape of a batch ends
-
-
-@dataclass(frozen=True, slots=True)
-class OctaveFunction:
-    """One function, ready for a template; every text is finished."""
-
-    name: str  # ``inertia_matrix``
-    heading: str  # the name as help texts begin with it, in capitals
-    result: str  # the variable that is returned, ``B``
-    signature: str  # ``q, qd, params``
-    summary: str  # first line of its help
-    documentation: tuple[str, ...]  # lines of its help
-    arguments: str  # ``q, qd``
-    params_place: int  # place of the argument ``params``
-    quoted: str  # ``'q', 'qd'``
-    unpack: tuple[str, ...]  # statements that name the entries of the arguments
-    needed: tuple[str, ...]  # names of the run-time parameters that it needs, as the inside of a cell array, in lines
-    unpack_parameters: tuple[str, ...]  # statements that name them
-    hoists: bool  # whether there are values on parameters alone
-    hoisted: tuple[str, ...]  # statements on parameters alone
-    hoisted_results: tuple[str, ...]  # the values that the body takes from there
-    unpack_constants: tuple[str, ...]  # statements that name these where they come as a vector
-    name_constants: tuple[str, ...]  # statements that name them where they are at hand
-    body: tuple[str, ...]  # statements on the arguments
-    results: tuple[str, ...]  # the outputs, column by column, a line each
-    single: str  # the output, where it is one
-    extent: str  # lengths of the axes of one result, with commas; nothing for a column or a number
-    has_root: bool  # whether roots are taken
-    has_cases: bool  # whether cases are told apart
-    has_zeros: bool  # whether entries of the result are constants
-
-
-@dataclass(frozen=True, slots=True)
-class OctaveInverse:
-    """Inverse kinematics, ready for a template."""
-
-    kernel: OctaveFunction  # the texts of its program
-    step: OctaveFunction  # those of its Newton step
-    summary: str  # what it does
-    documentation: tuple[str, ...]  # lines of its help
-    nearest_documentation: tuple[str, ...]  # lines of the help of the nearest solution
-    branches: int  # number of branches
-    closed: str  # error of the pose of a branch in doubt up to which it is a solution
-    around: Around  # where further solutions are looked for
-    given_count: int  # number of given joints
-    given: str  # places of the given joints, from 1
-    turning: str  # which joints turn and are not given
-    inputs: str  # arguments behind ``T``, each with a comma before it
-    params_place: int  # place of the argument ``params``
-    near_place: int  # place of the argument ``near``
-    size: int  # joint variables of all branches
-    error_place: int  # where a step has the error
-    unit_place: int  # where it has the unit of length
 
 
 def render_octave(source: Source) -> dict[str, str]:
@@ -105,7 +52,7 @@ def render_octave(source: Source) -> dict[str, str]:
     texts = {f"{folder}/Contents.m": render("octave/Contents.m.jinja", **context)}
     texts[f"{folder}/model.m"] = render("octave/model.m.jinja", **context, constants=_constants(robot, program))
     for function in functions:
-        texts[f"{folder}/{function.name}.m"] = render("octave/function.m.jinja", **context, function=function)
+        texts[f"{folder}/{function['name']}.m"] = render("octave/function.m.jinja", **context, function=function)
     for name in ("inverse_kinematics", "inverse_kinematics_nearest") if inverse else ():
         texts[f"{folder}/{name}.m"] = render(f"octave/{name}.m.jinja", **context)
     return texts
@@ -149,7 +96,7 @@ def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ..
     return tuple((name, _wrapped([matlab_string(text) for text in texts])) for name, texts in lists.items())
 
 
-def _function(function: Function, parameters: Sequence[str], robot: Robot, package: str) -> OctaveFunction:
+def _function(function: Function, parameters: Sequence[str], robot: Robot, package: str) -> dict[str, Any]:
     """The texts of one function."""
     tape = function.tape
     kernel = write_kernel(tape, OCTAVE, [matlab_symbol(name, k) for k, name in enumerate(parameters, 1)])
@@ -160,36 +107,36 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
     is_row = [layer is Layer.BODY and Op.SELECT not in operators for layer in layers]  # a choice may be a constant
     results = [text if row else _spread(text) for text, row in zip(kernel.results, is_row, strict=True)]
     places, extent = _column_major(function.shape)
-    return OctaveFunction(
-        name=function.name,
-        heading=function.name.upper(),
-        result=re.sub(r"\W", "_", function.interface.symbol),
-        signature=", ".join((*function.arguments, *(["params"] if parameters else []))),
-        summary=function.interface.summary,
-        documentation=_documentation(function, package, robot.n, parameters) if not function.widths else (),
-        arguments=", ".join(function.arguments),
-        params_place=len(function.arguments) + 1,
-        quoted=", ".join(f"'{name}'" for name in function.arguments),
-        unpack=_unpacked(function, robot.n),
-        needed=_wrapped([matlab_string(name) for name in needed]),
-        unpack_parameters=tuple(f"p_{name} = p({k});" for k, name in enumerate(names, 1)),
-        hoists=bool(kernel.constants),
-        hoisted=kernel.hoisted,
-        hoisted_results=kernel.constant_values,
-        unpack_constants=tuple(f"{name} = k({place});" for place, name in enumerate(kernel.constants, 1)),
-        name_constants=tuple(
+    return {
+        "name": function.name,
+        "heading": function.name.upper(),  # the name as help texts begin with it, in capitals
+        "result": re.sub(r"\W", "_", function.interface.symbol),  # the variable that is returned, ``B``
+        "signature": ", ".join((*function.arguments, *(["params"] if parameters else []))),
+        "summary": function.interface.summary,  # first line of its help
+        "documentation": _documentation(function, package, robot.n, parameters) if not function.widths else (),
+        "arguments": ", ".join(function.arguments),
+        "params_place": len(function.arguments) + 1,  # place of the argument ``params``
+        "quoted": ", ".join(f"'{name}'" for name in function.arguments),
+        "unpack": _unpacked(function, robot.n),  # statements that name the entries of the arguments
+        "needed": _wrapped([matlab_string(name) for name in needed]),
+        "unpack_parameters": tuple(f"p_{name} = p({k});" for k, name in enumerate(names, 1)),
+        "hoists": bool(kernel.constants),  # whether there are values on parameters alone
+        "hoisted": kernel.hoisted,  # statements on parameters alone
+        "hoisted_results": kernel.constant_values,  # the values that the body takes from there
+        "unpack_constants": tuple(f"{name} = k({place});" for place, name in enumerate(kernel.constants, 1)),
+        "name_constants": tuple(
             f"{name} = {value};"
             for name, value in zip(kernel.constants, kernel.constant_values, strict=True)
             if name != value
         ),
-        body=kernel.body,
-        results=tuple(results[place] for place in places),
-        single=results[0] if len(results) == 1 else "",
-        extent=", ".join(map(str, extent)) if len(extent) > 1 else "",
-        has_root=Op.ROOT in operators,
-        has_cases=not operators.isdisjoint(BRANCHING_NAMES),
-        has_zeros=not all(is_row),
-    )
+        "body": kernel.body,  # statements on the arguments
+        "results": tuple(results[place] for place in places),  # the outputs, column by column, a line each
+        "single": results[0] if len(results) == 1 else "",  # the output, where it is one
+        "extent": ", ".join(map(str, extent)) if len(extent) > 1 else "",
+        "has_root": Op.ROOT in operators,  # whether roots are taken
+        "has_cases": not operators.isdisjoint(BRANCHING_NAMES),  # whether cases are told apart
+        "has_zeros": not all(is_row),  # whether entries of the result are constants
+    }
 
 
 def _spread(text: str) -> str:
@@ -236,7 +183,7 @@ def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot,
     )
 
 
-def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> OctaveInverse:
+def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> dict[str, Any]:
     """Inverse kinematics and its help."""
     names = [matlab_comment(robot.joints[i].label) for i in inverse.given]
     params = ["params"] if program.parameters else []
@@ -264,25 +211,25 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
     turning = [
         "true" if joint.is_revolute and i not in inverse.given else "false" for i, joint in enumerate(robot.joints)
     ]
-    return OctaveInverse(
-        kernel=_function(inverse.function, program.parameters, robot, package),
-        step=_function(inverse.step, program.parameters, robot, package),
-        summary=inverse.function.interface.summary,
-        documentation=documentation,
-        nearest_documentation=_nearest_documentation(names, program, robot, package),
-        branches=inverse.branches,
-        closed=repr(inverse.closed),
-        around=inverse.around,
-        given_count=count,
-        given=", ".join(str(i + 1) for i in inverse.given),
-        turning=", ".join(turning),
-        inputs="".join(f", {name}" for name in inputs),
-        params_place=len(inputs) + 1,
-        near_place=len(inputs) + 2,
-        size=robot.n * inverse.branches,
-        error_place=robot.n + 1,
-        unit_place=robot.n + 2,
-    )
+    return {
+        "kernel": _function(inverse.function, program.parameters, robot, package),  # the texts of its program
+        "step": _function(inverse.step, program.parameters, robot, package),  # those of its Newton step
+        "summary": inverse.function.interface.summary,
+        "documentation": documentation,  # lines of its help
+        "nearest_documentation": _nearest_documentation(names, program, robot, package),
+        "branches": inverse.branches,
+        "closed": repr(inverse.closed),  # error of the pose of a branch in doubt up to which it is a solution
+        "around": inverse.around,  # where further solutions are looked for
+        "given_count": count,  # number of given joints
+        "given": ", ".join(str(i + 1) for i in inverse.given),  # places of the given joints, from 1
+        "turning": ", ".join(turning),  # which joints turn and are not given
+        "inputs": "".join(f", {name}" for name in inputs),  # arguments behind ``T``, each with a comma before it
+        "params_place": len(inputs) + 1,  # place of the argument ``params``
+        "near_place": len(inputs) + 2,  # place of the argument ``near``
+        "size": robot.n * inverse.branches,  # joint variables of all branches
+        "error_place": robot.n + 1,  # where a step has the error
+        "unit_place": robot.n + 2,  # where it has the unit of length
+    }
 
 
 def _documentation(function: Function, package: str, joints: int, parameters: Sequence[str]) -> tuple[str, ...]:

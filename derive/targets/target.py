@@ -57,11 +57,7 @@ def shape_text(shape: tuple[int, ...]) -> str:
 
 
 def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
-    """Limits of the joints as numbers.
-
-    Returns:
-        Lower and upper limit of each joint [rad or m]; None where there is none or it has no number.
-    """
+    """Lower and upper limit of each joint [rad or m]; None where there is none or it has no number."""
     numbers = number_of(robot)
     limits: list[tuple[float, float] | None] = []
     for joint in robot.joints:
@@ -72,11 +68,7 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
 
 
 def joint_bounds(robot: Robot) -> dict[str, tuple[float | None, ...]]:
-    """Largest speeds and torques of the joints as numbers.
-
-    Returns:
-        Those of all joints [rad/s or m/s; N m or N] by the name of their constant, where some joint has one.
-    """
+    """Largest speeds [rad/s or m/s] and torques [N m or N] of joints by their constant, where some joint has one."""
     found = {}
     for key in ("speed", "torque"):
         cells = [getattr(joint, key) for joint in robot.joints]

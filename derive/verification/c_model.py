@@ -14,7 +14,6 @@ import numpy as np
 
 from derive.errors import TargetError, VerificationError
 from derive.interrupts import TemporaryFolder
-from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compile_shared
 from derive.verification.oracle.frames import Array
 from derive.verification.samples import Parameters
@@ -38,13 +37,15 @@ class CModel:
 
     @property
     def constants(self) -> Mapping[str, Any]:
-        """``DOF`` and ``PARAMETERS``, as the header has them, and the shapes of the functions by name."""
+        """``DOF``, ``PARAMETERS`` and the places ``GIVEN``, as the header has them; shapes of the functions by name."""
         start = f"{self._prefix}index_of_"
         names = [name.removeprefix(start) for name in self._numbers if name.startswith(start)]
+        given = [k for name, k in self._numbers.items() if name.startswith(f"{self._prefix}given_joint_")]
         functions = {name.removeprefix(self._prefix): shape for name, shape in self._shapes.items()}
         if f"{self._prefix}branches" in self._numbers:
             functions["inverse_kinematics"] = ()
-        return {**functions, "DOF": self._numbers[f"{self._prefix}dof"], "PARAMETERS": tuple(names)}
+        dof = self._numbers[f"{self._prefix}dof"]
+        return {**functions, "DOF": dof, "PARAMETERS": tuple(names), "GIVEN": tuple(given)}
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a function, by the batch function for more than one configuration."""
@@ -64,21 +65,8 @@ class CModel:
             getattr(self.shared, name)(*pointers)
         return result
 
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given."""
-        start = f"{self._prefix}given_joint_"
-        places = [number for name, number in self._numbers.items() if name.startswith(start)]
-        return tuple(robot.joints[place].variable for place in places)
-
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, of one pose where there is one, else of a batch.
-
-        Args:
-            given: Variables of the given joints, (poses, k).
-
-        Returns:
-            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
-        """
+        """Inverse kinematics, see `derive.verification.generated.GeneratedModel`."""
         name, count = f"{self._prefix}inverse_kinematics", len(poses)
         branches = self._numbers[f"{self._prefix}branches"]
         q = np.zeros((count, branches, self._numbers[f"{self._prefix}dof"]))

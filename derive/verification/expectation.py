@@ -53,11 +53,7 @@ class Expectation:
         return relative_errors(got - self.value, self.scale)
 
     def farthest_repetitions(self, got: Array) -> Array:
-        """Of a batch that repeats the arguments over and over, for each of them the value that is farthest off.
-
-        Args:
-            got: The values, (rows, *shape); row i belongs to argument i modulo their number.
-        """
+        """For each argument the value farthest off; row i, (rows, *shape), belongs to argument i modulo their count."""
         count = len(self.value)
         step = count * max(1, CACHED // self.value.size)
         wanted = np.resize(self.value, (step, *self.value.shape[1:]))

@@ -20,7 +20,6 @@ import numpy as np
 
 from derive.errors import TargetError, VerificationError
 from derive.interrupts import TemporaryFolder
-from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compile_shared
 from derive.verification.c_model import load_c_model
 from derive.verification.oracle.frames import Array
@@ -43,7 +42,7 @@ class GeneratedModel(Protocol):
 
     @property
     def constants(self) -> Mapping[str, Any]:
-        """The module's names, ``DOF`` and ``PARAMETERS`` among them."""
+        """The module's names, ``DOF``, ``PARAMETERS`` and ``GIVEN``, the given joints or their places, among them."""
 
     @property
     def ways(self) -> tuple[str, ...]:
@@ -51,9 +50,6 @@ class GeneratedModel(Protocol):
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a generated function."""
-
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given."""
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         """Inverse kinematics, of one pose where there is one, else of a batch.
@@ -86,19 +82,8 @@ class NumpyModel:
         value: Array = getattr(self.module, function)(*arguments, **options)
         return value
 
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given."""
-        return tuple(self.module.GIVEN)
-
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, of one pose where there is one, else of a batch.
-
-        Args:
-            given: Variables of the given joints, (poses, k).
-
-        Returns:
-            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
-        """
+        """Inverse kinematics, see `GeneratedModel`."""
         options: dict[str, Any] = {"params": dict(parameters)} if parameters else {}
         if given.shape[-1]:
             options["given"] = given if len(poses) > 1 else given[0]
@@ -125,12 +110,9 @@ class CasadiModel:
     ways = ("one", "batch")
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
-        """The value of a function of columns.
+        """The value of a function of columns, for arguments (n,) or (samples, n).
 
         CasADi knows matrices only: vectors are columns and link transforms lie side by side, 4 x 4n.
-
-        Args:
-            arguments: (n,) or (samples, n) each.
         """
         handle = self.function(function)
         columns = [np.atleast_2d(argument).T for argument in arguments]
@@ -149,40 +131,21 @@ class CasadiModel:
             blocks = blocks[:, :, 0] if axes else blocks[:, 0, 0]
         return blocks if arguments and arguments[0].ndim > 1 else blocks[0]
 
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given."""
-        return tuple(self.constants["GIVEN"])
-
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, branch by branch.
-
-        Args:
-            given: Variables of the given joints, (poses, k).
-
-        Returns:
-            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
-        """
+        """Inverse kinematics, see `GeneratedModel`; branch by branch."""
+        listed = self.constants["inverse_kinematics"]
+        branches = [self.function(name) if isinstance(name, str) else name for name in listed]
         numbers = [[float(parameters[name]) for name in self.constants["PARAMETERS"]]] if parameters else []
         rows: list[tuple[list[Array], list[float]]] = []
         for pose, values in zip(poses, given, strict=True):
             inputs = [*([values] if len(values) else []), *numbers]
-            found = [branch(pose.reshape(branch.size_in(0)), *inputs) for branch in self.branches]
+            found = [branch(pose.reshape(branch.size_in(0)), *inputs) for branch in branches]
             rows.append(([np.asarray(q)[:, 0] for q, _ in found], [float(status) for _, status in found]))
         return np.array([q for q, _ in rows]), np.array([status for _, status in rows]).astype(int)
 
-    @property
-    def branches(self) -> tuple[Any, ...]:
-        """A function for each branch of inverse kinematics."""
-        listed = self.constants["inverse_kinematics"]
-        return tuple(self.function(name) if isinstance(name, str) else name for name in listed)
-
 
 def load_models(folder: Path, *, needing_library: bool | None = None) -> tuple[GeneratedModel, ...]:
-    """The generated modules in Python.
-
-    Args:
-        needing_library: Only those that load a compiled library, or only the others; None for all.
-    """
+    """The generated modules in Python: those that load a compiled library, the others, or with None all."""
     chosen = [file for file in _IMPORTED if needing_library in (None, file in _LIBRARIES)]
     return tuple(_IMPORTED[file](_import(folder / file)) for file in chosen if (folder / file).is_file())
 

@@ -8,7 +8,7 @@ without orientation must have the same solutions whatever that is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from derive.errors import VerificationError
 from derive.robot.options.inverse import ROWS
 from derive.robot.robot import Robot
 from derive.verification.generated import GeneratedModel
-from derive.verification.oracle.frames import Arm, Array, forward_kinematics, jacobian
+from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian
 from derive.verification.samples import SampleSet
 
 FUNCTION = "inverse_kinematics"
@@ -37,7 +37,8 @@ def inverse_errors(
     robot: Robot, model: GeneratedModel, sets: Sequence[SampleSet], remedy: str
 ) -> Iterator[tuple[int, float]]:
     """What the inverse kinematics of one target does wrong."""
-    given = [k for k in range(robot.n) if robot.joints[k].variable in model.given_names(robot)]
+    listed = model.constants.get("GIVEN", ())
+    given = [k for k, joint in enumerate(robot.joints) if k in listed or joint.variable in listed]
     places = [(i - 1, j - 1) for row in robot.inverse.task for i, j in ROWS[row]]
     complete = bool(model.constants.get("COMPLETE", True))
     for samples in sets:
@@ -60,7 +61,9 @@ def inverse_errors(
                 worst = max(worst, float(errors.max()))
                 fault = "" if errors.max() <= CLOSED else f"leads to a pose that is {errors.max():.1e} off"
             if fault:
-                raise VerificationError(f"{where} {fault} at q = {_text(q[k])}{_at(samples.parameters)}", remedy=remedy)
+                place = f"q = [{', '.join(f'{value:.17g}' for value in q[k])}]"
+                numbers = "".join(f", {name} = {value:.17g}" for name, value in samples.parameters.items())
+                raise VerificationError(f"{where} {fault} at {place}{numbers}", remedy=remedy)
         one, code = model.inverse(poses[1:2], q[1:2, given], samples.parameters)
         if not np.array_equal(code[0], status[1]) or not np.allclose(one[0], found[1], atol=SAME, equal_nan=True):
             raise VerificationError(f"{where} gives one pose other solutions than a batch", remedy=remedy)
@@ -98,7 +101,7 @@ def _fault(
     return ""
 
 
-def _is_singular(arm: Arm, q: Array, places: Sequence[tuple[int, int]], given: Sequence[int]) -> bool:
+def _is_singular(arm: NumericArm, q: Array, places: Sequence[tuple[int, int]], given: Sequence[int]) -> bool:
     """Whether a configuration is a multiple solution of its pose, which is known to some of its digits alone."""
     slopes = jacobian(arm, q)
     slopes[:3] /= max(np.abs(np.concatenate([arm.a, arm.d, slopes[:3].ravel()])).max(), TINY)
@@ -117,11 +120,3 @@ def _distance(rows: Array, q: Array, turns: Array) -> Array:
 
 def _reach(poses: Array) -> float:
     return float(np.abs(poses[:, :3, 3]).max(initial=0.0))
-
-
-def _text(values: Array) -> str:
-    return f"[{', '.join(f'{value:.17g}' for value in values)}]"
-
-
-def _at(parameters: Mapping[str, float]) -> str:
-    return "".join(f", {name} = {value:.17g}" for name, value in parameters.items())

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shlex
-import shutil
 import subprocess
 import tempfile
 import threading
@@ -19,7 +16,7 @@ import numpy as np
 
 from derive.errors import VerificationError
 from derive.interrupts import TemporaryFolder
-from derive.robot.robot import Robot
+from derive.targets.compiler import Command, find_command
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
 from derive.verification.samples import Parameters
@@ -74,25 +71,11 @@ while true
   fflush(stdout);
 end
 """
-Command = tuple[str, ...]
 
 
 def find_octave(environment: Mapping[str, str] | None = None) -> Command | None:
-    """Look for Octave.
-
-    Args:
-        environment: Where ``OCTAVE`` and ``PATH`` are looked up; None for the process's.
-
-    Returns:
-        Its command, ``$OCTAVE`` before the usual names; None if there is none.
-    """
-    variables = os.environ if environment is None else environment
-    given = shlex.split(variables.get("OCTAVE", ""))
-    for command in [given] if given else [[name] for name in NAMES]:
-        found = shutil.which(command[0], path=variables.get("PATH", os.defpath))
-        if found:
-            return (found, *command[1:])
-    return None
+    """Command of Octave: ``$OCTAVE``, else the usual names on the path of an environment; None if there is none."""
+    return find_command("OCTAVE", NAMES, environment)
 
 
 def octave_package(folder: Path) -> str:
@@ -141,11 +124,6 @@ class OctaveModel:
             value = value.reshape(*value.shape[:2], -1, count, order="F") if axes == 3 else _stack(value, count)
             value = value.transpose(3, 2, 0, 1) if axes == 3 else value.transpose(2, 0, 1)
         return value if arguments and arguments[0].ndim > 1 else value[0]
-
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """What ``model.m`` says of them."""
-        names: tuple[str, ...] = self.constants["GIVEN"]
-        return names
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         """Inverse kinematics; poses are pages there, and branches columns."""

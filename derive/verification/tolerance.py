@@ -116,11 +116,7 @@ class Bounds:
         return bound
 
     def turning(self, rate: Array) -> float:
-        """Bound of angular velocities, with displacements counted as turns of the whole arm.
-
-        Returns:
-            The sum over all joints [rad/s].
-        """
+        """Bound of angular velocities [rad/s]: the sum over all joints, displacements as turns of the whole arm."""
         return float(np.where(self.revolute, rate, rate / max(self.reach, TINY)).sum())
 
     def undetermined(self, function: str) -> float:
@@ -136,14 +132,17 @@ class Bounds:
 def bounds(oracle: Oracle, q: Array) -> Bounds:
     """The bounds of an arm at some configurations."""
     arm = oracle.arm
+    # The longest way from joint i to anything beyond it: all lengths, slides extended, and the farthest centre of mass.
     travel = np.where(arm.revolute, 0.0, largest(q))
     lengths = np.abs(arm.a) + np.abs(arm.d) + travel
     com = np.linalg.norm(arm.com, axis=-1)
     reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
     lever = np.maximum(reach, FAR * reach[0])
+    # What joint i carries, and its weight; its own rotor sits on the link before.
     mass = _carried(arm.mass) + _carried(arm.rotor_mass) - arm.rotor_mass
     force = mass * np.linalg.norm(arm.gravity)
     tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
+    # B_ii <= sum m r^2 + tensors; one r is at least the share of the whole reach whose rounding it carries.
     turning = mass * reach * lever + _carried(tensors) + _carried(arm.rotor_inertia)
     return Bounds(
         reach=float(reach[0]),
@@ -169,9 +168,11 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
     """Natural size of each entry of a regressor: what unit parameters weigh at the largest rates."""
     arm = known.arm
     rate, acceleration = (largest(argument) for argument in motion)
+    # Bounds of omega, |alpha| + |omega|^2 and the slides' acceleration with Coriolis term, over the whole arm.
     turn = np.where(arm.revolute, rate, 0.0).sum()
     spin = np.where(arm.revolute, acceleration, 0.0).sum() + turn**2
     slide = np.where(arm.revolute, 0.0, acceleration + 2.0 * turn * rate).sum()
+    # Acceleration of the farthest point less gravity: what a unit mass weighs.
     pull = limits.reach * spin + slide + np.linalg.norm(arm.gravity)
     lever = np.where(arm.revolute, limits.reach, 1.0)
     ratio = np.abs(arm.ratio)
@@ -185,6 +186,7 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
     for parameter in known.standard if function == "regressor" else known.base:
         part, i = parameter.part, parameter.joint - 1
         if part in of_joint:
+            # A rotor's inertia also acts on all joints before, by the rotation of its carrier.
             shared = (1.0 + ratio[i]) * spin if part == "Im" else 0.0
             columns.append(shared + np.where(np.arange(arm.n) == i, of_joint[part], 0.0))
         else:

@@ -30,7 +30,7 @@ _Answers = dict[tuple[object, ...], Expectation]
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class VerifiedFunction:
     """One generated function."""
 
     target: str  # name of the target, ``numpy``, ``casadi`` or ``c``
@@ -46,7 +46,7 @@ class Report:
 
     robot: str  # name of the robot
     seed: int  # seed of the random configurations and parameters
-    rows: tuple[Row, ...]  # one per target and function
+    rows: tuple[VerifiedFunction, ...]  # one per target and function
     # Files that were not verified since there is no C compiler, and packages since there is no Octave.
     left_out: tuple[str, ...] = ()
 
@@ -93,7 +93,7 @@ def verify(
     left_out |= {package} if package and not octave else set()
     sets = sample_sets(robot, samples, np.random.default_rng(seed))
     wanted = sets[0].oracle.functions
-    rows: list[Row] = []
+    rows: list[VerifiedFunction] = []
     models: list[GeneratedModel] = []
     answers: _Answers = {}
     for model in _models(folder, compiler, octave, libraries):
@@ -106,7 +106,7 @@ def verify(
         if inverse.FUNCTION in model.constants:
             counted = list(inverse.inverse_errors(robot, model, sets, REMEDY))
             poses, worst = sum(count for count, _ in counted), max(error for _, error in counted)
-            rows.append(Row(model.target, inverse.FUNCTION, poses, worst))
+            rows.append(VerifiedFunction(model.target, inverse.FUNCTION, poses, worst))
     _check_coverage(folder, models, rows, wanted, left_out)
     rows.sort(key=lambda row: TARGETS.index(row.target))
     return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
@@ -124,7 +124,7 @@ def _models(
         yield from load_models(folder, needing_library=True)
 
 
-def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> Row:
+def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> VerifiedFunction:
     """The worst error of one function over all calls."""
     compared, called, worst = 0, 0, 0.0
     for trial in calls:
@@ -137,7 +137,7 @@ def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: 
         worst = max(worst, _worst_error(f"{function} of {model.file}", function, trial, expected))
     reason = "singular angles" if function in ANGLES else "singular inertia matrix"
     note = f"{called - compared} of {called} left out: {reason}" if compared < called else ""
-    return Row(model.target, function, compared, worst, note)
+    return VerifiedFunction(model.target, function, compared, worst, note)
 
 
 def _worst_error(where: str, function: str, trial: Trial, expected: Expectation) -> float:
@@ -198,7 +198,11 @@ def _check_interface(robot: Robot, folder: Path, model: GeneratedModel) -> None:
 
 
 def _check_coverage(
-    folder: Path, models: list[GeneratedModel], rows: list[Row], wanted: tuple[str, ...], left_out: frozenset[str]
+    folder: Path,
+    models: list[GeneratedModel],
+    rows: list[VerifiedFunction],
+    wanted: tuple[str, ...],
+    left_out: frozenset[str],
 ) -> None:
     """Every function that the robot has or the manifest lists was called: all of nothing is right, too."""
     path = folder / "MANIFEST.json"

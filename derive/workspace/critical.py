@@ -49,8 +49,7 @@ def _determinant(plane: PlaneMap, u: Array, v: Array) -> Array:
     """Zero where the map folds, of floats."""
     grid = np.broadcast_arrays(u, v)
     _, (first, second) = plane.values(np.stack([part.ravel() for part in grid]))
-    found: Array = (first[0] * second[1] - first[1] * second[0]).reshape(grid[0].shape)
-    return found
+    return np.asarray((first[0] * second[1] - first[1] * second[0]).reshape(grid[0].shape))
 
 
 def _exact_factors(plane: PlaneMap) -> Iterator[Determinant]:
@@ -117,11 +116,7 @@ def _evaluated(p: Polynomial, domain: PolynomialDomain, plane: PlaneMap, *q: Arr
 
 
 def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
-    """Segments among which the boundary of a picture lies, their ends exactly on the curves.
-
-    Returns:
-        (segments, 2 ends, 2) [m].
-    """
+    """Segments among which a picture's boundary lies, their ends exactly on the curves, (segments, 2 ends, 2) [m]."""
     turn = plane.point.turn
     gap = plane.point.size * (TURN / cells) ** 2 / 2.0
     if turn is None or turn not in plane.joints or plane.picture is not Picture.TOP:
@@ -133,7 +128,9 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     if not way.full:
         curves = _curves(rest, cells)
         curves = np.concatenate([curves, _bridges(curves, gap), _whole_line(rest)])
-        found += [curves @ _turned(angle).T for angle in (way.lower, way.upper)]
+        for angle in (way.lower, way.upper):
+            c, s = math.cos(angle), math.sin(angle)
+            found.append(curves @ np.array([[c, -s], [s, c]]).T)
     return np.concatenate(found)
 
 
@@ -166,8 +163,7 @@ def _bridges(segments: Array, gap: float) -> Array:
     middle, low, high = (np.hypot(*corner.T) for corner in (at, before, after))
     tips = at[back | ((middle - low) * (middle - high) > 0.0)]
     arms = gap * np.array([[[-1.0, 0.0], [1.0, 0.0]], [[0.0, -1.0], [0.0, 1.0]]])
-    crosses: Array = (tips[:, None, None] + arms).reshape(-1, 2, 2)
-    return crosses
+    return np.asarray((tips[:, None, None] + arms).reshape(-1, 2, 2))
 
 
 def _curves(plane: PlaneMap, cells: int) -> Array:
@@ -182,9 +178,8 @@ def _curves(plane: PlaneMap, cells: int) -> Array:
     found = [_image(plane, ends) for ends in zero_lines]
     for held, moved in ((0, 1), (1, 0)):
         for value in () if plane.ranges[held].full else (grids[held][0], grids[held][-1]):
-            on_limit = [
-                ends[moved][ends[held] == value] for ends in zero_lines
-            ]  # corners shared with the critical curves
+            # Corners are shared with the critical curves.
+            on_limit = [ends[moved][ends[held] == value] for ends in zero_lines]
             along = np.unique(np.concatenate([_grid(plane, moved, 4 * cells), *on_limit]))
             q = np.empty((2, len(along)))
             q[held], q[moved] = value, along
@@ -209,11 +204,7 @@ def _joined(q: Array) -> Array:
 
 
 def _image(plane: PlaneMap, ends: Array) -> Array:
-    """The image of short lines between configurations; where one passes the axis of a section it is cut there.
-
-    Returns:
-        (segments, 2 ends, 2) [m].
-    """
+    """The image of short lines, cut where one passes the axis of a section, (segments, 2 ends, 2) [m]."""
     q = ends.reshape(len(ends), -1)
     segments: Array = plane.values(q)[0].T.reshape(-1, 2, 2)
     if plane.picture is not Picture.SECTION:
@@ -231,10 +222,7 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     """The curves on which a function of two variables is zero, as short lines.
 
     The zeros on the lines of a grid are found by bisection; in each cell they are joined, all of them where there are
-    four, which closes every crossing.
-
-    Returns:
-        (2 variables, lines, 2 ends).
+    four, which closes every crossing: (2 variables, lines, 2 ends).
     """
     values = np.broadcast_to(function(us[:, None], vs[None, :]), (len(us), len(vs)))
     above = np.array(values >= 0.0)
@@ -272,10 +260,6 @@ def _circle(radius: float, corners: int) -> Array:
     return np.concatenate([radius * sides, radius / math.cos(math.pi / corners) * sides])
 
 
-def _turned(angle: float) -> Array:
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
-
-
 def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
     """Distances from the axis that are smallest or largest among those of configurations nearby."""
     if not plane.joints:
@@ -291,9 +275,7 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
             for step in (1, -1):
                 beside = np.roll(sign * radius, step, axis=k)
                 if not way.full:
-                    beside[tuple(slice(None) if j != k else (0 if step > 0 else -1) for j in range(len(shape)))] = (
-                        np.inf
-                    )
+                    np.moveaxis(beside, k, 0)[0 if step > 0 else -1] = np.inf  # what was rolled around
                 lowest &= sign * radius <= beside + 1e-12 * plane.point.size
         found += list(_lowest_nearby(plane, q[:, lowest.ravel()], sign, [float(np.ptp(g)) / cells for g in grids]))
     return sorted({round(r / plane.point.size / _ALIKE) * _ALIKE * plane.point.size for r in found if r > 0.0})

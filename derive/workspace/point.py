@@ -37,6 +37,10 @@ class Picture(StrEnum):
     SPACE = "space"  # all three coordinates
 
 
+# Coordinates in the frame of the axis that a picture shows as they are.
+_ROWS = {Picture.TOP: [0, 1], Picture.SIDE: [0, 2], Picture.SPACE: [0, 1, 2]}
+
+
 @dataclass(frozen=True, slots=True)
 class Range:
     """The way of a joint."""
@@ -110,11 +114,7 @@ class ArmPoint:
         return tuple(int(k) for k in np.flatnonzero(strength > _DEPENDS * self.size))
 
     def random(self, count: int, joints: Sequence[int], seed: int = 0, limits: float = 0.0) -> Array:
-        """Configurations between the limits, the same for the same seed.
-
-        Returns:
-            (joints, count) [rad or m].
-        """
+        """Configurations between the limits, the same for the same seed, (joints, count) [rad or m]."""
         rng = np.random.default_rng(seed)
         rows = []
         for way in (self.ranges[j] for j in joints):
@@ -126,14 +126,7 @@ class ArmPoint:
         return np.reshape(rows, (len(rows), count))
 
     def position(self, q: Array, joints: Sequence[int]) -> Array:
-        """Where the point is; joints that are not given are at zero.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (3, samples) [m], in the frame of the axis.
-        """
+        """Where the point is in the frame of the axis, (3, samples) [m]; joints that are not given are at zero."""
         (point,) = self.poses.end_point(self._all(q, joints), self.place)
         return self._seen(_array(point, q.shape[1]))
 
@@ -147,18 +140,10 @@ class ArmPoint:
     def _seen(self, point: Array) -> Array:
         """A point of the world in the frame of the axis."""
         rotation, origin = self.axis
-        seen: Array = rotation.T @ (point - origin[:, None])
-        return seen
+        return np.asarray(rotation.T @ (point - origin[:, None]))
 
     def motion(self, q: Array, joints: Sequence[int]) -> tuple[Array, Array]:
-        """Where the point is, and its derivatives with respect to some joints; the others are at zero.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (3, samples) positions [m] and (3, joints, samples) derivatives, in the frame of the axis.
-        """
+        """Positions (3, samples) as `position` has them, and derivatives (3, joints, samples)."""
         count = q.shape[1]
         point, *columns = (_array(v, count) for v in self.poses.end_point(self._all(q, joints), self.place, joints))
         derivatives = np.stack(columns, axis=1) if columns else np.zeros((3, 0, count))
@@ -209,41 +194,19 @@ class PlaneMap:
         return np.array([1.0 if way.revolute else self.point.size for way in self.ranges])[:, None]
 
     def places(self, q: Array) -> Array:
-        """Places in the plane alone, which takes a fraction of the time of `values`.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (2, samples) [m]; three rows in space.
-        """
-        x, y, z = self.point.position(q, self.joints)
-        match self.picture:
-            case Picture.TOP:
-                return np.stack([x, y])
-            case Picture.SIDE:
-                return np.stack([x, z])
-            case Picture.SPACE:
-                return np.stack([x, y, z])
-            case _:
-                return np.stack([np.hypot(x, y), z])
+        """Places in the plane alone, (2, samples) [m], in space three rows: a fraction of the time of `values`."""
+        place = self.point.position(q, self.joints)
+        if self.picture is Picture.SECTION:
+            return np.stack([np.hypot(*place[:2]), place[2]])
+        return place[_ROWS[self.picture]]
 
     def values(self, q: Array) -> tuple[Array, Array]:
-        """Places in the plane and derivatives.
-
-        Args:
-            q: (joints, samples) [rad or m].
-
-        Returns:
-            (2, samples) [m] and (2, joints, samples); three rows in space.
-        """
-        (x, y, z), (dx, dy, dz) = self.point.motion(q, self.joints)
-        if self.picture is Picture.TOP:
-            return np.stack([x, y]), np.stack([dx, dy])
-        if self.picture is Picture.SIDE:
-            return np.stack([x, z]), np.stack([dx, dz])
-        if self.picture is Picture.SPACE:
-            return np.stack([x, y, z]), np.stack([dx, dy, dz])
+        """Places in the plane, (2, samples) [m], and derivatives, (2, joints, samples), of q; three rows in space."""
+        place, slopes = self.point.motion(q, self.joints)
+        if self.picture is not Picture.SECTION:
+            return place[_ROWS[self.picture]], slopes[_ROWS[self.picture]]
+        (x, y, z), (dx, dy, dz) = place, slopes
+        # rho = sqrt(x^2 + y^2), so that d rho = (x dx + y dy)/rho; on the axis rho has no derivative.
         rho = np.hypot(x, y)
         safe = np.maximum(rho, 1e-12 * self.point.size)
         return np.stack([rho, z]), np.stack([(x * dx + y * dy) / safe, dz])
@@ -252,20 +215,14 @@ class PlaneMap:
         """Configurations brought into the limits; angles of joints that turn all around are free."""
         low, high = self.box
         free = np.array([way.full for way in self.ranges])[:, None]
-        brought: Array = np.where(free, q, np.clip(q, low, high))
-        return brought
+        return np.asarray(np.where(free, q, np.clip(q, low, high)))
 
     def nearest(self, targets: Array, starts: Array) -> tuple[Array, Array, Array]:
         """Configurations within the limits that bring the point nearest to targets, each from a start nearby.
 
         A damped Gauss-Newton step in the joints that are not held by a limit, with the damping of Levenberg and
-        Marquardt for each target (Nocedal and Wright, Numerical Optimization, sec. 10.3 and 18.5).
-
-        Args:
-            targets: (2, samples) places in the plane [m].
-
-        Returns:
-            Configurations (joints, samples), places (2, samples), distances (samples,) [m].
+        Marquardt for each target (Nocedal and Wright, Numerical Optimization, sec. 10.3 and 18.5): configurations
+        (joints, samples), places (2, samples) and distances (samples,) [m].
         """
         low, high = self.box
         free = np.array([way.full for way in self.ranges])[:, None]
@@ -308,11 +265,9 @@ def _solved(columns: Array, right: Array, damping: Array) -> Array:
         normal = np.cross(second, third, axis=0)
         parts = [normal, np.cross(third, first, axis=0), np.cross(first, second, axis=0)]
         inverse = np.sum([part * r for part, r in zip(parts, right, strict=True)], axis=0)
-        solution: Array = inverse / np.sum(first * normal, axis=0)
-        return solution
+        return np.asarray(inverse / np.sum(first * normal, axis=0))
     a = np.sum(columns[0] ** 2, axis=0) + damping
     b = np.sum(columns[0] * columns[1], axis=0)
     c = np.sum(columns[1] ** 2, axis=0) + damping
     determinant = a * c - b * b
-    found: Array = np.stack([c * right[0] - b * right[1], a * right[1] - b * right[0]]) / determinant
-    return found
+    return np.asarray(np.stack([c * right[0] - b * right[1], a * right[1] - b * right[0]]) / determinant)

@@ -94,24 +94,13 @@ class RobotPoses:
     def limits(self) -> tuple[tuple[float, float] | None, ...]:
         """Lower and upper limit of every joint [rad or m], None where the file gives none."""
         found: list[tuple[float, float] | None] = []
-        for joint in self.robot.joints:
-            if joint.limits is None:
-                found.append(None)
-                continue
-            values = {**dict.fromkeys((name for cell in joint.limits for name in names(cell)), 1.0), **self._values}
-            lower, upper = (to_float(cell, values) for cell in joint.limits)
-            found.append((lower, upper))
+        for limits in (joint.limits for joint in self.robot.joints):
+            values = {**dict.fromkeys((name for cell in limits or () for name in names(cell)), 1.0), **self._values}
+            found.append(limits and (to_float(limits[0], values), to_float(limits[1], values)))
         return tuple(found)
 
     def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
-        """Base frame 0, frames 1 to n and the end effector in the world.
-
-        Args:
-            q: Joint positions [rad or m].
-
-        Returns:
-            n + 2 transforms 4x4 [m].
-        """
+        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m]."""
         poses = []
         for frame in self._frames(q, math.cos, math.sin):
             rows = (tuple(map(float, (*row, x))) for row, x in zip(frame.rotation, frame.position, strict=True))
@@ -119,25 +108,15 @@ class RobotPoses:
         return tuple(poses)
 
     def joint_frames(self, q: Sequence[Any]) -> list[Frame[Any]]:
-        """Frames with the axes of the joints as z, at many configurations at once.
-
-        Args:
-            q: Joint positions [rad or m]: numbers, or arrays of one shape.
-        """
+        """Frames with the axes of the joints as z; joint positions are numbers, or arrays of one shape."""
         frames = list(self._joint_frames(q, np.cos, np.sin))
         return [*frames, frames[-1] @ self._chain.tool]
 
     def end_point(self, q: Sequence[Any], place: Sequence[float], joints: Sequence[int] = ()) -> list[list[Any]]:
-        """Where a point of the end effector is, at many configurations at once, from the tool inwards.
+        """Where a point of the end effector is in the world, then its derivatives by the variables of some joints.
 
-        A vector goes through the constant frames of the joints, most entries of which are zero: cheaper than frames.
-
-        Args:
-            q: Joint positions [rad or m]: numbers, or arrays of one shape.
-            place: The point in the axes of the end effector [m].
-
-        Returns:
-            Its position in the world [m], and its derivative with respect to the variable of each of the joints.
+        A vector goes through the constant frames of the joints, from the tool inwards; most of their entries are zero,
+        so that this is cheaper than frames. Joint positions are numbers, or arrays of one shape.
         """
         point, slopes = _placed(self._chain.tool, place), dict[int, list[Any]]()
         for index in reversed(range(len(q))):

@@ -61,11 +61,7 @@ class Postures:
         return NumericChain.of(robot, self._values).pose_and_jacobian(self._tried)[0]
 
     def poses(self, places: Array) -> Array:
-        """Poses whose point is at places, all of one orientation.
-
-        Args:
-            places: (3, k) in the frame of the axis [m].
-        """
+        """Poses whose point is at places (3, k) in the frame of the axis [m], all of one orientation."""
         rotation, origin = self.point.axis
         turn = self._poses_tried[0, :3, :3]
         found = np.tile(np.eye(4), (places.shape[1], 1, 1))
@@ -97,15 +93,10 @@ class Postures:
     def within(self, plane: PlaneMap, places: Array) -> Array:
         """Whether the bounds hold at places of a picture."""
         ways = self.reach.margins(self.poses(self._in_space(plane, places)), self._values)
-        found: Array = np.any([np.all([margin >= 0.0 for margin in way], axis=0) for way in ways], axis=0)
-        return found
+        return np.asarray(np.any([np.all([margin >= 0.0 for margin in way], axis=0) for way in ways], axis=0))
 
     def curves(self, plane: PlaneMap, parts: int) -> Array:
-        """Segments along which a bound is reached.
-
-        Returns:
-            (segments, 2 ends, 2) [m].
-        """
+        """Segments along which a bound is reached, (segments, 2 ends, 2) [m]."""
         far = _BEYOND * plane.point.size
         sides = [np.linspace(-1.0137 * far, far, parts + 1), np.linspace(-1.0071 * far, far, parts + 1)]
         if plane.picture is Picture.SECTION:
@@ -133,9 +124,7 @@ class Postures:
 
     def number(self, plane: PlaneMap, places: Array) -> Array:
         """In how many postures places of a picture are reached within the limits."""
-        exists = np.isfinite(self._solutions(self._in_space(plane, places))[..., 0])
-        found: Array = exists.sum(axis=-1)
-        return found
+        return np.asarray(np.isfinite(self._solutions(self._in_space(plane, places))[..., 0]).sum(axis=-1))
 
     @cached_property
     def are_counted(self) -> bool:
@@ -146,8 +135,7 @@ class Postures:
 
     @cached_property
     def _solver(self) -> InverseSolver:
-        found = self.reach.inverse
-        return InverseSolver.of(found.robot, found.graph, self._values)
+        return InverseSolver.of(self.reach.inverse.robot, self.reach.inverse.graph, self._values)
 
     def _turned(self, q: Array) -> Array:
         """Differences of the moving joints' variables without full turns."""

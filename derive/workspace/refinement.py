@@ -8,22 +8,14 @@ too, and the nearest place that is reached from each of its points lies on the b
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
-import numpy.typing as npt
 
-from derive.arrays import Array
+from derive.arrays import Array, Flags, Indices
 from derive.workspace.point import PlaneMap
-from derive.workspace.region import Area, closed, is_reached, shapely
-
-Nodes: TypeAlias = npt.NDArray[np.intp]  # rows and columns of a grid, (2, k), or indices
-Mask: TypeAlias = npt.NDArray[np.bool_]
+from derive.workspace.region import AT_A_LIMIT, Area, closed, is_reached, shapely
 
 CELLS = 200  # cells along the arm's size: 0.5 % of the reach each
 _SAMPLES_PER_CELL = 10
-
-_AT_A_LIMIT = 0.25  # part of the samples of a joint that lie at one of its limits: the boundary is reached there
 _KEPT = 3  # configurations that are remembered for a cell
 _TRIED = 6  # configurations from which it is tried to come nearer to a node
 _LAYERS = 3  # cells around the area in which the distance from it is known
@@ -35,16 +27,12 @@ _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != 
 
 
 class _Cells:
-    """A grid over the picture, and for each node the configurations that come near it.
-
-    Args:
-        far: How far the grid goes on in every direction beyond the samples [m].
-    """
+    """A grid that goes on so far beyond samples of the picture [m]; for each node configurations that come near it."""
 
     def __init__(self, plane: PlaneMap, cells: int, far: float = 0.0) -> None:
         self.plane = plane
         self.width = plane.point.size / cells
-        q = plane.point.random(_SAMPLES_PER_CELL * cells**2, plane.joints, limits=_AT_A_LIMIT)
+        q = plane.point.random(_SAMPLES_PER_CELL * cells**2, plane.joints, limits=AT_A_LIMIT)
         places = plane.places(q)
         margin = (_LAYERS + 2) * self.width + far
         self.origin = places.min(axis=1) - margin
@@ -64,16 +52,11 @@ class _Cells:
         inner = self.reached[2:-2, 2:-2]
         return bool(inner.sum() < self.reached.sum())
 
-    def places(self, nodes: Array | Nodes) -> Array:
-        """Where nodes are.
+    def places(self, nodes: Array | Indices) -> Array:
+        """Where nodes are, by rows and columns, (2, k), whole or not."""
+        return np.asarray(self.origin[:, None] + self.width * nodes)
 
-        Args:
-            nodes: Rows and columns, (2, k), whole or not.
-        """
-        found: Array = self.origin[:, None] + self.width * nodes
-        return found
-
-    def starts(self, nodes: Nodes, best: bool = False) -> tuple[Nodes, Array]:
+    def starts(self, nodes: Indices, best: bool = False) -> tuple[Indices, Array]:
         """Configurations known at nodes and around them: those nearest to each node, or the best of every neighbour."""
         rows, found = [], []
         for i, j in ((0, 0), *_NEIGHBOURS):
@@ -89,7 +72,7 @@ class _Cells:
         nearest = order[_rank(row[order]) < (len(_NEIGHBOURS) + 1 if best else _TRIED)]
         return row[nearest], q[:, nearest]
 
-    def visit(self, nodes: Nodes, best: bool = False) -> Mask:
+    def visit(self, nodes: Indices, best: bool = False) -> Flags:
         """Finds out how far nodes are from what is reached, remembers configurations, and says which are reached."""
         rows, starts = self.starts(nodes, best)
         q, _, distance = self.plane.nearest(self.places(nodes)[:, rows], starts)
@@ -102,7 +85,7 @@ class _Cells:
         first = rank == 0
         at = nodes[:, rows[first]]
         self.distance[at[0], at[1]] = np.minimum(self.distance[at[0], at[1]], distance[first])
-        reached: Mask = self.distance[nodes[0], nodes[1]] <= _REACHED * self.plane.point.size
+        reached: Flags = self.distance[nodes[0], nodes[1]] <= _REACHED * self.plane.point.size
         self.reached[nodes[0], nodes[1]] |= reached
         return reached
 
@@ -121,12 +104,8 @@ class _Cells:
             shrunk[fresh] = self.distance[fresh] < before - _SETTLED * self.width
             fresh = _grown(shrunk, 1) & outside
 
-    def try_again(self, nodes: Nodes) -> Mask:
-        """Looks for configurations that reach nodes far from those known around them, as behind a narrow limit.
-
-        Args:
-            nodes: Rows and columns, (2, k).
-        """
+    def try_again(self, nodes: Indices) -> Flags:
+        """Looks for configurations that reach nodes, (2, k), far from those known around, as behind a narrow limit."""
         reached = is_reached(self.plane, self.places(nodes))
         self.tried_again[nodes[0], nodes[1]] = True
         self.reached[nodes[0], nodes[1]] |= reached
@@ -134,7 +113,7 @@ class _Cells:
         return reached
 
 
-def _rank(rows: Nodes) -> Nodes:
+def _rank(rows: Indices) -> Indices:
     """For each entry of a list how many equal ones stand before it."""
     order = np.argsort(rows, kind="stable")
     ordered = rows[order]
@@ -186,7 +165,7 @@ def _spread(cells: _Cells) -> None:
                 break
 
 
-def _grown(area: Mask, layers: int) -> Mask:
+def _grown(area: Flags, layers: int) -> Flags:
     """An area of a grid with so many layers of cells around it."""
     for _ in range(layers):
         padded = np.pad(area, 1)
@@ -202,6 +181,4 @@ def _on_boundary(cells: _Cells, line: Array) -> Array:
     rows, starts = cells.starts(np.rint(nodes).astype(int), best=True)
     _, found, distance = cells.plane.nearest(cells.places(nodes)[:, rows], starts)
     order = np.lexsort((distance, rows))
-    first = order[np.r_[True, np.diff(rows[order]) > 0]]
-    ring: Array = found[:, first].T
-    return ring
+    return np.asarray(found[:, order[np.r_[True, np.diff(rows[order]) > 0]]].T)

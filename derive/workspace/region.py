@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from derive.arrays import Array
+from derive.arrays import Array, Flags, Indices
 from derive.errors import DeriveError, install_extra
 from derive.workspace.critical import boundary_candidates
 from derive.workspace.point import TURN, Picture, PlaneMap
@@ -30,7 +29,7 @@ _SLIVER = 1e-3  # of cells thinner than this part of the arm's size nothing is s
 _ROUND = 128  # corners of a quarter of a circle
 _SEEDS = 40_000
 _SAMPLES = 200_000
-_AT_A_LIMIT = 0.25  # part of the samples of a joint that lie at one of its limits
+AT_A_LIMIT = 0.25  # part of the samples of a joint that lie at one of its limits
 _STARTS, _FIRST = 12, 2  # configurations from which it is tried to reach a place
 _REACHED = 1e-8  # a place nearer than this part of the arm's size is reached
 
@@ -167,7 +166,7 @@ def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tup
     return tuple((number, joined(members, size)) for number, members in beside.items())
 
 
-def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.bool_]:
+def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> Flags:
     """Whether positions of many configurations lie in cells that no search has reached.
 
     The margin is what a curve may be off between two of its points, and more.
@@ -175,7 +174,7 @@ def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.
     package = shapely()
     if not len(faces):
         return np.zeros(0, dtype=bool)
-    x, y = plane.places(plane.inside(plane.point.random(_SAMPLES, plane.joints, limits=_AT_A_LIMIT)))
+    x, y = plane.places(plane.inside(plane.point.random(_SAMPLES, plane.joints, limits=AT_A_LIMIT)))
     found = np.zeros(len(faces), dtype=bool)
     for k, face in enumerate(faces):
         left, low, right, high = face.bounds
@@ -185,20 +184,12 @@ def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.
 
 
 def closed(region: Region, gap: float) -> Region:
-    """An area without gaps and slits as thin as the approximation of a curve by segments.
-
-    Args:
-        gap: The width of what is closed [m].
-    """
+    """An area without gaps and slits as thin as the approximation of a curve by segments [m]."""
     return region.buffer(gap, quad_segs=2).buffer(-gap, quad_segs=2)
 
 
-def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> npt.NDArray[np.bool_]:
-    """Whether the point gets to places of the plane.
-
-    Args:
-        places: (2, k) [m]; three rows in space.
-    """
+def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> Flags:
+    """Whether the point gets to places of the plane, (2, k) [m], or of space, (3, k)."""
     if not places.shape[1]:
         return np.zeros(0, dtype=bool)
     configurations = plane.point.random(seeds, plane.joints)
@@ -214,7 +205,7 @@ def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> npt.NDArr
     return reached
 
 
-def _closest(known: Array, place: Array) -> npt.NDArray[np.intp]:
+def _closest(known: Array, place: Array) -> Indices:
     """Indices of the samples that come closest to a place, the closest first."""
     squared = np.sum((known - place[:, None]) ** 2, axis=0)
     found = np.argpartition(squared, _STARTS)[:_STARTS]
@@ -225,13 +216,9 @@ def dexterous(region: Region, radius: float, revolves: bool) -> Region:
     """Places around which a whole circle, or sphere, lies in what a wrist centre reaches.
 
     A sphere does not meet a part of the outside if that part is farther away than its radius, or lies inside of it as a
-    whole. The outermost part lies inside of none.
-
-    Args:
-        radius: From the wrist centre to the end effector's origin [m].
+    whole. The outermost part lies inside of none. The radius is that of the hand, from the wrist's centre [m].
     """
-    package = shapely()
-    whole = package.unary_union([region, _mirrored(region)]) if revolves else region
+    package, whole = shapely(), _whole(region, revolves)
     if radius <= 0.0 or whole.is_empty:
         return region
     parts = [package.Polygon(polygon.exterior) for polygon in package.get_parts(whole)]
@@ -239,18 +226,19 @@ def dexterous(region: Region, radius: float, revolves: bool) -> Region:
     for polygon in package.get_parts(whole):
         for ring in polygon.interiors:
             hole = package.Polygon(ring)
-            ring_in_space = package.unary_union([hole, _mirrored(hole)]) if revolves else hole
-            near = ring_in_space.buffer(radius, quad_segs=_ROUND)
-            left = left.difference(near.difference(enclosing(ring_in_space, radius)))
+            left = left.difference(_around(_whole(hole, revolves), radius))
     return left.intersection(package.box(0.0, -1e9, 1e9, 1e9)) if revolves else left
 
 
 def enlarged(region: Region, radius: float, revolves: bool) -> Region:
     """Places at a given distance from some place of an area."""
-    package = shapely()
-    whole = package.unary_union([region, _mirrored(region)]) if revolves else region
-    around = whole.buffer(radius, quad_segs=_ROUND).difference(enclosing(whole, radius))
-    return around.intersection(package.box(0.0, -1e9, 1e9, 1e9)) if revolves else around
+    around = _around(_whole(region, revolves), radius)
+    return around.intersection(shapely().box(0.0, -1e9, 1e9, 1e9)) if revolves else around
+
+
+def _around(region: Region, radius: float) -> Region:
+    """Centres of circles that meet an area and do not hold all of it within."""
+    return region.buffer(radius, quad_segs=_ROUND).difference(enclosing(region, radius))
 
 
 def enclosing(region: Region, radius: float) -> Region:
@@ -263,9 +251,11 @@ def enclosing(region: Region, radius: float) -> Region:
     return package.intersection_all(discs)
 
 
-def _mirrored(region: Region) -> Region:
-    """On the other side of the axis."""
-    return shapely().transform(region, lambda points: points * (-1.0, 1.0))
+def _whole(region: Region, revolves: bool) -> Region:
+    """The section of a solid of revolution on both sides of the axis; any other area as it is."""
+    if not revolves:
+        return region
+    return shapely().unary_union([region, shapely().transform(region, lambda points: points * (-1.0, 1.0))])
 
 
 def _revolved(region: Region) -> float:

@@ -196,7 +196,7 @@ class _Search:
         if reachable.cells and postures is not None and postures.are_counted:
             numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
         dexterous = self._dexterous(picture, reachable)
-        by_formula = bool(reachable.cells) and self._follows_formulas(plane)
+        by_formula = bool(reachable.cells) and self._with_formulas(plane) is not None
         return WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula)
 
     def _postures(self, plane: PlaneMap) -> Postures | None:
@@ -208,14 +208,14 @@ class _Search:
             self.solved[place] = Postures.of(plane.point)
         return self.solved[place]
 
-    def _follows_formulas(self, plane: PlaneMap) -> bool:
+    def _with_formulas(self, plane: PlaneMap) -> Postures | None:
+        """The postures of places in a picture, where the bounds of the inverse kinematics are its boundary."""
         postures = self._postures(plane) if plane.has_exact_curves else None
-        return postures is not None and postures.has_formulas
+        return postures if postures is not None and postures.has_formulas else None
 
     def _area(self, plane: PlaneMap) -> Area:
         """What a map covers: by formulas, where they say it, by critical curves, or by search."""
-        postures = self._postures(plane) if self._follows_formulas(plane) else None
-        if postures is not None:
+        if postures := self._with_formulas(plane):
             return formula_area(plane, partial(postures.curves, plane), partial(postures.within, plane))
         return exact_area(plane) if plane.has_exact_curves else refined_area(plane)
 
@@ -303,9 +303,8 @@ def _counted_volume(point: ArmPoint, views: Sequence[WorkspaceView]) -> Measure:
         places = corner + sides * ((shift + steps * np.arange(1, _PLACES + 1)) % 1.0)
         x, y, z = places
         across = np.hypot(x, y) if front.picture is Picture.SECTION else x
-        inside = package.contains_xy(front.reachable.region, across, z) & package.contains_xy(
-            top.reachable.region, x, y
-        )
+        inside = package.contains_xy(front.reachable.region, across, z)
+        inside &= package.contains_xy(top.reachable.region, x, y)
         shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
     box = float(np.prod(sides))
     return Measure(box * float(np.mean(shares)), 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5)

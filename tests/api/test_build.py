@@ -1,7 +1,5 @@
 """`derive.build` and its like do what the commands do."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

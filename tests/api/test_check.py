@@ -1,7 +1,5 @@
 """`derive.check` and `derive.check_formula` do what the command does."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 
@@ -53,7 +51,6 @@ def test_latex_has_a_verdict_for_each_formula() -> None:
 
 
 def test_numbers_have_six_digits_for_people_and_all_for_programs() -> None:
-    """What is printed may be pasted back: it is right but for rounding."""
     wrong = check_formula("puma560-corke", "B[6,6]", "0.2")
     assert "\n  right: 0.194105 (numbers with 6 digits)\n" in wrong.report
     assert Fraction(wrong.right) == Fraction(48_526_126_417, 250_000_000_000)

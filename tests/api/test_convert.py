@@ -1,7 +1,5 @@
 """The other convention from Python, as a function and as a method of a robot."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`derive.export` and the methods of `derive.Robot`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,15 +1,12 @@
 """`derive.handout` and `derive.fragment` do what the command does."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
 
 from derive.api.handout import fragment, handout
 from derive.api.robots import load
-from derive.errors import DeriveError, OutputError, QuantityError, TargetError
-from derive.robot.options.handout import PARTS
+from derive.errors import DeriveError, QuantityError, TargetError
 from derive.robot.presentation import with_options
 
 
@@ -58,7 +55,6 @@ def test_an_unknown_option_is_refused_before_anything_is_written(
 
 
 def test_a_plan_is_a_part_of_the_sheet_and_moves_the_arm_of_the_page(tmp_path: Path) -> None:
-    """In the language and with the parts that the handout has."""
     options = {"formats": ["tex", "html"], "parts": ["table"], "language": "it", "plan": "skeleton-reach"}
     result = handout("skeleton-root", tmp_path, **options)  # type: ignore[arg-type]
     assert result.parts == ("table", "plan")
@@ -66,9 +62,3 @@ def test_a_plan_is_a_part_of_the_sheet_and_moves_the_arm_of_the_page(tmp_path: P
     assert "Piano di moto" in tex
     assert "Tabella di Denavit-Hartenberg" in page
     assert '"playback": {"tracks": ' in page
-
-
-def test_foreign_files_are_not_overwritten(tmp_path: Path) -> None:
-    (tmp_path / "thumb.tex").write_text("mine")
-    with pytest.raises(OutputError, match="exists already"):
-        handout("thumb", tmp_path, parts=PARTS[:2])

@@ -1,7 +1,5 @@
 """Robots from URDF, from Python."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -44,7 +42,6 @@ def test_the_method_and_the_function_give_the_same_robot(torso: Path) -> None:
 
 
 def test_lengths_have_names_on_request(tmp_path: Path) -> None:
-    """The same poses and torques, the numbers among the parameters, and the promise of the file is kept."""
     path, file = tmp_path / "torso.urdf", tmp_path / "named.yaml"
     path.write_text(urdf(TORSO, name="torso"))
     named = import_urdf(path, tip="left_hand", symbols=True, inertia="possible", folder=tmp_path)
@@ -86,7 +83,6 @@ def test_every_tip_gets_an_arm_or_a_reason(torso: Path) -> None:
 
 
 def test_a_joint_that_urdf_does_not_have_refuses_the_chains_through_it_alone() -> None:
-    """It is held at zero beside others, with what it carries, and remarked with its line."""
     ball = J("0 0.1 0", "0.2 0 0", type="ball", link="toe", parent="left_hand", inertial=body("1", "0 0 0.1"))
     found = import_all(urdf([*TORSO, ball], name="torso").encode())
     assert [arm.robot.name for arm in found.arms] == ["torso-right-hand"]
@@ -128,7 +124,6 @@ def test_a_negative_mass_that_torques_notice_is_refused_with_a_witness() -> None
 
 
 def test_a_chain_may_go_up_the_tree_first(torso: Path) -> None:
-    """From hand to hand: joints on the way up turn the other way round."""
     robot = import_urdf(torso, base="left_hand", tip="right_hand").robot
     reading = Reading(torso.read_text(), ("j1", "j2", "j3", "j4", "j5"))
     q = np.random.default_rng(1).uniform(-1, 1, 4)

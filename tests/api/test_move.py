@@ -1,7 +1,5 @@
 """Motions from Python: files complete or untouched."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

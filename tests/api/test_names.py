@@ -1,7 +1,5 @@
 """What `derive` shows: every public name, in every order of imports, and no more."""
 
-from __future__ import annotations
-
 import inspect
 import subprocess
 import sys
@@ -15,7 +13,6 @@ FUNCTIONS = sorted(name for name in derive.__all__ if inspect.isfunction(getattr
 
 
 def in_a_fresh_process(code: str) -> str:
-    """What a new interpreter prints."""
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()

@@ -1,7 +1,5 @@
 """`derive.plot` does what the command does."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`derive.possible`: a robot by name, and the text of a robot file that reads back."""
 
-from __future__ import annotations
-
 import pytest
 
 import derive

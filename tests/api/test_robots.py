@@ -1,7 +1,5 @@
 """Robots are given by name, path or themselves; joint values as numbers or cells."""
 
-from __future__ import annotations
-
 import pickle
 import pydoc
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """`derive.find_style` and `derive.Style.from_examples`: what a book's formulas tell about its style."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

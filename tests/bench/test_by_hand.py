@@ -1,7 +1,5 @@
 """The recursions that derive is compared with are right, for any arm."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

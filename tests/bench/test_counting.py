@@ -1,7 +1,5 @@
 """Operations are counted alike in tapes, in printed code and in CasADi's graphs."""
 
-from __future__ import annotations
-
 import ast
 
 import casadi

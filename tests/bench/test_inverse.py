@@ -1,7 +1,5 @@
 """Solvers of inverse kinematics are timed for the right solutions alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Times of motions: what is timed moves as it should, and the page is that of the results."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

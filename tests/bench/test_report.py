@@ -1,7 +1,5 @@
 """Figures on pages come from the results."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any
@@ -11,7 +9,7 @@ import pytest
 from bench.operations_report import best_other, operations_markdown, summary
 from bench.peers.passes import one_by_one
 from bench.peers.peer import Timed
-from bench.report import BEGIN, END, README, block, with_block
+from bench.report import BEGIN, END, PAGE, block, with_block
 from bench.results import FOLDER, read_json
 from bench.stopwatch import Effort, measure
 from bench.timings_report import ratio, timings_markdown
@@ -74,10 +72,10 @@ def test_the_block_is_put_between_the_marks_once() -> None:
         with_block("no marks", "new")
 
 
-def test_figures_in_readme_are_those_of_the_committed_results() -> None:
-    page = README.read_text(encoding="utf-8")
+def test_figures_on_the_page_are_those_of_the_committed_results() -> None:
+    page = PAGE.read_text(encoding="utf-8")
     if BEGIN not in page:
-        pytest.skip("README has no marks")
+        pytest.skip("the page has no marks")
     assert with_block(page, block(read_json("operations"), read_json("timings"))) == page
 
 

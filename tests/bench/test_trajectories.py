@@ -1,7 +1,5 @@
 """Profiles are compared with roboticstoolbox where it is installed, and with its formulas everywhere."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Runs the command: in this process, or in one of its own, as a shell does."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os
@@ -90,11 +88,9 @@ def derive_process(*arguments: str, folder: Path, **variables: str) -> Outcome:
 
 
 def environment(**variables: str) -> dict[str, str]:
-    """The environment of a process that finds this tree first."""
     python_path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
     return {**os.environ, "PYTHONPATH": python_path, **variables}
 
 
 def is_one_message(text: str) -> bool:
-    """Whether standard error holds one line of ours and no traceback."""
     return text.startswith("derive") and ": error: " in text and text.count("\n") == 1

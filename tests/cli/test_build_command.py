@@ -1,7 +1,5 @@
 """``derive build`` as scripts and people use it: reports, silence, staleness, several robots."""
 
-from __future__ import annotations
-
 import json
 import os
 import pty
@@ -19,7 +17,6 @@ from tests.cli.command import PENDULUM, derive, derive_process, environment, is_
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a robot file and its models."""
     folder = tmp_path_factory.mktemp("built")
     (folder / "arm.yaml").write_text(PENDULUM)
     outcome = derive_process("build", "arm.yaml", folder=folder)
@@ -72,7 +69,6 @@ def test_no_progress_without_a_terminal(tmp_path: Path) -> None:
 
 
 def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> None:
-    """Standard error is a terminal, standard output a file."""
     process, terminal = pty.fork()
     if process == 0:  # pragma: no cover -- the child
         os.chdir(tmp_path)
@@ -110,14 +106,6 @@ def test_one_failure_does_not_stop_the_rest(tmp_path: Path) -> None:
     assert "skeleton" in outcome.stderr
     assert (tmp_path / "generated" / "planar_3r" / "model_numpy.py").exists()
     assert [path.name for path in (tmp_path / "generated" / "skeleton").iterdir()] == ["thesis.txt"]
-
-
-def test_two_robots_of_one_name_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "one.yaml").write_text(PENDULUM)
-    (tmp_path / "two.yaml").write_text(PENDULUM.replace("a: a1", "a: b1").replace("l1 - a1", "l1 - b1"))
-    outcome = derive("build", "one.yaml", "two.yaml", "--jobs", "2", folder=tmp_path)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr), outcome.stderr
 
 
 def test_a_target_is_added_to_the_usual_ones_and_only_leaves_the_named_ones(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """Every command is one module of one shape, and none of them computes."""
 
-from __future__ import annotations
-
 import argparse
 import ast
 from pathlib import Path
@@ -51,7 +49,6 @@ MODULES = {
 
 
 def imported(module: ModuleType) -> set[str]:
-    """The modules that a module imports, wherever it does."""
     tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
     found = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
     return found | {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}

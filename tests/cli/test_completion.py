@@ -1,7 +1,5 @@
 """``derive completion``: scripts of shells, asked in the shells themselves."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``derive convert``: the file or its text, a report, one message for what is wrong."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Exit status 0 done, 1 a check failed, 2 wrong input with one message on standard error."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import signal
@@ -56,20 +54,6 @@ def test_message_of_a_robot_file_names_file_line_and_column(tmp_path: Path) -> N
     assert not (tmp_path / "generated").exists()
 
 
-def test_new_never_overwrites(tmp_path: Path) -> None:
-    (tmp_path / "arm.yaml").write_text("mine")
-    outcome = derive("new", "arm", folder=tmp_path)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr)
-    assert (tmp_path / "arm.yaml").read_text() == "mine"
-
-
-def test_new_does_not_write_through_a_dangling_link(tmp_path: Path) -> None:
-    (tmp_path / "arm.yaml").symlink_to(tmp_path / "elsewhere")
-    assert derive("new", "arm", folder=tmp_path).status == 2
-    assert not (tmp_path / "elsewhere").exists()
-
-
 @pytest.mark.parametrize("joints", ["1", "2", "6"])
 def test_new_file_loads_as_it_is(joints: str, tmp_path: Path) -> None:
     assert derive("new", "arm", "--joints", joints, folder=tmp_path).status == 0
@@ -83,13 +67,6 @@ def test_output_on_an_ascii_terminal_is_escaped(tmp_path: Path) -> None:
     assert outcome.status == 2
     assert is_one_message(outcome.stderr), outcome.stderr
     assert "\\u03b1.yaml" in outcome.stderr
-
-
-def test_unwritable_output_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "out").write_text("a file, not a folder")
-    outcome = derive("build", "planar-2r-perugia", "--out", "out", folder=tmp_path)
-    assert outcome.status == 2
-    assert is_one_message(outcome.stderr), outcome.stderr
 
 
 def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:

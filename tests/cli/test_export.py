@@ -1,7 +1,5 @@
 """``derive export``: the file or its text, remarks, one message for what is wrong."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``derive handout`` as teachers use it: files, exercises, fragments, options over the file, and what it refuses."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path
@@ -16,7 +14,6 @@ BARE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n%s\n
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a robot file."""
     (tmp_path / "arm.yaml").write_text(PENDULUM)
     return tmp_path
 
@@ -64,21 +61,6 @@ def test_a_web_page_is_one_file(folder: Path) -> None:
     assert outcome.status == 0, outcome.stderr
     assert names(folder) == {"pendulum.html"}
     assert "http-equiv" in (folder / "pendulum.html").read_text()
-
-
-def test_files_that_are_there_are_replaced_by_force_alone(folder: Path) -> None:
-    require_latex()
-    assert handout(folder, "--pdf").status == 0
-    for name, other in (("pendulum.tex", "pendulum.pdf"), ("pendulum.pdf", "pendulum.tex")):
-        (folder / name).write_text("my own notes")
-        (folder / other).unlink()
-        outcome = handout(folder, "--pdf")
-        assert outcome.status == 2
-        assert is_one_message(outcome.stderr)
-        assert name in outcome.stderr
-        assert (folder / name).read_text() == "my own notes"
-        assert handout(folder, "--pdf", "--force").status == 0
-    assert names(folder) == {"pendulum.tex", "pendulum.pdf"}
 
 
 def test_a_refusal_of_latex_leaves_what_was_there(folder: Path) -> None:

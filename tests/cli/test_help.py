@@ -1,7 +1,5 @@
 """Help answers at once and names every command."""
 
-from __future__ import annotations
-
 import resource
 import subprocess
 import sys
@@ -41,7 +39,6 @@ def seconds_of_work(*arguments: str) -> float:
 
 
 def test_help_answers_at_once() -> None:
-    """No more work than three times what an interpreter needs that reads arguments and nothing else."""
     assert seconds_of_work("-m", "derive", "--help") < 3 * seconds_of_work("-c", "import argparse")
 
 

@@ -1,7 +1,5 @@
 """A broken or hostile robot file meets every command the same way: one line, status 2, nothing written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

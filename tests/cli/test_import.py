@@ -1,7 +1,5 @@
 """``derive import`` as it is typed."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from unittest import mock
@@ -46,7 +44,6 @@ def test_a_file_is_written_and_reported_on(folder: Path) -> None:
 
 
 def test_bodies_that_cannot_be_are_exchanged_for_ones_that_can(folder: Path) -> None:
-    """Their torques are the same."""
     assert derive("import", "arm.urdf", "-o", "given.yaml", folder=folder).status == 0
     done = derive("import", "arm.urdf", "--inertia", "possible", "-o", "possible.yaml", folder=folder)
     assert done.status == 0, done.stderr
@@ -69,15 +66,6 @@ def test_a_urdf_comes_from_standard_input(folder: Path) -> None:
         done = derive("import", "-", "-o", "arm.yaml", folder=folder)
     assert done.status == 0, done.stderr
     assert "not tested" in derive("verify", "arm.yaml", folder=folder).stdout
-
-
-def test_a_file_that_is_there_stays(folder: Path) -> None:
-    (folder / "arm.yaml").write_text("mine")
-    done = derive("import", "arm.urdf", "-o", "arm.yaml", folder=folder)
-    assert done.status == 2
-    assert is_one_message(done.stderr)
-    assert (folder / "arm.yaml").read_text() == "mine"
-    assert derive("import", "arm.urdf", "-o", "arm.yaml", "--force", folder=folder).status == 0
 
 
 def test_all_tips_get_files(folder: Path) -> None:

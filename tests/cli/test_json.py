@@ -1,7 +1,5 @@
 """``--json`` is one JSON value on standard output, whatever the command found."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -9,18 +7,6 @@ import pytest
 
 from derive.robot.load import catalogue_names
 from tests.cli.command import PENDULUM, derive
-
-WRONG_FORMULA = """\
-robot:
-  name: pendulum
-  convention: standard
-  joints:
-    - {type: revolute, a: a1}
-expected:
-  - quantity: p
-    entries: {"1": "a1*c1", "2": "-a1*s1"}
-    status: ok
-"""
 
 
 def test_list_names_the_whole_catalogue(tmp_path: Path) -> None:
@@ -53,17 +39,6 @@ def test_build_and_verify_report_the_worst_errors(tmp_path: Path) -> None:
     assert {row["target"] for row in verified["rows"]} >= {"numpy", "casadi"}
     (checked,) = json.loads(derive("build", "arm.yaml", "--check", "--json", folder=tmp_path).stdout)
     assert checked["status"] == "current"
-
-
-@pytest.mark.parametrize("option", [(), ("--json",)])
-def test_wrong_formula_is_status_1_with_and_without_json(option: tuple[str, ...], tmp_path: Path) -> None:
-    (tmp_path / "notes.yaml").write_text(WRONG_FORMULA)
-    outcome = derive("check", "notes.yaml", *option, folder=tmp_path)
-    assert outcome.status == 1
-    assert outcome.stderr == ""
-    if option:
-        (report,) = json.loads(outcome.stdout)
-        assert [entry["equal"] for entry in report["entries"]] == [True, False]
 
 
 def test_schema_is_a_json_schema_that_accepts_a_robot_file(tmp_path: Path) -> None:

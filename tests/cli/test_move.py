@@ -1,7 +1,5 @@
 """``derive move``: what it prints and writes, and one message for each way in which a plan can be wrong."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``derive new``: files that load, from nothing or from what exists."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One option, one name in every command: properties over the parsers of all of them."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import re
@@ -19,7 +17,6 @@ PARSERS = dict(zip(COMMANDS, whole_parser()[1], strict=True))
 
 
 def options() -> Iterator[tuple[str, argparse.Action]]:
-    """Every option of every command."""
     for name, parser in PARSERS.items():
         yield from ((name, action) for action in parser._actions if action.option_strings)
 

@@ -1,7 +1,5 @@
 """No command overwrites a file without ``--force``: a property over all commands, and all options that write."""
 
-from __future__ import annotations
-
 import importlib
 import shlex
 from pathlib import Path

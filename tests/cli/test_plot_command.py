@@ -1,7 +1,5 @@
 """``derive plot``: figures of arms and workspaces."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Remarks reach whoever runs a command: on standard error, in JSON, as errors with ``--strict``, as warnings."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -26,7 +24,6 @@ COMMANDS = [
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a robot file in which degrees stand among radians."""
     (tmp_path / "slip.yaml").write_text(SLIP)
     return tmp_path
 

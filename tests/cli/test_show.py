@@ -1,7 +1,5 @@
 """``derive show``: numbers in few digits, and it says so; exactly where that is asked for."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -28,7 +26,6 @@ def folder(tmp_path: Path) -> Path:
 
 
 def printed(folder: Path, *arguments: str) -> list[str]:
-    """The lines of ``derive show rod.yaml ...``."""
     outcome = derive("show", "rod.yaml", *arguments, folder=folder)
     assert outcome.status == 0, outcome.stderr
     return outcome.stdout.splitlines()

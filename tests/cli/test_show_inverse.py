@@ -1,7 +1,5 @@
 """``derive show ROBOT inverse``: the task of the command line, every form of output, all configurations of a pose."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -50,7 +48,6 @@ def test_json_has_the_steps_and_the_branches(capsys: pytest.CaptureFixture[str])
 
 
 def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    """A column each; the two elbows of an arm with links of equal length are mirrored."""
     text = shown(capsys, "--task", "x,y", "--at", "0.5, 1, a1=1, a2=1", "--format", "json")
     rows = json.loads(text)["quantities"]["inverse"]
     columns = sorted(zip(*([float(x) for x in row] for row in rows), strict=True))

@@ -1,7 +1,5 @@
 """``derive style``: what it prints and how it ends."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How commands speak: one line for a message, aligned columns, and arguments that are refused with what is allowed."""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import io
@@ -70,8 +68,6 @@ def test_nobody_watches_a_pipe() -> None:
 
 
 class Stream(io.StringIO):
-    """A stream that may be a terminal."""
-
     def __init__(self, *, terminal: bool) -> None:
         super().__init__()
         self.terminal = terminal

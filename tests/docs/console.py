@@ -1,7 +1,5 @@
 """Reads the console blocks of a Markdown page and runs them as a reader would: in order, in one empty folder."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex
@@ -26,8 +24,6 @@ _STATUS = re.compile(r"\[exit status (\d+)\]")
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its language, the file that it is to be saved as, its text and its line in the page."""
-
     language: str
     file: str
     body: str
@@ -36,8 +32,6 @@ class Block:
 
 @dataclass(frozen=True)
 class Command:
-    """A command with what the page shows under it."""
-
     text: str
     output: tuple[str, ...]
     status: int
@@ -67,7 +61,6 @@ def commands(block: Block) -> Iterator[Command]:
 
 
 def environment(folder: Path) -> dict[str, str]:
-    """PATH with ``derive`` and ``python`` of this interpreter first, whether or not the package is installed."""
     bin_folder = folder / "bin"
     bin_folder.mkdir(parents=True, exist_ok=True)
     for name, arguments in (("derive", " -m derive"), ("python", "")):
@@ -116,5 +109,4 @@ def agrees(shown: tuple[str, ...], printed: list[str]) -> bool:
 
 
 def _line(part: str) -> str:
-    """A pattern for a part of a line without ``...``."""
     return _ANY_ROUNDING_ERROR.join(re.escape(text) for text in _ROUNDING_ERROR.split(part))

@@ -1,7 +1,5 @@
 """Writes docs/errata.md from the lecture corpus: ``python -m tests.docs.errata``."""
 
-from __future__ import annotations
-
 from derive.api.check import printout_of
 from derive.checking.files import check_path
 from derive.checking.report import Printout, errata_report
@@ -18,21 +16,19 @@ TITLES = {
     "004": "Document 004: report on the SCARA manipulator (University of Perugia)",
 }
 HEAD = (
-    "What `derive check` finds wrong in five lecture documents. This page is written by the command itself "
+    "This page lists the errors that `derive check` finds in five lecture documents; the command itself wrote it "
     "(`make errata`). Formulas are in the shorthand of the notes: `c12` is the cosine of the sum of the first two "
     "joint angles, `**` a power. In the Newton-Euler equations `w`, `wd`, `v`, `vd` are velocities and accelerations, "
-    "`@` is the product with a matrix. The last section is about motions, where commands and numbers are printed."
+    "`@` is a matrix product. The last section is about motions; its items are commands and numbers."
 )
 
 
 def printouts() -> list[Printout]:
-    """Every file of the corpus, checked."""
     checked = (check_path(str(path)) for path in sorted(CORPUS.glob("*.yaml")))
     return [printout_of(report, robot) for report, robot in checked]
 
 
 def page() -> str:
-    """The page as it should be."""
     found = printouts()
     documents = {finding.remark.document.title for p in found for finding in p.report.findings}
     documents |= {p.report.document.title for p in found}

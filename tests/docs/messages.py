@@ -5,8 +5,6 @@ leave. The files name no date and no line, so that they change only when a text 
 written, and the exit status is 1 where something would be.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import sys
@@ -32,7 +30,6 @@ Found = tuple[str, str]
 
 
 def messages() -> Catalog:
-    """Every text in the code and in the templates, in English."""
     catalog = Catalog(project="derive", charset="utf-8", header_comment=HEADER)
     for place, message in sorted(found(), key=lambda item: (item[1], item[0])):
         catalog.add(message, None, [(place, None)])
@@ -40,7 +37,6 @@ def messages() -> Catalog:
 
 
 def found() -> Iterator[Found]:
-    """Every message with its file."""
     for path in sorted((ROOT / "derive" / "handouts").rglob("*.py")):
         for _, message in literals(path):
             yield str(path.relative_to(ROOT)), message
@@ -73,18 +69,15 @@ def _called(function: ast.expr) -> str:
 
 
 def catalogues(folder: Path = LOCALE) -> list[Path]:
-    """One file for each language but English."""
     return sorted(folder.glob("*.po"))
 
 
 def read(path: Path) -> Catalog:
-    """A catalogue; its language is its file name."""
     with path.open("rb") as file:
         return read_po(file, locale=path.stem, abort_invalid=True)
 
 
 def updated(path: Path, template: Catalog) -> bytes:
-    """A catalogue with exactly the messages of the template."""
     catalog = read(path)
     catalog.update(template, no_fuzzy_matching=True, update_header_comment=False)
     catalog.obsolete.clear()
@@ -92,7 +85,6 @@ def updated(path: Path, template: Catalog) -> bytes:
 
 
 def written(catalog: Catalog) -> bytes:
-    """The file, without dates and versions, which change when nothing does."""
     for message in catalog:
         message.flags.discard("python-brace-format")  # LaTeX is full of braces
     body = io.BytesIO()
@@ -108,13 +100,11 @@ def _headers(catalog: Catalog) -> Iterator[str]:
 
 
 def wanted() -> dict[Path, bytes]:
-    """What every file should hold."""
     template = messages()
     return {TEMPLATE: written(template), **{path: updated(path, template) for path in catalogues()}}
 
 
 def main(check: bool = False) -> int:
-    """Write what differs; say for each language how much is not translated."""
     status = 0
     for path, content in wanted().items():
         if not path.exists() or path.read_bytes() != content:

@@ -3,8 +3,6 @@
 No formula is printed there that could be compared: the items are commands and numbers of the MATLAB appendix.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import permutations
 
@@ -24,7 +22,6 @@ APPENDIX = "appendix: Il codice MATLAB per lo SCARA"
 
 
 def section() -> list[str]:
-    """The lines of the section; numbers with six digits."""
     motion = Motion.load("scara-pick-and-place")
     items = (
         *_unscaled(motion),
@@ -34,7 +31,7 @@ def section() -> list[str]:
         *_singular(motion),
     )
     head = (
-        "What the plan `scara-pick-and-place` (`derive move scara-pick-and-place`) shows of the report's simulation: "
+        "The plan `scara-pick-and-place` (`derive move scara-pick-and-place`) shows errors of the report's simulation: "
         "quintic `jtraj`, 3 s for each of five segments, sampled every Tc = 0.01 s."
     )
     return [TITLE, "", head, "", *items]
@@ -107,12 +104,12 @@ def _impossible(robot: Robot) -> Iterator[str]:
                     f"`L{{{index}}}.I`",
                     APPENDIX,
                     f"moments of inertia {printed} kg m^2 about {', '.join(axes)}",
-                    f"I{axes[c]}{axes[c]} at most {moments[a] + moments[b]:g}, or larger others; which, the "
-                    "report does not say",
+                    f"I{axes[c]}{axes[c]} at most {moments[a] + moments[b]:g}, or larger others; the report does not "
+                    "say which",
                     f"I{axes[a]}{axes[a]} + I{axes[b]}{axes[b]} - I{axes[c]}{axes[c]} = "
                     f"{moments[a] + moments[b] - moments[c]:g} kg m^2",
                     "Ixx + Iyy - Izz is twice the integral of z^2 over the mass, about any point, and so for every "
-                    f"order of the axes: never negative. No body has the inertia of link {index}.",
+                    f"order of the axes: never negative. The inertia of link {index} is physically inconsistent.",
                 )
 
 
@@ -125,9 +122,9 @@ def _unassigned(robot: Robot) -> Iterator[str]:
         f"masses {masses} kg and all other dynamic data to `L{{1}}` to `L{{4}}`; `PosPinza0 = fkine(SCARA,q)`",
         "`L1.m`, ..., of the links that `robot({L1,L2,L3,L4})` is made of; `fkine(SCARA,qRiposo)`",
         f"the robot of the script weighs 0 kg, right {sum(evaluate(link.mass, {}) for link in robot.links):g} kg",
-        "the links are created as L1 to L4, and L{1} to L{4} are cells of another variable, so that no dynamic number "
-        "reaches the robot; q is still the symbolic vector there, so that the place of the gripper is a formula. "
-        "Neither changes figures 15 to 19, which show joint variables alone.",
+        "the links are created as L1 to L4, and L{1} to L{4} are cells of another variable, so no dynamic parameter "
+        "reaches the robot; q is still the symbolic vector there, so the gripper position is a formula. "
+        "Neither changes figures 15 to 19, which show only joint variables.",
     )
 
 
@@ -144,7 +141,7 @@ def _singular(motion: Motion) -> Iterator[str]:
         "points " + ", ".join(f"`{name}`" for name in singular),
         SIMULATION,
         "via points with theta2 = 0, among them the one where the piece is placed",
-        "any theta2 other than 0 and pi",
+        "any theta2 except 0 and pi",
         "rank of J: " + ", ".join(f"{name} {rank}" for name, rank in ranks.items()),
         f"det J is a multiple of sin(theta2), which the report itself names as the only singularity (Singolarità "
         f"cinematiche dello SCARA): {len(singular)} of the {len(path)} points of its path are singular. Motions by "

@@ -3,8 +3,6 @@
 Only what no longer agrees is rewritten, so ``...`` stays where a page has it on purpose.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from pathlib import Path
@@ -13,7 +11,6 @@ from tests.docs.console import Block, Command, agrees, blocks, commands, environ
 
 
 def refreshed(block: Block, folder: Path, variables: dict[str, str]) -> str:
-    """The block with its commands run again."""
     return "".join(_shown(command, *run(command, folder, variables)) for command in commands(block))
 
 

@@ -1,7 +1,5 @@
 """The page of errata is what the command finds today."""
 
-from __future__ import annotations
-
 from tests.docs.errata import PAGE, TITLES, page
 from tests.docs.motion_errata import section
 

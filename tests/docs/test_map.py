@@ -1,7 +1,5 @@
 """The map of the code, `docs/architecture.md`, and the recipes of `CONTRIBUTING.md` name what is there."""
 
-from __future__ import annotations
-
 import ast
 import re
 
@@ -42,7 +40,6 @@ def test_every_folder_of_the_package_is_on_the_map() -> None:
 
 
 def defined(tree: ast.Module) -> list[str]:
-    """Names of functions, classes, methods and constants of a module."""
     found = [node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.ClassDef)]
     for node in tree.body:
         targets = (

@@ -1,7 +1,5 @@
 """The notebook of examples/ runs, shows formulas, and stores what it shows."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The example of the page about MATLAB and Octave runs as it stands."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the README and the pages under docs/ show is what a reader gets."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -73,7 +71,6 @@ def test_make_targets_that_a_page_names_exist(page: Path) -> None:
 
 
 def test_page_of_quantities_has_a_row_for_every_quantity_in_their_order() -> None:
-    """With its symbol, shape and unit as in the registry; it may say more."""
     text = (ROOT / "docs" / "quantities.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| `")]
     shown = {row[1].strip("`"): row[3:6] for row in rows if len(row) == 8}
@@ -83,7 +80,6 @@ def test_page_of_quantities_has_a_row_for_every_quantity_in_their_order() -> Non
 
 
 def test_every_page_can_be_reached_from_another() -> None:
-    """By a link, or by a table of contents of the site."""
     linked = {
         (page.parent / target).resolve()
         for page in PAGES
@@ -95,7 +91,6 @@ def test_every_page_can_be_reached_from_another() -> None:
 
 
 def contents(page: Path) -> list[str]:
-    """The pages of the tables of contents on a page; ``*`` stands for all of its folder."""
     lines = [line for block in blocks(page) if block.language == "{toctree}" for line in block.body.splitlines()]
     names = [f"{line}.md" for line in lines if line and not line.startswith(":")]
     return [str(path.relative_to(page.parent)) for name in names for path in page.parent.glob(name)]

@@ -1,7 +1,5 @@
 """Examples as modules, as `python examples/NAME.py` finds them and what lies beside them."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from types import ModuleType
@@ -13,6 +11,5 @@ EXAMPLES = ROOT / "examples"
 
 
 def loaded(name: str) -> ModuleType:
-    """The example of that name, imported once."""
     with mock.patch.object(sys, "path", [str(EXAMPLES), *sys.path]):
         return importlib.import_module(name)

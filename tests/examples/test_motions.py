@@ -1,7 +1,5 @@
 """The examples of motions do what they say; each tells by its status whether its own figures hold."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

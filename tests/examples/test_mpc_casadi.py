@@ -1,7 +1,5 @@
 """The example of model predictive control swings its arm up, within its torques and within a minute."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from derive.exchange.body_chain import Body, body_chain, is_world, quaternion, roll_pitch_yaw
+from derive.exchange.body_chain import RigidBody, body_chain, is_world, quaternion, roll_pitch_yaw
 from derive.mechanics.space import WORLD, Frame, exactly, unit, vector
 from tests.exchange.arms import dressed, numeric
 
@@ -32,7 +32,7 @@ def test_roll_pitch_yaw_and_quaternion_are_the_rotation(x: tuple[int, int, int])
 
 def test_a_body_and_what_is_taken_away_again_is_the_body() -> None:
     with exactly():
-        link, other = (Body.of(link) for link in dressed("planar-3r").links[:2])
+        link, other = (RigidBody.of(link) for link in dressed("planar-3r").links[:2])
         back = link + other + other.negative
         assert all(abs(a - b) < 1e-60 for a, b in zip(back.entries, link.entries, strict=True))
         assert back.link(dressed("planar-3r").links[0]) == dressed("planar-3r").links[0]
@@ -40,11 +40,11 @@ def test_a_body_and_what_is_taken_away_again_is_the_body() -> None:
 
 def test_only_bodies_that_exist_are_possible() -> None:
     with exactly():
-        one = Body(arb(1), vector((0, 0, 0)), (vector((2, 0, 0)), vector((0, 3, 0)), vector((0, 0, 4))))
+        one = RigidBody(arb(1), vector((0, 0, 0)), (vector((2, 0, 0)), vector((0, 3, 0)), vector((0, 0, 4))))
         assert one.is_possible
-        assert not Body(arb(-1), one.com, one.inertia).is_possible
-        assert not Body(one.mass, one.com, (one.inertia[0], one.inertia[1], vector((0, 0, 6)))).is_possible
-        assert [body.is_possible for body in map(Body.of, numeric("puma560-corke").links)] == [
+        assert not RigidBody(arb(-1), one.com, one.inertia).is_possible
+        assert not RigidBody(one.mass, one.com, (one.inertia[0], one.inertia[1], vector((0, 0, 6)))).is_possible
+        assert [body.is_possible for body in map(RigidBody.of, numeric("puma560-corke").links)] == [
             False,
             True,
             False,
@@ -58,7 +58,7 @@ def test_points_rods_plates_and_nothing_are_limits_of_bodies() -> None:
     with exactly():
         for mass, moments in ((1, (0, 0, 0)), (1, (0, 3, 3)), (1, (1, 3, 4)), (0, (0, 0, 0)), (0, (1, 2, 2))):
             rows = [vector(tuple(m if i == j else 0 for j in range(3))) for i, m in enumerate(moments)]
-            assert Body(arb(mass), vector((0, 0, 0)), (rows[0], rows[1], rows[2])).is_possible
+            assert RigidBody(arb(mass), vector((0, 0, 0)), (rows[0], rows[1], rows[2])).is_possible
 
 
 def test_the_drag_of_rotors_is_known_where_axes_keep_their_angles() -> None:

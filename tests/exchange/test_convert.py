@@ -14,6 +14,7 @@ from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 from tests.random_robots import robot_text as random_text
+from tests.random_robots import seeds
 
 ARM = """\
 # Source: notes, page 3.
@@ -69,7 +70,7 @@ def test_there_and_back_is_the_same_file_for_every_built_in_robot(name: str) -> 
     assert without_comments(bare.text) == robot_text(robot).rstrip("\n"), "no comment is needed"
 
 
-@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.sweep) for seed in range(8, 200))])
+@pytest.mark.parametrize("seed", seeds(200, usual=8))
 def test_there_and_back_is_the_same_table_for_random_robots_with_tools_and_bases(seed: int) -> None:
     robot = Robot.from_text(random_text(random.Random(5000 + seed)))
     back = converted(converted(robot, OTHER[robot.convention]).robot, robot.convention).robot

@@ -20,11 +20,12 @@ from tests.exchange.arms import numeric
 from tests.exchange.random_arms import random_arm
 from tests.exchange.test_to_mjcf import worst
 from tests.exchange.urdfs import Reading
+from tests.random_robots import seeds
 
 mujoco = pytest.importorskip("mujoco")
 pytest.importorskip("clarabel")
 
-SEEDS = [*range(6), *(pytest.param(seed, marks=pytest.mark.sweep) for seed in range(6, 500))]
+SEEDS = seeds(500, usual=6)
 
 TWO = """
 name: two

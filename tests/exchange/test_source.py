@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from derive.errors import RobotFileError
-from derive.exchange.source import MARK, Source, open_urdf, opened, relative
+from derive.exchange.source import MARK, ChainSource, open_urdf, opened, relative
 from tests.exchange.urdfs import J, urdf
 
 XACRO = """\
@@ -28,10 +28,10 @@ XACRO = """\
 
 
 def test_names_with_quotes_line_breaks_and_braces_come_back() -> None:
-    source = Source('a "b".urdf', "base\n# x", "tip: {1}", "0" * 64, ("..",), (("a", "b"),))
+    source = ChainSource('a "b".urdf', "base\n# x", "tip: {1}", "0" * 64, ("..",), (("a", "b"),))
     assert "\n" not in source.line
     text = f"# {source.line}\n# pose error over all limits <= 1.2e-16 m and 3e-16 rad, proven\nname: arm\n"
-    told = Source.of(text)
+    told = ChainSource.of(text)
     assert told is not None
     assert told[0] == source
     assert (told[1].position, told[1].rotation) == (1.2e-16, 3e-16)
@@ -40,7 +40,7 @@ def test_names_with_quotes_line_breaks_and_braces_come_back() -> None:
 @pytest.mark.parametrize("head", ["", "# derive import: {}", "# derive import: [1", f"# {MARK}3", "name: arm"])
 def test_a_head_that_says_nothing_is_none(head: str) -> None:
     text = f"{head}\n# pose error over all limits <= 1 m and 1 rad, proven\n"
-    assert Source.of(text) is None
+    assert ChainSource.of(text) is None
 
 
 def test_xacro_is_expanded_with_its_arguments(tmp_path: Path) -> None:

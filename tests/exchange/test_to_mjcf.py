@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from derive.exchange.body_chain import Body
+from derive.exchange.body_chain import RigidBody
 from derive.exchange.formats import exported
 from derive.exchange.to_mjcf import LEAST, is_too_thin, mjcf_text
 from derive.robot.description import Inertia, Motor
@@ -122,7 +122,7 @@ def test_points_rods_and_links_without_mass_accelerate_as_the_equations_say() ->
     assert max(worst(robot, made.text)) < 1e-12
     assert any(remark.startswith("MuJoCo has no body for link 1, 2, without mass") for remark in made.remarks)
     assert "MuJoCo wants a little of each: 1e-15 kg or kg m^2 where link 4, 5 has none" in made.remarks
-    assert [LEAST, is_too_thin(Body.of(robot.links[5]))] == [1e-15, False]
+    assert [LEAST, is_too_thin(RigidBody.of(robot.links[5]))] == [1e-15, False]
 
 
 NOTHING, STONE = ("0", "0 0 0", "0 0 0 0 0 0"), ("1.2", "-0.1 0.07 0.02", "0.005 0.006 0.01 0.001 0 0")

@@ -13,9 +13,10 @@ import pytest
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.from_urdf import Imported, import_urdf
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.urdf_grammar import READ, look
+from derive.exchange.urdf import READ, look
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import J, Reading, body, urdf
+from tests.random_robots import seeds
 
 LINKS = [
     J("0 0 0.3", inertial=body("2", "0.1 0 0.05", "0.3 0 0.1", "0.02 0.03 0.025 0.001 0 0.002")),
@@ -240,7 +241,7 @@ def bare(text: str) -> str:
     return text.replace(' version="1.1"', "")
 
 
-@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.sweep) for k in range(8, 300))])
+@pytest.mark.parametrize("seed", seeds(300, usual=8))
 def test_what_changes_the_arm_for_others_changes_it_here_or_is_told(seed: int) -> None:
     source, usual = random.Random(seed), imported(GOOD)
     for _ in range(20):

@@ -8,8 +8,7 @@ import pytest
 import xacro
 
 from derive.errors import RobotFileError
-from derive.exchange.source import open_urdf
-from derive.exchange.xacro_expressions import forbidden, guarded
+from derive.exchange.source import forbidden, guarded, open_urdf
 
 RUN = "('touch owned')"
 

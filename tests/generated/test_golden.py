@@ -1,7 +1,5 @@
 """The committed models are what a build makes now, and stand alone."""
 
-from __future__ import annotations
-
 from tests.places import ROOT
 
 import difflib
@@ -27,7 +25,6 @@ REMEDY = "if the change is meant, run `make models`, look at the differences and
 
 
 def difference(robot: Robot, name: str) -> str:
-    """The first differences of a stale file."""
     committed = (folder_of(robot, GENERATED) / name).read_text(encoding="utf-8").splitlines()
     fresh = render_robot(robot, targets_named()).files[name].decode().splitlines()
     lines = difflib.unified_diff(committed, fresh, f"committed {name}", f"fresh {name}", lineterm="")
@@ -87,7 +84,6 @@ def test_another_machine_makes_the_same_bytes(machine: dict[str, str], robot: st
 
 
 def test_no_committed_file_names_a_place_or_a_day() -> None:
-    """Of this checkout, of its owner, or of when it was made."""
     words = (str(ROOT), str(Path.home()), str(date.today()))
     files = [path for path in GENERATED.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     found = [f"{path}: {w}" for path in files for w in words if len(w) > 4 and w in path.read_text(encoding="utf-8")]

@@ -1,7 +1,5 @@
 """`make verify-generated` finds what is wrong in a committed folder."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
@@ -14,7 +12,6 @@ FOLDER = "planar_2r_perugia"
 
 @pytest.fixture
 def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A committed folder in a place of its own."""
     shutil.copytree(verify.GENERATED / FOLDER, tmp_path / FOLDER)
     monkeypatch.setattr(verify, "GENERATED", tmp_path)
     return tmp_path / FOLDER

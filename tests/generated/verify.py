@@ -5,8 +5,6 @@ processor or NumPy evaluates differently, is found even where a fresh build is r
 each robot; the exit status is 1 if a model is wrong, is missing or belongs to no robot of the catalogue.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import sys
@@ -21,14 +19,7 @@ from tests.places import GENERATED
 
 
 def verified(name: str) -> tuple[str, bool]:
-    """One robot.
-
-    Args:
-        name: Its name in the catalogue.
-
-    Returns:
-        A line that says what was found, and whether it is right.
-    """
+    """One robot: a line that says what was found, and whether it is right."""
     robot = Robot.load(name)
     try:
         report = verify(robot, folder_of(robot, GENERATED))
@@ -40,7 +31,6 @@ def verified(name: str) -> tuple[str, bool]:
 
 
 def main() -> int:
-    """Every committed folder, as many at once as there are processors."""
     names = catalogue_names()
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(len(names), os.cpu_count() or 1), mp_context=context) as pool:

@@ -1,7 +1,5 @@
 """Runs pdflatex once and reads its log."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -28,14 +26,12 @@ def overfull(log: LatexLog) -> float:
 
 
 def require_latex() -> None:
-    """Skips without pdflatex, except where it must be there."""
     if shutil.which("pdflatex") is None:
         assert os.environ.get("DERIVE_REQUIRE_LATEX") != "1", "pdflatex is required here and missing"
         pytest.skip("pdflatex is not installed")
 
 
 def run_latex(text: str, folder: Path) -> LatexLog:
-    """Compiles a document once."""
     require_latex()
     (folder / "sheet.tex").write_text(text, encoding="utf-8")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "sheet.tex"]

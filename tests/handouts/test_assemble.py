@@ -1,7 +1,5 @@
 """The table of parts: every part that a robot file may ask for, in its order."""
 
-from __future__ import annotations
-
 from derive.handouts.assemble import context_of, document, section_of
 from derive.robot.options.handout import PARTS, USUAL_PARTS, HandoutOptions
 from derive.robot.robot import Robot

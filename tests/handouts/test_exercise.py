@@ -1,7 +1,5 @@
 """Exercises ask for what the handout tells, tell none of it, and have solutions that match."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -41,7 +39,6 @@ def questions(sheet: Document) -> list[Blank]:
 
 
 def sheets(robot: Robot) -> tuple[Context, Document, Document, Document]:
-    """The handout with steps, its exercise and its solutions."""
     options = HandoutOptions(derivation=Derivation.STEPS, language="en")
     context = context_of(robot, replace(options, notation=robot.handout.notation))
     whole = document(context)
@@ -50,12 +47,10 @@ def sheets(robot: Robot) -> tuple[Context, Document, Document, Document]:
 
 @cache
 def sheets_of(name: str) -> tuple[Context, Document, Document, Document]:
-    """Those of a robot of the catalogue, made once."""
     return sheets(Robot.load(name))
 
 
 def asked(whole: Document) -> Iterator[SheetFormula]:
-    """The formulas that answer a task."""
     for block in blocks(whole):
         if isinstance(block, SheetFormula) and block.task and block.blanks:
             yield block
@@ -76,7 +71,6 @@ def test_every_question_has_a_number_a_sentence_points_and_room(name: str) -> No
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_an_exercise_tells_no_answer(name: str) -> None:
-    """Neither a derivation, nor a line of a result, nor which entries are zero."""
     context, whole, sheet, _ = sheets_of(name)
     assert not any(isinstance(block, Steps | SheetFormula) for block in blocks(sheet))
     written = latex(sheet, context.text)
@@ -103,7 +97,6 @@ def test_what_is_all_zero_is_asked_for_too() -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_solutions_answer_the_questions_in_their_order(name: str) -> None:
-    """The number and the points of a question stand before the formula that answers it, and nothing is missing."""
     _, whole, sheet, answers = sheets_of(name)
     solved = blocks(answers)
     heads = [k for k, block in enumerate(solved) if isinstance(block, Paragraph) and block.text.startswith("Question ")]
@@ -151,7 +144,6 @@ def test_every_exercise_has_at_most_twice_the_pages_of_the_handout(name: str, tm
 
 
 def test_a_gap_fits_its_answer() -> None:
-    """A matrix has a line and a half for each of its rows, side by side where they are so in print."""
     _, whole, sheet, _ = sheets_of("planar-2r-perugia")
     gaps = {gap.name: gap for question in questions(sheet) for gap in question.gaps}
     assert gaps["\\mathbf{A}_{1}^{0}"].lines == 6.0

@@ -1,7 +1,5 @@
 """Fragments: every quantity that the model has can be put into notes, alone, and names the packages that it needs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -28,13 +26,11 @@ NAMES = (
 
 @pytest.fixture(scope="module")
 def bar() -> Robot:
-    """Two links in a plane."""
     return Robot.from_text(ARM)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_quantity_stands_alone(bar: Robot, name: str) -> None:
-    """A comment that says what it is and needs, and one display with an equals sign; braces and brackets are closed."""
     heading, body = fragment_text(bar, bar.handout, name).split("\n", 1)
     assert heading.startswith(f"% {name} of bar: written by derive")
     assert r"needs \usepackage{amsmath}" in heading
@@ -79,7 +75,6 @@ def test_matrices_wider_than_amsmath_expects_say_so() -> None:
 
 
 def test_a_generated_function_is_named_where_one_computes_the_quantity() -> None:
-    """Each in the registry is one of the generated functions."""
     functions = {row.interface.name for row in ROWS}
     named = {row.name: row.function for row in REGISTRY.values() if row.function}
     assert set(named.values()) <= functions

@@ -1,7 +1,5 @@
 """Fragments keep to the line that they find: every class, letter size and column, with the packages that they name."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -40,14 +38,12 @@ SLIDE_SIZE = (
 
 
 def names_for(robot: Robot) -> list[str]:
-    """Every part, and every quantity with its first indices."""
     wanted = [row for row in REGISTRY.values() if robot.n <= LARGE or row.name in OF_LARGE]
     indexed = [(row.name, ",".join("1" * min(row.indices))) for row in wanted]
     return [*PARTS, *(f"{name}[{indices}]" if indices else name for name, indices in indexed)]
 
 
 def fragments_of(name: str, folder: Path) -> list[str]:
-    """Writes the fragments that a robot has; texts in their order."""
     robot, texts = Robot.load(name), []
     for asked in names_for(robot):
         try:
@@ -59,7 +55,6 @@ def fragments_of(name: str, folder: Path) -> list[str]:
 
 
 def compiled(texts: list[str], document_class: str, folder: Path) -> LatexLog:
-    """A bare document with all fragments and the packages that their first lines name, and no tolerance."""
     packages = sorted({name for text in texts for name in re.findall(r"\\usepackage\{(\w+)\}", text.split("\n")[0])})
     is_beamer = "beamer" in document_class
     before, after = ("\\begin{frame}[allowframebreaks]{A}\n", "\n\\end{frame}") if is_beamer else ("", "")
@@ -88,7 +83,6 @@ def assert_fits(texts: list[str], document_class: str, folder: Path) -> None:
 
 @pytest.mark.slow
 def test_every_fragment_of_a_robot_fits_its_line(tmp_path: Path) -> None:
-    """Columns of a book with large letters, and a slide."""
     texts = fragments_of(PLANE, tmp_path)
     assert len(texts) > len(PARTS)
     for document_class in ("[12pt,twocolumn]{book}", SLIDE):
@@ -98,7 +92,6 @@ def test_every_fragment_of_a_robot_fits_its_line(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", swept_catalogue())
 def test_every_fragment_of_every_robot_fits_every_class(name: str, tmp_path: Path) -> None:
-    """Articles and books, three letter sizes, one and two columns, slides; and beamer where it is installed."""
     texts = fragments_of(name, tmp_path)
     for document_class in (*CLASSES, SLIDE):
         assert_fits(texts, document_class, tmp_path)
@@ -107,7 +100,6 @@ def test_every_fragment_of_every_robot_fits_every_class(name: str, tmp_path: Pat
 
 
 def has_beamer() -> bool:
-    """Whether beamer is installed with what it needs."""
     finder = shutil.which("kpsewhich")
     if finder is None:
         return False

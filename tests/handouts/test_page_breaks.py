@@ -1,7 +1,5 @@
 """No page ends between a sentence and what it announces, and the last page of a sheet is not one matrix."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,14 +38,12 @@ QUICK = ("table behind an empty result", "last two")
 
 
 def pages(sheet: Document, words: Text, folder: Path) -> list[str]:
-    """The words of each page of the PDF."""
     assert run_latex(latex(sheet, words), folder).status == 0
     return [page.extract_text() for page in pypdf.PdfReader(folder / "sheet.pdf").pages]
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, marks=() if c in QUICK else pytest.mark.sweep) for c in CASES])
 def test_what_is_announced_is_on_the_page_of_its_sentence(case: str, tmp_path: Path) -> None:
-    """However far the page before is filled."""
     found = set()
     for rows in (30, 34, 38, 42):
         filling = Rows(tuple(f"a_{{{k}}} = b" for k in range(rows)))
@@ -60,7 +56,6 @@ def test_what_is_announced_is_on_the_page_of_its_sentence(case: str, tmp_path: P
 
 
 def assert_well_broken(name: str, language: str, folder: Path) -> None:
-    """No page of the sheet ends with a colon, and more than one matrix stands on the last one."""
     robot = Robot.load(name)
     context = context_of(robot, replace(robot.handout, language=language))
     text = pages(document(context), context.text, folder)

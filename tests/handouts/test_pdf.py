@@ -1,7 +1,5 @@
 """A document becomes the same PDF wherever and whenever; a refusal says where, and nothing is read, run or left."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from pathlib import Path
@@ -23,7 +21,6 @@ DOCUMENT = r"""\documentclass{{article}}
 
 @pytest.fixture(autouse=True)
 def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where temporary folders go."""
     require_latex()
     folder = tmp_path / "scratch"
     folder.mkdir()

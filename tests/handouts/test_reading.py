@@ -1,7 +1,5 @@
 """Sheets read as text, as a reader meets them: sentences stand apart, numbers are those of the language."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -29,7 +27,6 @@ POINT = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])")
 
 
 def sheets(name: str, language: str) -> tuple[Text, list[Document]]:
-    """The handout of a robot with all steps, and its exercise."""
     robot = Robot.load(name)
     context = context_of(robot, replace(robot.handout, language=language, derivation=Derivation.STEPS))
     whole = document(context)
@@ -48,7 +45,6 @@ def read(sheet: Document, text: Text, folder: Path) -> str:
 
 
 def assert_reads_well(sheet: Document, text: Text, folder: Path) -> None:
-    """No sentence runs into the next, no number has the point of another language."""
     found = read(sheet, text, folder)
     assert not RUN_TOGETHER.findall(CODE.sub("", found)), sheet.subtitle
     if text.comma:
@@ -80,7 +76,6 @@ def test_a_sheet_reads_well(name: str, language: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("name", swept_catalogue())
 def test_every_sheet_reads_well(name: str, language: str, tmp_path: Path) -> None:
-    """Handout and exercise of the whole catalogue in every language."""
     text, made = sheets(name, language)
     for sheet in made:
         assert_reads_well(sheet, text, tmp_path)

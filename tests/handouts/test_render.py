@@ -1,7 +1,5 @@
 """A handout as files in memory: which there are, what they are called, and that all say who wrote them."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.handouts.render import Format, handout_files
@@ -13,12 +11,10 @@ ARM = "name: bar\nconvention: standard\njoints: [{type: revolute, a: a1}]\nhando
 
 @pytest.fixture(scope="module")
 def bar() -> Robot:
-    """A robot whose handout is short."""
     return Robot.from_text(ARM)
 
 
 def test_each_form_is_a_file_of_the_robots_name(bar: Robot) -> None:
-    """In LaTeX and for the web; nothing is compiled unless it is asked for."""
     handout = handout_files(bar, bar.handout, [Format.HTML, Format.TEX])
     assert list(handout.files) == ["bar.tex", "bar.html"]
     assert handout.parts == ("table", "kinematics")

@@ -1,7 +1,5 @@
 """Sheets in other notations and languages are as clean as those in the default one."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 
@@ -31,7 +29,6 @@ WIDEST = NotationOptions(
 
 
 def drawn_options(source: random.Random) -> HandoutOptions:
-    """Any combination of options."""
     notation = NotationOptions(
         source.choice(list(AngleLetter)),
         source.choice(list(SliderLetter)),
@@ -52,7 +49,6 @@ def sheet(robot: Robot, options: HandoutOptions) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds(12, usual=5))
 def test_random_robots_in_any_notation_and_language_are_clean(seed: int, tmp_path: Path) -> None:
-    """No error, no overfull box."""
     source = random.Random(1000 + seed)
     robot = Robot.from_text(robot_text(source, 1 + seed % 5))
     assert_is_clean(sheet(robot, drawn_options(source)), tmp_path)
@@ -61,21 +57,18 @@ def test_random_robots_in_any_notation_and_language_are_clean(seed: int, tmp_pat
 @pytest.mark.slow
 @pytest.mark.parametrize("name", catalogue_names())
 def test_the_catalogue_in_the_widest_notation_is_clean(name: str, tmp_path: Path) -> None:
-    """Functions in full are what takes most room."""
     robot = Robot.load(name)
     language = random.Random(name).choice(["it", "pt"])
     assert_is_clean(sheet(robot, HandoutOptions(language=language, notation=WIDEST)), tmp_path)
 
 
 def test_the_letter_of_the_inertia_matrix_is_the_one_asked_for() -> None:
-    """Everywhere, and never B as well."""
     text = sheet(Robot.load("planar-2r-perugia"), HandoutOptions(notation=WIDEST))
     assert r"\mathbf{M}" in text
     assert r"\mathbf{B}" not in text
 
 
 def test_nothing_is_abbreviated_where_functions_are_in_full() -> None:
-    """No c_{12}, also in texts."""
     text = sheet(Robot.load("scara-perugia"), HandoutOptions(notation=WIDEST))
     assert "c_{12}" not in text
     assert r"\cos (\vartheta_{1} + \vartheta_{2})" in text

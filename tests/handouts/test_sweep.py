@@ -1,7 +1,5 @@
 """Handouts of all kinds of arms compile in every language, keep to their margins and stay short."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from pathlib import Path
@@ -40,7 +38,6 @@ RANDOM_ROBOTS = 35
 
 
 def options_of(number: int, language: str) -> HandoutOptions:
-    """Each robot has notations of its own; every option occurs many times."""
     pick = random.Random(number).choice
     notation = NotationOptions(
         pick(list(AngleLetter)),
@@ -55,7 +52,6 @@ def options_of(number: int, language: str) -> HandoutOptions:
 def assert_is_clean(
     robot: Robot, options: HandoutOptions, folder: Path, most: int = MOST_PAGES, *, sheets: bool = False
 ) -> None:
-    """No error, nothing outside of the margins, no more pages than anybody prints; nothing in it needs a second run."""
     context = context_of(robot, options)
     whole = document(context)
     made = (exercise(whole, context.text), solutions(whole, context.text)) if sheets else (whole,)
@@ -69,14 +65,12 @@ def assert_is_clean(
 
 @pytest.mark.parametrize(("number", "name"), list(enumerate(catalogue_names())))
 def test_the_catalogue_in_one_language_after_another(number: int, name: str, tmp_path: Path) -> None:
-    """As the robot file says, but for the language; in the widest notation it is in `test_sheet_notations`."""
     robot = Robot.load(name)
     assert_is_clean(robot, replace(robot.handout, language=LANGUAGES[number % len(LANGUAGES)]), tmp_path)
 
 
 @pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=6))
 def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
-    """One to seven joints of all kinds; language, steps and notation change from one to the next."""
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
     options = options_of(seed, LANGUAGES[seed % len(LANGUAGES)])
     assert_is_clean(robot, options, tmp_path, MOST_PAGES_WITH_STEPS)
@@ -84,6 +78,5 @@ def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["scara-perugia", "planar-2r-perugia", "stanford-deluca", "kuka-lwr4"])
 def test_exercises_and_solutions(name: str, tmp_path: Path) -> None:
-    """Both sheets, with steps where there are solutions."""
     options = HandoutOptions(derivation=Derivation.STEPS, language="it")
     assert_is_clean(Robot.load(name), options, tmp_path, sheets=True)

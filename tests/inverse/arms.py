@@ -15,7 +15,7 @@ import numpy as np
 
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.frames import Arm, jacobian, numeric_arm
+from derive.verification.oracle.frames import NumericArm, jacobian, numeric_arm
 
 Rows = tuple[tuple[str, str, str, str, str], ...]
 """Type, theta, d, a, alpha of each joint: cells as text, angles in degrees."""
@@ -83,7 +83,7 @@ class ArmCase:
         return Robot.from_text(text, self.name)
 
     @property
-    def arm(self) -> Arm:
+    def arm(self) -> NumericArm:
         """Its numbers, for the oracle."""
         robot = self.robot(choice=False)
         missing = set(free_symbols(robot)) - set(self.values)

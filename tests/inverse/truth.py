@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from derive.verification.oracle.frames import Arm
+from derive.verification.oracle.frames import NumericArm
 
 POSE = tuple((i, j) for i in range(3) for j in range(4))
 POSITION = ((0, 3), (1, 3), (2, 3))
@@ -36,7 +36,7 @@ class Chain:
         unit: Unit of length.
     """
 
-    arm: Arm
+    arm: NumericArm
     entries: tuple[tuple[int, int], ...] = POSE
     given: tuple[int, ...] = ()
     free: tuple[int, ...] = field(init=False)

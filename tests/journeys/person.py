@@ -1,7 +1,5 @@
 """Somebody at a terminal: commands typed in one folder, files written by hand, and what comes out."""
 
-from __future__ import annotations
-
 import shlex
 import subprocess
 import sys
@@ -13,33 +11,16 @@ from tests.cli.command import Outcome, derive
 
 @dataclass(frozen=True)
 class Person:
-    """Somebody who works in a folder of their own.
-
-    Attributes:
-        folder: Where everything happens.
-    """
+    """Somebody who works in a folder of their own."""
 
     folder: Path
 
     def writes(self, name: str, text: str) -> None:
-        """Save a file.
-
-        Args:
-            name: Name of the file.
-            text: What is typed into it.
-        """
+        """Save a file."""
         (self.folder / name).write_text(text, encoding="utf-8")
 
     def types(self, command: str, status: int = 0) -> Outcome:
-        """Type a command of derive as one does in a shell.
-
-        Args:
-            command: The line, beginning with ``derive``.
-            status: The exit status that it shall have.
-
-        Returns:
-            What was printed.
-        """
+        """Type a command of derive as one does in a shell."""
         program, *arguments = shlex.split(command)
         assert program == "derive"
         done = derive(*arguments, folder=self.folder)
@@ -47,14 +28,7 @@ class Person:
         return done
 
     def runs(self, text: str) -> str:
-        """Run a Python program in the folder, in an interpreter of its own.
-
-        Args:
-            text: The program.
-
-        Returns:
-            What it printed.
-        """
+        """Run a Python program in the folder, in an interpreter of its own."""
         done = subprocess.run(
             [sys.executable, "-c", text], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False
         )

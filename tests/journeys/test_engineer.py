@@ -1,7 +1,5 @@
 """A control engineer: from a data sheet to code in a loop, changed, extended and still verified."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

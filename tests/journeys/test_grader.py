@@ -1,7 +1,5 @@
 """A colleague who grades: one file per student, LaTeX as it was handed in, verdicts and a page to send back."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A researcher: symbols left free, closed forms compared with a paper, identification, functions of (q, parameters)."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

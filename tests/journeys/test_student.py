@@ -1,7 +1,5 @@
 """A student with a homework: the table of a slide, an answer to check, and a slip or two on the way."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.journeys.person import Person

@@ -1,7 +1,5 @@
 """A teacher with a Franka Panda: the maker's table, a sheet, an exercise, formulas in notes of one's own."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -23,7 +23,7 @@ from derive.robot.expression import ONE, ZERO, Call, to_text
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.random_robots import robot_text, swept_catalogue
+from tests.random_robots import robot_text, seeds, swept_catalogue
 
 FEW = ("stanford-deluca", "dh-modified-deluca", "planar-2r-perugia", "skeleton-modified")
 OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
@@ -129,9 +129,7 @@ def test_closed_forms_of_every_built_in_robot_are_equal_exactly(name: str) -> No
     test_closed_forms_are_equal_exactly(name)
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(12), *(pytest.param(seed, marks=pytest.mark.sweep) for seed in range(12, 400))]
-)
+@pytest.mark.parametrize("seed", seeds(400, usual=12))
 def test_random_robots_are_the_same_arm_and_come_back(seed: int) -> None:
     """Bases, tools, motors, degrees, millimetres, both conventions."""
     robot = Robot.from_text(robot_text(random.Random(seed)))

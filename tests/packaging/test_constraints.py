@@ -1,7 +1,5 @@
 """The constraints file fixes everything that is installed, by version alone."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable
@@ -18,7 +16,6 @@ PINS = {canonicalize_name(line.split("==")[0]): line.split("==")[1] for line in 
 
 
 def closure(names: Iterable[str]) -> set[str]:
-    """The requirements and theirs, as far as they are installed here."""
     found: set[str] = set()
     waiting = [Requirement(name) for name in names]
     while waiting:

@@ -1,7 +1,5 @@
 """The wheel and the source archive hold what a user needs, and nothing else."""
 
-from __future__ import annotations
-
 import re
 import tarfile
 import tomllib

@@ -1,7 +1,5 @@
 """The house in order: tests beside what they test, no circle of imports, a public interface that says what it takes."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator
@@ -11,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from derive import _HOMES
 from tests.places import ROOT
 
 PACKAGE = ROOT / "derive"
@@ -24,25 +23,21 @@ SAYS = re.compile(r"^\s*(Args|Returns|Yields):", re.MULTILINE)
 
 @cache
 def tree(path: Path) -> ast.Module:
-    """The syntax tree of a file."""
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
 @cache
 def modules() -> dict[str, Path]:
-    """The modules and packages of derive by their dotted names."""
     return {dotted(path): path for path in sorted(PACKAGE.rglob("*.py"))}
 
 
 def dotted(path: Path) -> str:
-    """The name under which a file is imported."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 @cache
 def imports(path: Path) -> frozenset[str]:
-    """Modules of derive that a file imports, wherever in the file and for whatever reason."""
     found: set[str] = set()
     for node in ast.walk(tree(path)):
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -67,7 +62,6 @@ def test_every_module_is_imported_by_a_test_of_its_own_folder(name: str) -> None
 
 
 def test_folders_of_tests_are_those_of_derive_or_run_across() -> None:
-    """A test is found where the code is; what runs across has a folder that says so."""
     across = {
         "bench", "docs", "examples", "generated", "inverse", "journeys", "lectures", "packaging", "physics",
         "textbooks",
@@ -77,7 +71,6 @@ def test_folders_of_tests_are_those_of_derive_or_run_across() -> None:
 
 
 def public_interface() -> Iterator[tuple[Path, ast.FunctionDef]]:
-    """What users call: the functions of `derive.api`, and the methods of the classes that `derive` exports."""
     for name, path in modules().items():
         exported = (
             {"Model", "KinematicModel", "DynamicModel", "Robot", "Motion"} if name in INTERFACE_CLASSES else set()
@@ -90,7 +83,6 @@ def public_interface() -> Iterator[tuple[Path, ast.FunctionDef]]:
 
 
 def is_silent(function: ast.FunctionDef) -> bool:
-    """Whether a public function takes something and does not say what, nor what it gives."""
     arguments = [a for a in (*function.args.args, *function.args.kwonlyargs) if a.arg not in ("self", "cls")]
     public = not function.name.startswith("_")
     return public and bool(arguments) and not SAYS.search(ast.get_docstring(function) or "")
@@ -102,3 +94,10 @@ def test_the_public_interface_says_what_it_takes_and_gives() -> None:
     assert {"build", "from_urdf", "equal"} <= {function.name for _, function in functions}
     silent = [f"{path.name}:{f.lineno}: {f.name}" for path, f in functions if is_silent(f)]
     assert not silent, "no Args: or Returns: in the docstring"
+
+
+def test_the_page_of_the_interface_documents_every_public_name() -> None:
+    """With its module, or as a class of its own."""
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    documented = re.findall(r"^\.\. auto(?:module|class):: (\S+)$", page, re.MULTILINE)
+    assert [name for name, home in _HOMES.items() if not {home, f"derive.{name}"} & {*documented}] == []

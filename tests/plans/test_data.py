@@ -8,7 +8,7 @@ import yaml
 
 from derive.errors import RobotFileError
 from derive.motion.motion import Motion
-from derive.plans.data import plan_text, waypoints
+from derive.plans.catalogue import plan_text, waypoints
 from tests.motion.plans import PICK_AND_PLACE
 
 

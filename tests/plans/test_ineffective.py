@@ -6,7 +6,7 @@ import pytest
 
 from derive.errors import RobotFileError
 from derive.motion.motion import Motion
-from derive.plans.ineffective import OF_PATHS
+from derive.plans.checks import OF_PATHS
 from derive.plans.schema import PlanFile
 from derive.robot.reading.structure import model_of
 

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from derive.motion.motion import Motion
-from derive.plans.load_remarks import remarks_on_loads
+from derive.plans.checks import remarks_on_loads
 from derive.robot.reading.document import read_document
 
 PLAN = """\

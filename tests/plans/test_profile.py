@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from sympy import Expr, Float, Integer, Rational, nsimplify, pi, sqrt
 
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import TIME, Piece
 from derive.plans.profile import (
     UNIT_PEAKS,
@@ -23,6 +23,7 @@ from derive.plans.profile import (
     trapezoid,
     via_velocities,
 )
+from derive.plans.segments import Segment
 
 ZERO = Integer(0)
 

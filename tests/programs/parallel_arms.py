@@ -1,7 +1,5 @@
 """Random arms with many parallel axes: aligned and opposed, slides between them, odd offsets, both conventions."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 
@@ -23,7 +21,6 @@ TOOL = "[[0, 0, 1, 0.1], [cos(e), sin(e), 0, f], [-sin(e), cos(e), 0, 0.3], [0, 
 
 
 def parallel_arm(seed: int, joints: int | None = None) -> Trace:
-    """An arm of two to six joints, or of so many."""
     rng = random.Random(seed)
     rows = [_row(rng, i) for i in range(1, (joints or rng.randint(2, 6)) + 1)]
     lines = ["name: arm", f"convention: {rng.choice(['standard', 'modified'])}", "joints:", *rows]

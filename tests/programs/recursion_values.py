@@ -1,7 +1,5 @@
 """Tapes of a robot's functions evaluated at any numbers, complex ones too: derivatives by complex steps."""
 
-from __future__ import annotations
-
 import cmath
 import random
 from dataclasses import dataclass
@@ -57,6 +55,5 @@ def value(program: Program, name: str, state: State, **changed: npt.NDArray[np.c
 def derivative(
     program: Program, name: str, state: State, direction: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
-    """Derivative of a function of q in a direction, to machine accuracy."""
     moved = state.q + 1j * STEP * direction
     return value(program, name, state, q=moved).imag / STEP

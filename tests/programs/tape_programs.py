@@ -1,7 +1,5 @@
 """Random straight-line programs: as tape values, and as plain arithmetic on rationals."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -27,7 +25,6 @@ RATIONAL = {
 
 
 def variables(graph: Graph, count: int = 3) -> list[Value]:
-    """q1, q2, ..."""
     return [Value(graph, graph.input("q", i)) for i in range(count)]
 
 
@@ -49,7 +46,6 @@ class RandomProgram:
     results: tuple[int, ...]
 
     def trace(self, graph: Graph) -> list[int]:
-        """References to the results on a graph."""
         values = [Value(graph, graph.input("q", i)) for i in range(INPUTS)]
         values += [Value(graph, graph.input(PARAMETER, i)) for i in range(PARAMETERS)]
         values += [Value(graph, graph.number(number)) for number in self.numbers]
@@ -57,7 +53,6 @@ class RandomProgram:
         return [value.ref for value in self._run(values, operations)]
 
     def evaluate(self, inputs: Sequence[Fraction], parameters: Sequence[Fraction]) -> list[Fraction]:
-        """The results on rationals, step by step."""
         return self._run([*inputs, *parameters, *self.numbers], RATIONAL)
 
     def _run(self, values: list[Any], functions: dict[str, Any]) -> list[Any]:

@@ -1,7 +1,5 @@
 """Inverse kinematics as a program: every branch, the angles taken once, nothing lost between graph and tape."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 
@@ -11,7 +9,7 @@ import pytest
 from derive.algebra.constants import to_float
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.programs.formulations.trace import Trace
 from derive.programs.inverse import Mask, around, inverse_function, solved
 from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
@@ -22,7 +20,7 @@ from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
-from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
+from derive.verification.oracle.frames import NumericArm, forward_kinematics, numeric_arm
 from tests.inverse.arms import PUBLISHED
 from tests.targets.test_inverse import model_of
 
@@ -43,7 +41,6 @@ ARITHMETIC: dict[str, Any] = {
 
 @cache
 def program_of(name: str) -> tuple[Robot, Inverse]:
-    """A robot of the catalogue and its program."""
     robot = Robot.load(name)
     inverse, reason = solved(Trace(robot))
     assert inverse is not None, reason
@@ -51,17 +48,14 @@ def program_of(name: str) -> tuple[Robot, Inverse]:
 
 
 def numbers_of(robot: Robot) -> dict[str, float]:
-    """Numbers of what is free."""
     return {name: 0.3 + 0.13 * k for k, name in enumerate(free_symbols(robot))}
 
 
-def arm_of(robot: Robot) -> Arm:
-    """The independent recursion's arm."""
+def arm_of(robot: Robot) -> NumericArm:
     return numeric_arm(robot, numbers_of(robot))
 
 
 def poses_of(robot: Robot, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
-    """Random configurations and their poses."""
     q = np.random.default_rng(robot.n).uniform(-3, 3, (count, robot.n))
     return q, forward_kinematics(arm_of(robot), q)
 
@@ -81,7 +75,7 @@ def test_the_tape_gives_what_the_graph_gives(name: str) -> None:
     robot, inverse = program_of(name)
     q, poses = poses_of(robot)
     found, status = run(robot, inverse, poses)
-    walk = Run(
+    walk = GraphWalk(
         solve(robot),
         FloatField(parameter_values(robot, numbers_of(robot))),
         [[poses[:, i, j] for j in range(4)] for i in range(3)],

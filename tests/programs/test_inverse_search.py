@@ -1,7 +1,5 @@
 """What generated code of arms without formulas takes of the arm."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from derive.algebra.constants import to_float

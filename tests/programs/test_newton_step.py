@@ -1,7 +1,5 @@
 """A step of damped Newton: the error is that of the pose, the step that of the normal equations, and it converges."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -24,7 +22,6 @@ CASES = [("stanford-deluca", None, ()), ("planar-3r", POINT, (2,))]
 
 
 def program_of(name: str, task: Task | None, given: tuple[int, ...]) -> tuple[Robot, Function, list[tuple[int, int]]]:
-    """The arm, its step, and the entries of the pose that are wanted."""
     robot = Robot.load(name)
     graph = solve(robot, task, given or None)
     places = [(i - 1, j - 1) for row in graph.task for i, j in ROWS[row]]

@@ -3,8 +3,6 @@
 Multiplications, additions and divisions; signs are free, sines and cosines apart, work on parameters alone apart.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest
@@ -26,7 +24,6 @@ REMEDY = "fewer are welcome: `make bench` writes the new ones; more are not"
 
 @cache
 def program_of(name: str) -> Program:
-    """What is generated for a robot of the benchmarks."""
     return build_program(load(name).robot)
 
 
@@ -46,7 +43,6 @@ def test_counts_are_the_committed_ones(name: str) -> None:
 @pytest.mark.parametrize("name", COUNTED)
 @pytest.mark.parametrize("symbol", [quantity.symbol for quantity in QUANTITIES])
 def test_every_other_tool_needs_more(name: str, symbol: str) -> None:
-    """Of operations where there are any."""
     counts = RESULTS[name]["counts"]
     ours, (best, _) = counts["derive"][symbol]["arithmetic"], best_other(counts, symbol)
     assert ours < best or ours == 0

@@ -9,8 +9,6 @@ generated function; each may be repeated. Three quarters of an hour on one core 
 Where a threshold leaves an arm no formulation of a function, it shows as much cheaper: it has no value.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import sys
@@ -38,16 +36,12 @@ def values_tried(name: str) -> tuple[float, float]:
 
 
 def measured(policy: search_policy.Policy, robots: Sequence[str], functions: Sequence[str]) -> tuple[Costs, float]:
-    """The costs of programs under a policy, and the seconds of processor time that they take; all, if none is named.
-
-    In a process of its own, since functions take thresholds as defaults.
-    """
+    """The costs of programs under a policy, and the seconds of processor time that they take; all, if none is named."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(_measure, (asdict(policy), robots, functions))
 
 
 def _measure(thresholds: dict[str, float], robots: Sequence[str], functions: Sequence[str]) -> tuple[Costs, float]:
-    """Put a policy in place before anything has taken it, and search."""
     assert "derive.programs.functions" not in sys.modules, "this process has taken the usual policy already"
     search_policy.POLICY = search_policy.Policy(**thresholds)  # type: ignore[arg-type]
     from derive.programs.build import build_program
@@ -61,7 +55,6 @@ def _measure(thresholds: dict[str, float], robots: Sequence[str], functions: Seq
 
 
 def report(names: Sequence[str], robots: Sequence[str], functions: Sequence[str] = ()) -> Iterator[str]:
-    """The lines to print."""
     usual = search_policy.Policy()
     before, usual_seconds = measured(usual, robots, functions)
     yield f"{len(before)} functions of {len(robots)} robots, cost {sum(before.values())}, {usual_seconds:.1f} s"
@@ -78,7 +71,6 @@ def report(names: Sequence[str], robots: Sequence[str], functions: Sequence[str]
 
 
 def main() -> None:
-    """Print the report that the command line asks for."""
     thresholds = [field.name for field in fields(search_policy.Policy)]
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", action="append", choices=thresholds)

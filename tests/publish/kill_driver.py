@@ -6,8 +6,6 @@ on the way. Prints a JSON list of states: ``old``, ``new``, ``backup`` (between 
 or what is wrong.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -17,7 +15,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from derive.publish import atomic_folder, staging
+from derive.publish import atomic_folder
 
 VERSIONS = {
     name: {
@@ -33,12 +31,10 @@ VERSIONS = {
 
 
 def put(name: str, target: Path) -> None:
-    """Publishes one of the two versions."""
     atomic_folder.publish(VERSIONS[name], target, "arm", lambda folder: None)
 
 
 def state(target: Path) -> str:
-    """Which version the folder is, exactly."""
     if not target.exists():
         return "backup" if target.with_name(f".derive-{target.name}.old").exists() else "nothing"
     found = {path.name: path.read_bytes() for path in target.iterdir()}
@@ -47,7 +43,6 @@ def state(target: Path) -> str:
 
 
 def child(work: Callable[[], None]) -> int:
-    """Forks; the child does the work and ends."""
     process = os.fork()
     if process == 0:
         try:
@@ -111,7 +106,6 @@ def moments(target: Path) -> list[str]:
 
 
 def forever(target: Path, writer: int) -> None:
-    """Publishes one version after the other; says so after the first."""
     put("new", target)
     os.write(writer, b"x")
     while True:
@@ -155,7 +149,6 @@ def main() -> None:
     kills = int(sys.argv[4]) if len(sys.argv) > 4 else 0
     if not swap:
         atomic_folder.exchange = lambda one, other: False  # type: ignore[assignment]
-    assert staging.exchange is not None
     print(json.dumps(builds(target, kills) if kills else {"steps": steps, "moments": moments}[mode](target)))
 
 

@@ -1,7 +1,5 @@
 """Building a robot: what is written, when nothing is, and what a check finds."""
 
-from __future__ import annotations
-
 import hashlib
 import importlib
 import json
@@ -43,17 +41,14 @@ parameters: {a1: 0.5, Im2: 1e-4}
 
 @pytest.fixture
 def arm() -> Robot:
-    """A small robot with everything that a folder can show."""
     return Robot.from_text(ARM)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Every file of a folder."""
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 def test_a_build_writes_every_target_verified(arm: Robot, tmp_path: Path) -> None:
-    """Files, manifest and report agree with each other and with the registry."""
     result = build_robot(arm, tmp_path)
     found = contents(tmp_path / "two_bars")
     assert result.folder == folder_of(arm, tmp_path) == tmp_path / "two_bars"
@@ -65,7 +60,6 @@ def test_a_build_writes_every_target_verified(arm: Robot, tmp_path: Path) -> Non
 
 
 def test_the_manifest_tells_what_the_folder_is(arm: Robot, tmp_path: Path) -> None:
-    """Hash of the robot file, version, operations of every function, hashes of the files; keys sorted."""
     build_robot(arm, tmp_path)
     found = contents(tmp_path / "two_bars")
     text = found.pop("MANIFEST.json").decode()
@@ -82,7 +76,6 @@ def test_the_manifest_tells_what_the_folder_is(arm: Robot, tmp_path: Path) -> No
 
 
 def test_the_folder_is_a_package(arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The dash of a robot's name becomes an underscore, and the modules import from there."""
     build_robot(arm, tmp_path, verified=False)
     monkeypatch.syspath_prepend(tmp_path)
     model = importlib.import_module("two_bars.model_numpy")
@@ -91,7 +84,6 @@ def test_the_folder_is_a_package(arm: Robot, tmp_path: Path, monkeypatch: pytest
 
 
 def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> None:
-    """A changed robot file, a touched or missing file, other targets or force make it anew."""
     assert not build_robot(arm, tmp_path, verified=False).unchanged
     again = build_robot(arm, tmp_path, verified=False)
     assert again.unchanged
@@ -111,7 +103,6 @@ def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> 
 
 
 def test_a_folder_of_another_version_is_stale_and_renewed(arm: Robot, tmp_path: Path) -> None:
-    """Even where every file but the manifest would be the same."""
     quickly = partial(build_robot, only=True, verified=False, effort=Effort.QUICK)
     manifest = quickly(arm, tmp_path, ["numpy"]).folder / "MANIFEST.json"
     written = manifest.read_text()
@@ -190,7 +181,6 @@ def test_all_names_every_target() -> None:
 
 
 def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path: Path) -> None:
-    """Stale, missing and no longer written files."""
     empty = check_robot(arm, tmp_path)
     assert set(empty.missing) == ALL_FILES
     assert not list(tmp_path.iterdir())
@@ -211,7 +201,6 @@ def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path:
 def test_a_failed_verification_keeps_the_old_folder(
     arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The new files are gone without a trace."""
     build_robot(arm, tmp_path)
     before = contents(tmp_path / "two_bars")
 
@@ -227,7 +216,6 @@ def test_a_failed_verification_keeps_the_old_folder(
 
 
 def test_unknown_targets_are_refused_before_anything_is_written(arm: Robot, tmp_path: Path) -> None:
-    """The message lists the targets there are."""
     with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, octave, latex, readme"):
         build_robot(arm, tmp_path / "out", ["fortran"])
     with pytest.raises(TargetError):
@@ -236,7 +224,6 @@ def test_unknown_targets_are_refused_before_anything_is_written(arm: Robot, tmp_
 
 
 def test_one_failure_does_not_stop_the_rest_and_order_is_kept(arm: Robot, tmp_path: Path) -> None:
-    """With one process and with several."""
     names = ["arm-a", "arm-b", "arm-c"]
     robots = [replace(arm, name=name) for name in names]
     for jobs in (1, 2):
@@ -258,7 +245,6 @@ def test_one_failure_does_not_stop_the_rest_and_order_is_kept(arm: Robot, tmp_pa
 
 
 def test_two_robots_of_one_name_are_refused(arm: Robot, tmp_path: Path) -> None:
-    """They would overwrite each other."""
     with pytest.raises(OutputError, match="same name"):
         build_many([arm, replace(arm, digest="0" * 64)], tmp_path)
     assert not list(tmp_path.iterdir())

@@ -1,7 +1,5 @@
 """Ctrl-C at any moment ends a build with one line and the status 130, and leaves nothing behind."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

@@ -1,7 +1,5 @@
 """A build killed at any moment leaves the complete old folder or the complete new one."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
@@ -43,7 +41,6 @@ def test_death_before_any_operation_on_files_is_harmless(tmp_path: Path, swap: s
 
 @pytest.mark.slow
 def test_kills_from_outside_are_harmless(tmp_path: Path) -> None:
-    """Sixty kills of processes that publish all the time; nothing stays beside the folder."""
     found = states("moments", tmp_path, "swap")
     assert len(found) > 50
     assert set(found) == {"old", "new"}

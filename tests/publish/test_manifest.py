@@ -1,7 +1,5 @@
 """Manifests: what is ours, and whether a folder is still what a build left."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -40,7 +38,6 @@ def test_compiled_files_are_names_whatever_the_manifest_holds() -> None:
 
 
 def test_a_folder_is_current_until_anything_differs(tmp_path: Path) -> None:
-    """Robot, version, targets, effort and every file count."""
     robot, targets = Robot.from_text(ARM), targets_named(["c"], only=True)
     folder = build_robot(robot, tmp_path, ["c"], only=True, verified=False, effort=Effort.QUICK).folder
     right = (robot.digest, __version__, targets, Effort.QUICK)

@@ -1,7 +1,5 @@
 """What is done in another process is what would have been done here."""
 
-from __future__ import annotations
-
 import os
 import pickle
 from fractions import Fraction

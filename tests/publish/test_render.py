@@ -1,7 +1,5 @@
 """All files of a robot in memory, and the libraries that a compiler makes of them."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil
@@ -23,7 +21,6 @@ ARM = "name: two-bars\nconvention: standard\njoints: [{type: revolute, a: a1}, {
 
 @pytest.fixture(scope="module")
 def rendered() -> render.Rendered:
-    """A small robot in the usual targets."""
     return render.render_robot(Robot.from_text(ARM), targets_named(), Effort.QUICK)
 
 
@@ -47,7 +44,6 @@ def test_libraries_are_compiled_while_the_rest_is_rendered_and_the_sheet_comes_l
 
 
 def test_sources_name_the_files_of_the_whole_build() -> None:
-    """The page of a folder lists what other targets write."""
     source = render.source_of(Robot.from_text(ARM), targets_named(["c", "readme"], only=True), Effort.QUICK)
     assert source.files == ("MANIFEST.json", "README.md", "__init__.py", "model.c", "model.h")
 

@@ -1,7 +1,5 @@
 """Single files: nobody's is overwritten unasked, all are written or none, and devices are written to."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Callable, Sequence
@@ -54,7 +52,6 @@ STATES: dict[str, tuple[Callable[[Path], None], bool, bool]] = {
 
 
 def contents(folder: Path) -> dict[str, object]:
-    """What stands where: bytes, the target of a link, or None for a folder."""
     return {
         str(path.relative_to(folder)): os.readlink(path)
         if path.is_symlink()

@@ -1,7 +1,5 @@
 """Random expression trees in the form that the parser yields."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from hypothesis import strategies as st
@@ -12,12 +10,10 @@ NAMES = ("q1", "a2", "alpha1", "I", "E", "S", "N", "Q", "lambda", "beta", "gamma
 
 
 def numbers() -> st.SearchStrategy[Expression]:
-    """Small rationals."""
     return st.builds(lambda p, q: Number(Fraction(p, q)), st.integers(-99, 99), st.integers(1, 40))
 
 
 def leaves() -> st.SearchStrategy[Expression]:
-    """Numbers, names and pi."""
     return st.one_of(numbers(), st.sampled_from(NAMES).map(Name), st.just(Pi()))
 
 
@@ -33,5 +29,4 @@ def _grown(children: st.SearchStrategy[Expression]) -> st.SearchStrategy[Express
 
 
 def trees() -> st.SearchStrategy[Expression]:
-    """Trees of up to a dozen leaves."""
     return st.recursive(leaves(), _grown, max_leaves=12)

@@ -3,8 +3,6 @@
 Every file must be refused quickly, with one line that names the file and the line.
 """
 
-from __future__ import annotations
-
 GOOD = """\
 name: r
 title: t
@@ -22,18 +20,15 @@ runtime: [a1]
 
 
 def changed(old: str, new: str) -> bytes:
-    """The good file with one text replaced."""
     assert GOOD.count(old) == 1, old
     return GOOD.replace(old, new).encode()
 
 
 def cell(text: str) -> bytes:
-    """The good file with another cell in row 1."""
     return changed("a: a1}", f"a: {text}, d: a1}}")
 
 
 def with_tail(text: str) -> bytes:
-    """The good file and more lines."""
     return (GOOD + text).encode()
 
 

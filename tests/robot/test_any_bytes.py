@@ -1,7 +1,5 @@
 """Whatever the bytes are, the answer is a robot or one refusal."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,7 +15,6 @@ CELLS = ["q1", "pi", "**", "1/0", "sqrt(-1)", "type: prismatic", "theta: 0"]
 
 
 def answer(data: bytes) -> Robot | str:
-    """The robot, or the refusal's message."""
     try:
         return Robot.from_bytes(data, "x.yaml")
     except DeriveError as refusal:
@@ -26,7 +23,6 @@ def answer(data: bytes) -> Robot | str:
 
 @st.composite
 def edited_texts(draw: st.DrawFn) -> str:
-    """A catalogue file with a few insertions, deletions and repetitions."""
     text = draw(st.sampled_from(TEXTS))
     for _ in range(draw(st.integers(1, 4))):
         start = draw(st.integers(0, len(text)))

@@ -1,7 +1,5 @@
 """Tensors that no body has are remarked on with the amount; those that some body has, and planar ones, are not."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The built-in robots load, and say what they are without being loaded."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.cli.new import new_robot_text

@@ -1,13 +1,11 @@
 """Cells in degrees and millimetres mean what the same cells mean in radians and metres."""
 
-from __future__ import annotations
-
 from math import pi
 
 import pytest
 
 from derive.errors import DeriveError, Location
-from derive.robot.cells import MixedUnitsError, angle_in_radians, joint_values, length_in_metres, plain_number
+from derive.robot.cells import angle_in_radians, joint_values
 from derive.robot.description import FileUnits
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
@@ -19,24 +17,7 @@ VALUES = {"a1": 0.3, "beta": 0.7}
 
 
 def cell(text: str) -> Expression:
-    """A cell as written."""
     return parse_expression(text, Location("arm.yaml"))
-
-
-@pytest.mark.parametrize(
-    ("text", "units", "value"),
-    [
-        ("90", DEGREES, pi / 2),
-        ("45 + 45/2", DEGREES, 67.5 * pi / 180),
-        ("beta - 30", DEGREES, 0.7 - pi / 6),
-        ("2*beta", DEGREES, 1.4),
-        ("90", PLAIN, 90.0),
-        ("pi/2 + beta", PLAIN, pi / 2 + 0.7),
-    ],
-)
-def test_angles(text: str, units: FileUnits, value: float) -> None:
-    """Names stay radians: a parameter that is an angle has its number in the parameters' block, converted there."""
-    assert evaluate(angle_in_radians(cell(text), units), VALUES) == pytest.approx(value, rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -55,22 +36,6 @@ def test_terms_of_names_without_a_unit_are_in_the_units_of_the_file(text: str, r
     for t in (0.0, 0.7, 2.0):
         values = {"t": t, "a": 0.4}
         assert evaluate(found, values) == pytest.approx(evaluate(cell(radians), values), rel=1e-15)
-
-
-def test_pi_among_degrees_is_refused() -> None:
-    with pytest.raises(MixedUnitsError):
-        angle_in_radians(cell("pi/2"), DEGREES)
-
-
-@pytest.mark.parametrize(("text", "value"), [("431.8", 0.4318), ("a1 + 20", 0.32), ("100*cos(60)", 0.05)])
-def test_lengths_in_millimetres(text: str, value: float) -> None:
-    units = FileUnits(degrees="cos" in text, millimetres=True)
-    assert evaluate(length_in_metres(cell(text), units), VALUES) == pytest.approx(value, rel=1e-15)
-
-
-def test_a_mass_has_no_unit_to_convert_but_its_angles_have() -> None:
-    assert evaluate(plain_number(cell("2*sin(30)"), DEGREES), {}) == pytest.approx(1.0, rel=1e-15)
-    assert evaluate(plain_number(cell("5"), MILLIMETRES), {}) == 5.0
 
 
 def test_joint_values_are_in_the_units_of_the_file() -> None:

@@ -1,7 +1,5 @@
 """Broken and hostile files are refused quickly, in one line, with the file's name and the line."""
 
-from __future__ import annotations
-
 import re
 import time
 from pathlib import Path
@@ -16,7 +14,6 @@ SECONDS = 5.0
 
 
 def refusal(path: Path) -> str:
-    """The message of the refusal of a file, after checking its kind and its time."""
     begin = time.process_time()
     with pytest.raises((RobotFileError, ExpressionError)) as caught:
         Robot.load(path)

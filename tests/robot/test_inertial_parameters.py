@@ -1,7 +1,5 @@
 """The names of the parameters in which torques are linear."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

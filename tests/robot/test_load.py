@@ -1,7 +1,5 @@
 """What a robot file means: defaults, signs, dynamics, names."""
 
-from __future__ import annotations
-
 import dataclasses
 import hashlib
 from pathlib import Path
@@ -19,12 +17,10 @@ HEAD = "name: r\nconvention: standard\n"
 
 
 def load(text: str) -> Robot:
-    """A robot from text with a known source name."""
     return Robot.from_text(text, "r.yaml")
 
 
 def arm(*rows: str, tail: str = "") -> Robot:
-    """A robot from rows, the first in line 4."""
     return load(HEAD + "joints:\n" + "".join(f"  - {row}\n" for row in rows) + tail)
 
 

@@ -1,7 +1,5 @@
 """``units: {parameters: file}``: numbers of symbols are in the units of their cells, wherever somebody types them."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import replace

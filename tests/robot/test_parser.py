@@ -1,7 +1,5 @@
 """The cell grammar: what it means, what it refuses, and where it says so."""
 
-from __future__ import annotations
-
 import ast
 import math
 import operator
@@ -47,12 +45,10 @@ _BINARY: dict[type[ast.operator], Any] = {
 
 
 def parse(text: str) -> Expression:
-    """Parse at a fixed place."""
     return parse_expression(text, START)
 
 
 def rational(numerator: int, denominator: int = 1) -> Number:
-    """A number of the tree."""
     return Number(Fraction(numerator, denominator))
 
 
@@ -83,7 +79,6 @@ def test_the_printed_text_means_what_the_tree_means_to_python(tree: Expression, 
 
 
 def _python_value(node: ast.expr, scope: dict[str, Any]) -> float:
-    """Interpret a Python syntax tree of arithmetic."""
     match node:
         case ast.Constant(value):
             return float(value)

@@ -1,7 +1,5 @@
 """What a file says and hardly means is remarked on at its place; what is meant is not."""
 
-from __future__ import annotations
-
 from math import pi
 
 import pytest
@@ -17,7 +15,6 @@ HEAD = "name: arm\nconvention: standard\n"
 
 
 def remarks(row: str, units: str = "", tail: str = "") -> list[str]:
-    """The remarks on a robot of one row, as text."""
     text = f"{HEAD}{units}joints:\n  - {{type: revolute, {row}}}\n{tail}"
     return [str(remark) for remark in Robot.from_text(text, "arm.yaml").remarks]
 

@@ -1,7 +1,5 @@
 """Shown numbers: exact where they are short, rounded in the last place elsewhere, never zero, and read back."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """The table and what stands around it: every expression of a robot has its place in the file."""
 
-from __future__ import annotations
-
 import random
 import re
 

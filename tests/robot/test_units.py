@@ -1,7 +1,5 @@
 """Degrees and millimetres become radians and metres exactly; names and factors stay what they are."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -13,14 +11,12 @@ from derive.robot.robot import Robot
 
 
 def robot(row: str, angle: str = "deg", length: str = "mm", extra: str = "") -> Robot:
-    """A robot with one row."""
     return Robot.from_text(
         f"name: r\nconvention: standard\nunits: {{angle: {angle}, length: {length}}}\njoints:\n  - {row}\n{extra}"
     )
 
 
 def value(expression: Expression, **values: float) -> float:
-    """Number of an expression."""
     return evaluate(expression, values)
 
 

@@ -1,7 +1,5 @@
 """A robot is checked as a whole, whatever its cells say one by one."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

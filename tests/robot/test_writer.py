@@ -1,7 +1,5 @@
 """A robot as text reads back as the same robot, in the units of its file."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import fields
 
@@ -14,7 +12,6 @@ from tests.random_robots import robot_text as random_text
 
 
 def differing(ours: Robot, theirs: Robot) -> list[str]:
-    """Data that differ, but for what tells one file from another."""
     told = [part.name for part in fields(ours) if part.compare and part.name not in ("digest", "source")]
     return [name for name in told if getattr(ours, name) != getattr(theirs, name)]
 

@@ -1,7 +1,5 @@
 """Generated C models, compiled and callable."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from pathlib import Path
@@ -20,7 +18,6 @@ needs_compiler = pytest.mark.skipif(find_compiler() is None and not REQUIRED, re
 
 
 def write_c_model(folder: Path, robot: Robot, program: Program | None = None) -> dict[str, str]:
-    """The files of the C target, written to a folder; their texts."""
     texts = render_c(source_of(robot, program))
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -28,7 +25,6 @@ def write_c_model(folder: Path, robot: Robot, program: Program | None = None) ->
 
 
 def c_model(robot: Robot, program: Program | None = None) -> CModel:
-    """The C model of a robot."""
     compiler = find_compiler()
     assert compiler is not None
     with tempfile.TemporaryDirectory() as folder:

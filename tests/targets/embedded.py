@@ -5,8 +5,6 @@ Generated modules import NumPy alone, so the code that solves general arms stand
 of a module get an underscore. With ``--check`` nothing is written, and the exit status is 1 where something would be.
 """
 
-from __future__ import annotations
-
 import ast
 import copy
 import re
@@ -51,11 +49,7 @@ Key = tuple[str, str]
 
 
 class Module:
-    """One source.
-
-    Args:
-        name: Of the module.
-    """
+    """One source."""
 
     def __init__(self, name: str) -> None:
         self.name = name

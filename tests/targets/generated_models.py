@@ -1,7 +1,5 @@
 """Generated modules as namespaces, without writing them."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Mapping
 from functools import lru_cache
@@ -38,17 +36,14 @@ PARAMETERS = {"m1": 2.0, "m2": 1.5}
 
 @lru_cache(maxsize=64)
 def program_of(robot: Robot) -> Program:
-    """The program of a robot, built once for all its targets."""
     return build_program(robot)
 
 
 def source_of(robot: Robot, program: Program | None = None) -> Source:
-    """What targets are rendered from."""
     return Source(robot, program or program_of(robot), "0.0.0")
 
 
 def load(text: str, name: str = "generated") -> ModuleType:
-    """A module from its text."""
     loader = TextLoader(name, text)
     module = ModuleType(name)
     loader.exec_module(module)
@@ -74,17 +69,14 @@ class TextLoader(InspectLoader):
 
 
 def numpy_model(robot: Robot, program: Program | None = None) -> ModuleType:
-    """The NumPy module of a robot."""
     return load(render_numpy(source_of(robot, program))["model_numpy.py"])
 
 
 def casadi_model(robot: Robot, program: Program | None = None) -> ModuleType:
-    """The CasADi module of a robot."""
     return load(render_casadi(source_of(robot, program))["model_casadi.py"])
 
 
 def planar() -> Robot:
-    """A small robot with free parameters, a prismatic joint, a motor and friction."""
     return Robot.from_text(PLANAR)
 
 
@@ -95,7 +87,6 @@ def small_program(graph: Graph, values: list[Value]) -> Program:
 
 
 def call(module: ModuleType, name: str, arguments: Mapping[str, object], **options: object) -> object:
-    """A function with the arguments that it takes."""
     function = getattr(module, name)
     taken = [kind for kind in inspect.signature(function).parameters if kind not in ("params", "out")]
     return function(*(arguments[kind] for kind in taken), **options)

@@ -1,7 +1,5 @@
 """Generated JavaScript run in V8, without a browser."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -28,10 +26,8 @@ class JavaScriptModel:
         self.context.eval(f'"use strict";\n{body}\nglobalThis.model = {{ {", ".join(self.names)} }};\n0')
 
     def value(self, expression: str) -> Any:
-        """An expression's value, by way of JSON."""
         return json.loads(self.context.eval(f"JSON.stringify({expression})"))
 
     def call(self, name: str, *arguments: Any, params: Mapping[str, float] | None = None) -> np.ndarray:
-        """A function by its Python name."""
         given = [json.dumps(np.asarray(a, dtype=float).tolist()) for a in arguments]
         return np.array(self.value(f"model.{camel_case(name)}({', '.join([*given, json.dumps(params)])})"))

@@ -1,7 +1,5 @@
 """Generated packages of MATLAB and Octave, written to a folder and run in one process of Octave."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,7 +18,6 @@ needs_octave = pytest.mark.skipif(find_octave() is None and not REQUIRED, reason
 
 
 def write_package(folder: Path, robot: Robot, program: Program | None = None) -> dict[str, str]:
-    """The files of the Octave target, written to a folder; their texts."""
     texts = render_octave(source_of(robot, program))
     for name, text in texts.items():
         (folder / name).parent.mkdir(exist_ok=True)
@@ -30,7 +27,6 @@ def write_package(folder: Path, robot: Robot, program: Program | None = None) ->
 
 @contextmanager
 def octave_model(folder: Path, robot: Robot, program: Program | None = None) -> Iterator[OctaveModel]:
-    """The package of a robot, callable."""
     write_package(folder, robot, program)
     with running_octave(folder, find_octave()) as (model,):
         yield model

@@ -1,7 +1,5 @@
 """Arms without formulas, with their programs, each derived once."""
 
-from __future__ import annotations
-
 from functools import cache
 from types import ModuleType
 
@@ -57,18 +55,15 @@ PARAMETERS = {"a3": 0.35}
 
 @cache
 def robot_of(text: str) -> Robot:
-    """A robot, read once."""
     return Robot.from_text(text)
 
 
 @cache
 def program_of(text: str) -> Program:
-    """Forward and inverse kinematics."""
     return build_program(robot_of(text), Effort.QUICK, names={"forward_kinematics"}, inverse=True)
 
 
 def search_of(text: str) -> InverseSearch:
-    """What its solutions are found by."""
     search = program_of(text).search
     assert search is not None
     return search
@@ -76,12 +71,10 @@ def search_of(text: str) -> InverseSearch:
 
 @cache
 def model_of(text: str) -> ModuleType:
-    """Its NumPy module."""
     return numpy_model(robot_of(text), program_of(text))
 
 
 def poses_of(text: str, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Configurations and their poses."""
     q = np.random.default_rng(3).uniform(-1.5, 1.5, (count, robot_of(text).n))
     options = {"params": PARAMETERS} if program_of(text).parameters else {}
     return q, np.asarray(model_of(text).forward_kinematics(q, **options))

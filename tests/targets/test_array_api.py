@@ -1,7 +1,5 @@
 """Generated functions on arrays of other libraries: dtype kept, compiled, vectorised and differentiated."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """The C model: clean C99, one configuration and a batch, the same values as the NumPy model."""
 
-from __future__ import annotations
-
 import ctypes
 import random
 import re
@@ -32,7 +30,6 @@ ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]
 
 
 def compiled(folder: Path, *options: str) -> Path:
-    """The object file of a folder's model; a warning is an error."""
     compiler = find_compiler()
     assert compiler is not None
     library = folder / "model.so"
@@ -216,7 +213,6 @@ def test_titles_stay_inert(title: str) -> None:
 
 
 def without_comments(text: str) -> str:
-    """What a compiler sees."""
     return re.sub(r"/\*.*?\*/", "", text.replace("\\\n", ""), flags=re.DOTALL)
 
 
@@ -227,7 +223,6 @@ def planar_model() -> CModel:
 
 @pytest.fixture(scope="module")
 def sines() -> CModel:
-    """Two angles: the sine of the first and the cosine of the second."""
     graph = Graph()
     x, y = (Value(graph, graph.input("q", i)) for i in range(2))
     two = Robot.from_text("name: two\nconvention: standard\njoints: [{type: revolute}, {type: revolute}]\n")

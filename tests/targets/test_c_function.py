@@ -1,7 +1,5 @@
 """A function in C: its parts take what they need and no more."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 
@@ -18,10 +16,10 @@ def test_work_goes_to_the_part_that_needs_nothing_more() -> None:
     program = small_program(graph, [angle.cos() * length.sqrt(), (angle + length).sin()])
     (text,) = [c_function(function, ["a1"]) for function in program]
     assert (text.used, text.constant_count, text.angle_count) == (("q",), 2, 2)
-    assert "sqrt" in " ".join(text.constants.body + text.constants.results)
-    assert arrays(text.constants.declaration) == ["params", "k"]
-    assert arrays(text.angles.declaration) == ["q", "k", "angles"]
-    assert arrays(text.lane.declaration) == ["sines", "cosines", "k", "result"]
+    assert "sqrt" in " ".join(text.constants["body"] + text.constants["results"])
+    assert arrays(text.constants["declaration"]) == ["params", "k"]
+    assert arrays(text.angles["declaration"]) == ["q", "k", "angles"]
+    assert arrays(text.lane["declaration"]) == ["sines", "cosines", "k", "result"]
 
 
 def test_an_argument_without_a_say_is_declared_and_not_loaded() -> None:
@@ -33,5 +31,4 @@ def test_an_argument_without_a_say_is_declared_and_not_loaded() -> None:
 
 
 def arrays(declaration: str) -> list[str]:
-    """Names of the pointers among some parameters."""
     return re.findall(r"\*(?:restrict )?(\w+)", declaration)

@@ -1,7 +1,5 @@
 """Arms without formulas in NumPy, C and CasADi: every solution, the same in both languages, and the reason if none."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -9,7 +7,7 @@ import numpy as np
 import pytest
 
 from derive.targets.c import render_c
-from derive.targets.c_search import c_search
+from derive.targets.c_inverse import c_search
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.readme import render as render_readme
 from tests.inverse.arms import PUBLISHED
@@ -188,9 +186,9 @@ def test_casadi_and_the_page_of_the_folder_say_why() -> None:
 
 def test_arrays_of_c_are_as_long_as_the_arm_needs() -> None:
     text = c_search(search_of(GENERAL), robot_of(GENERAL))
-    assert (text.free_count, text.given_count, text.entry_count) == (6, 1, 12)
-    assert text.free == "0, 1, 2, 4, 5, 6"
-    assert text.signs.split(", ")[2] == "-1.0"
-    assert text.size >= 16
-    assert text.columns >= max(sum(each.rows) for each in search_of(GENERAL).eliminations)
-    assert not text.is_position
+    assert (text["free_count"], text["given_count"], text["entry_count"]) == (6, 1, 12)
+    assert text["free"] == "0, 1, 2, 4, 5, 6"
+    assert text["signs"].split(", ")[2] == "-1.0"
+    assert text["size"] >= 16
+    assert text["columns"] >= max(sum(each.rows) for each in search_of(GENERAL).eliminations)
+    assert not text["is_position"]

@@ -1,7 +1,5 @@
 """The CasADi module: the same functions, named inputs and outputs, fit for optimisation and code export."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

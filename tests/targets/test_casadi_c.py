@@ -1,7 +1,5 @@
 """CasADi's own C export: the same text every time, behind a heading of ours, with the values of the oracle."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

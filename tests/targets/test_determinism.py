@@ -1,7 +1,5 @@
 """What is generated depends on nothing but the robot and the version."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import random
@@ -23,7 +21,6 @@ SCRIPT = "from tests.targets.test_determinism import digest; print(digest({0}))"
 
 
 def digest(seeds: tuple[int, ...]) -> str:
-    """Of what is generated for some robots, of one to four joints."""
     found = hashlib.sha256()
     for seed in seeds:
         robot = Robot.from_text(random_robot(random.Random(seed), 1 + seed).text)

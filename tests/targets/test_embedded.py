@@ -1,7 +1,5 @@
 """The code for arms without formulas that stands in generated modules."""
 
-from __future__ import annotations
-
 import ast
 
 from derive.targets.numpy import render_numpy

@@ -1,7 +1,5 @@
 """Escaping: whatever the text, it is text in every language."""
 
-from __future__ import annotations
-
 import ast
 import html
 import json

@@ -1,7 +1,5 @@
 """Inverse kinematics in every language: the same solutions, the same words, the nearest one within the limits."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 from functools import cache
@@ -44,23 +42,19 @@ PARAMETERS = {"a2": 0.5}
 
 @cache
 def program_of(robot: Robot) -> Program:
-    """Forward and inverse kinematics, without a search."""
     return build_program(robot, Effort.QUICK, names=NAMES, inverse=True)
 
 
 def elbow() -> Robot:
-    """An arm with a free parameter, a slide and limits."""
     return Robot.from_text(TEXT)
 
 
 @cache
 def model_of(robot: Robot) -> ModuleType:
-    """Its NumPy module."""
     return numpy_model(robot, program_of(robot))
 
 
 def cases(robot: Robot, count: int = 40) -> tuple[np.ndarray, np.ndarray, dict[str, float]]:
-    """Configurations, poses and parameters."""
     parameters = PARAMETERS if "a2" in program_of(robot).parameters else {}
     q = np.random.default_rng(7).uniform(-0.9, 0.9, (count, robot.n))
     return q, np.asarray(model_of(robot).forward_kinematics(q, **options(parameters))), parameters
@@ -139,7 +133,6 @@ def test_the_nearest_solution_in_c_is_that_of_numpy(robot: Robot) -> None:
 
 
 def pointer(array: np.ndarray) -> Any:
-    """An array as C takes it."""
     return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
 
 
@@ -229,7 +222,6 @@ def test_parameters_may_vary_over_a_batch() -> None:
 
 
 def pose_with(**entries: float) -> np.ndarray:
-    """The unit pose with other entries, ``r01=...``."""
     pose = np.eye(4)
     for name, value in entries.items():
         pose[int(name[1]), int(name[2])] = value

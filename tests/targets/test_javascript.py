@@ -1,7 +1,5 @@
 """The JavaScript module: the same functions as the NumPy one, in agreement with the independent recursion."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -27,7 +25,6 @@ FITTED = 1e-10
 
 
 def check(robot: Robot, program: Program, samples: int = 6) -> None:
-    """Every function at random configurations and parameters, within 1e-12 of the oracle."""
     model = JavaScriptModel(robot, program)
     for sample_set in sample_sets(robot, samples, np.random.default_rng(robot.n)):
         for name in sample_set.oracle.functions:
@@ -43,7 +40,6 @@ def check(robot: Robot, program: Program, samples: int = 6) -> None:
 
 @pytest.mark.parametrize("name", catalogue_names())
 def test_catalogue_robots_agree_with_the_oracle(name: str) -> None:
-    """Programs as the web page has them, which does without a search."""
     robot = Robot.load(name)
     check(robot, build_program(robot, Effort.QUICK), samples=3)
 

@@ -1,7 +1,5 @@
 """What others call the joints, and their largest speeds and torques, in every target, whatever the names are."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every printer gets every operation right: floats, recorded columns and CasADi, on one list of expressions."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable
@@ -20,7 +18,7 @@ from derive.programs.tape.tape import Op
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
-from derive.targets.kernel import JAVASCRIPT, PYTHON, C, Language, Piece, wrapped, write_kernel
+from derive.targets.kernel import JAVASCRIPT, PYTHON, C, CodePiece, Language, wrapped, write_kernel
 from tests.targets.c_models import c_model, needs_compiler
 from tests.targets.generated_models import casadi_model, numpy_model, planar, small_program, source_of
 from tests.targets.javascript_model import JavaScriptModel
@@ -89,7 +87,6 @@ POINTS = [(0.3, 0.7), (-1.2, 0.4), (2.5, -0.6), (-0.1, -3.0)]
 
 @pytest.fixture(scope="module")
 def values() -> dict[str, np.ndarray]:
-    """Values of all expressions at all points, by way of evaluation."""
     graph = Graph()
     x, y = (Value(graph, graph.input("q", i)) for i in range(2))
     program = small_program(graph, [build(x, y) for build, _ in EXPRESSIONS.values()])
@@ -103,7 +100,6 @@ def values() -> dict[str, np.ndarray]:
 
 
 def c_values(program: Program) -> dict[str, np.ndarray]:
-    """The same in C, one by one and as a batch."""
     model = c_model(TWO, program)
     ones = [model.call("gravity_vector", [np.array(point)], {}) for point in POINTS]
     return {"c": np.array(ones), "c batch": model.call("gravity_vector", [np.array(POINTS)], {})}
@@ -160,7 +156,7 @@ def test_a_negative_number_is_no_atom_where_two_minus_signs_are_a_mistake() -> N
         language.operation(Op.NEGATE, [language.number(Fraction(-2))]).text for language in (PYTHON, JAVASCRIPT, C)
     ]
     assert written == ["--2.0", "-(-2.0)", "-(-2.0)"]
-    assert Piece("a + b", 1).inside(2) == "(a + b)"
+    assert CodePiece("a + b", 1).inside(2) == "(a + b)"
 
 
 def test_lists_break_between_values() -> None:

@@ -1,7 +1,5 @@
 """The native model: whatever the NumPy model answers or refuses, in the same words; and generalised ufuncs besides."""
 
-from __future__ import annotations
-
 import inspect
 import random
 import shutil
@@ -32,15 +30,12 @@ ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]
 
 
 class Models(NamedTuple):
-    """A robot's folder and the two models in it."""
-
     folder: Path
     native: ModuleType
     numpy: ModuleType
 
 
 def built(robot: Robot, out: Path) -> Models:
-    """A robot, built and imported."""
     folder = build_robot(robot, out, TARGETS, verified=False, only=True).folder
     modules = {model.target: model.module for model in load_models(folder)}
     return Models(folder, modules["native"], modules["numpy"])

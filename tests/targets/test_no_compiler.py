@@ -1,7 +1,5 @@
 """Without a C compiler: C is written but not verified, the native model is refused in one line, nothing is written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -19,7 +17,6 @@ ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]
 
 @pytest.fixture(params=["nowhere", "named"])
 def without(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
-    """No compiler on the path, or one that is named but does not exist."""
     if request.param == "named":
         monkeypatch.setenv("CC", "no-such-compiler -O2")
         return "no-such-compiler"

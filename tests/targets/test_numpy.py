@@ -1,7 +1,5 @@
 """The NumPy module as users meet it: shapes, batches, parameters, refusals."""
 
-from __future__ import annotations
-
 import ast
 import math
 import random
@@ -64,7 +62,6 @@ CONSTANT = replace(INTERFACES["gravity_vector"], arguments=())
 
 
 def arguments(*batch: int, seed: int = 0) -> dict[str, np.ndarray]:
-    """Random arguments of a batch's shape."""
     rng = np.random.default_rng(seed)
     return {kind: rng.uniform(-2, 2, (*batch, 2)) for kind in ("q", "qd", "qdd", "tau")}
 

@@ -1,7 +1,5 @@
 """The package of MATLAB and Octave: the same functions as the NumPy module, with a column for each configuration."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -49,7 +47,6 @@ def test_every_function_gives_what_numpy_gives(name: str, tmp_path: Path) -> Non
 
 
 def compare(model: OctaveModel, numpy: ModuleType, function: str, samples: SampleSet) -> None:
-    """Equal within rounding, relative to the largest entry; angles and accelerations only where they have a value."""
     arguments = [samples.arguments[kind] for kind in FUNCTIONS[function].arguments]
     options = {"params": dict(samples.parameters)} if samples.parameters else {}
     with np.errstate(all="ignore"):

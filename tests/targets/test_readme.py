@@ -1,7 +1,5 @@
 """The page of a generated folder: its example runs, and no text of the user's becomes markup."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -16,13 +14,11 @@ from derive.targets.readme import FILES
 
 
 def page(robot: Robot) -> str:
-    """The page's text; a long search would change its numbers alone."""
     return render_robot(robot, targets_named(), Effort.QUICK).files["README.md"].decode()
 
 
 @pytest.mark.parametrize("name", ["scara-perugia", "thumb", "kuka-kr5", "puma560-corke"])
 def test_the_example_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As it is printed, with the parent folder on the path."""
     build_robot(Robot.load(name), tmp_path, verified=False, effort=Effort.QUICK)
     text = (tmp_path / name.replace("-", "_") / "README.md").read_text()
     match = re.search(r"```python\n(.*?)```", text, re.DOTALL)
@@ -38,7 +34,6 @@ def test_every_file_of_every_target_has_a_word() -> None:
 
 
 def test_every_file_and_function_is_listed() -> None:
-    """With shapes and costs."""
     rendered = render_robot(Robot.load("scara-perugia"), targets_named())
     text = rendered.files["README.md"].decode()
     for name in rendered.files:
@@ -48,7 +43,6 @@ def test_every_file_and_function_is_listed() -> None:
 
 
 def test_titles_are_text() -> None:
-    """No heading, link, HTML or template comes out of a title."""
     title = "# x [a](http://b) <script>1</script> `c` {{ 7*7 }} | **d**"
     robot = Robot.from_text(f"name: arm\ntitle: '{title}'\nconvention: standard\njoints: [{{type: revolute}}]\n")
     first = page(robot).splitlines()[0]
@@ -59,7 +53,6 @@ def test_titles_are_text() -> None:
 
 
 def test_no_tag_is_left() -> None:
-    """Everything was filled in."""
     assert not re.search(r"\{\{|\{%|%\}|\}\}", page(Robot.load("puma560-corke")))
 
 
@@ -76,7 +69,6 @@ parameters: {a1: 0.4318123456789, g: 9.80665}
 
 
 def test_numbers_are_shown_in_decimals_of_six_digits_and_the_page_says_so() -> None:
-    """Those that the user gave with all of their digits."""
     text = page(Robot.from_text(ROD))
     assert "| `a1` | `0.4318123456789` |" in text
     assert "- `Izz1`: `1.23456*a1**2 - 0.533083*a1 + 0.0765463`" in text

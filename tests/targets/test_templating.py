@@ -1,7 +1,5 @@
 """Templates hold text, loops and flags; every file on disk is used, and every one used is on disk."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path
@@ -33,7 +31,6 @@ ALLOWED_OPERATORS = (nodes.And, nodes.Or, nodes.Not)
 
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_templates_compute_nothing(name: str) -> None:
-    """No arithmetic, comparison, filter, test or assignment: values come finished."""
     source = (FOLDER / name).read_text(encoding="utf-8")
     reads = latex_template("blocks.tex.jinja").environment if name.endswith(".tex.jinja") else environment()
     tree = reads.parse(source)
@@ -51,7 +48,6 @@ def test_the_registry_and_the_templates_agree() -> None:
 
 
 def test_targets_are_chosen_by_name() -> None:
-    """In the registry's order, each once, beside those that a build writes unasked unless these alone are wanted."""
     assert [target.name for target in targets_named()] == ["numpy", "casadi", "c", "latex", "readme"]
     assert [target.name for target in targets_named(TARGETS)] == list(TARGETS)
     assert [target.name for target in targets_named(["native"])] == [

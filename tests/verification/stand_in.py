@@ -3,8 +3,6 @@
 They ask the oracle once for each configuration, however often a batch repeats it.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from derive.robot.names import free_symbols

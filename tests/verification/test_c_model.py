@@ -1,7 +1,5 @@
 """The C model as a callable: its header alone says what there is, and a source that is wrong is one message."""
 
-from __future__ import annotations
-
 import ctypes
 from pathlib import Path
 
@@ -24,7 +22,7 @@ def test_names_and_numbers_are_those_of_the_header() -> None:
     program = build_program(robot, Effort.QUICK)
     model = CModel(ctypes.CDLL(None), render_c(Source(robot, program, "0.0.0"))["model.h"])
     shapes = {function.name: function.shape for function in program}
-    assert model.constants == {**shapes, "DOF": 1, "PARAMETERS": program.parameters}
+    assert model.constants == {**shapes, "DOF": 1, "PARAMETERS": program.parameters, "GIVEN": ()}
     assert set(program.parameters) == {"a1", "d1"}
 
 

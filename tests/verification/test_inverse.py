@@ -1,7 +1,5 @@
 """Verification of inverse kinematics finds what is wrong, and nothing where all is right."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -28,7 +26,6 @@ ROBOT = Robot.from_text(
 
 @cache
 def model() -> NumpyModel:
-    """Both elbows of a planar arm."""
     program = build_program(ROBOT, Effort.QUICK, names={"forward_kinematics"}, inverse=True)
     assert program.inverse is not None
     assert program.inverse.branches == 2
@@ -42,8 +39,6 @@ def samples() -> tuple[SampleSet, ...]:
 
 @dataclass(frozen=True)
 class Faulty:
-    """A model with a fault."""
-
     change: Change
     right: NumpyModel
     target = "numpy"
@@ -53,9 +48,6 @@ class Faulty:
 
     def call(self, function: str, arguments: list[Array], parameters: Parameters) -> Array:
         raise NotImplementedError
-
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        return self.right.given_names(robot)
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         q, status = self.right.inverse(poses, given, parameters)
@@ -69,13 +61,11 @@ def test_a_right_model_passes() -> None:
 
 
 def without_second(q: Array, status: Array) -> tuple[Array, Array]:
-    """One branch is lost."""
     q[:, 1], status[:, 1] = np.nan, 0
     return q, status
 
 
 def twice(q: Array, status: Array) -> tuple[Array, Array]:
-    """Both branches are one, where the arm has the other elbow too."""
     both = np.repeat(q[:, :1], 3, axis=1)
     both[:, 2] = q[:, 1]
     codes = np.repeat(status[:, :1], 3, axis=1)
@@ -84,23 +74,19 @@ def twice(q: Array, status: Array) -> tuple[Array, Array]:
 
 
 def turned(q: Array, status: Array) -> tuple[Array, Array]:
-    """A joint is off."""
     q[:, 1, 0] += 1e-6
     return q, status
 
 
 def unmarked(q: Array, status: Array) -> tuple[Array, Array]:
-    """A branch that does not exist has numbers."""
     return np.nan_to_num(q), status
 
 
 def nothing(q: Array, status: Array) -> tuple[Array, Array]:
-    """No solution at all."""
     return np.full_like(q, np.nan), np.zeros_like(status)
 
 
 def everything(q: Array, status: Array) -> tuple[Array, Array]:
-    """Solutions of poses that have none."""
     return np.where(np.isnan(q).all(axis=(1, 2), keepdims=True), 0.5, q), np.maximum(
         status, ~status.any(axis=1)[:, None]
     )

@@ -1,7 +1,5 @@
 """Verification finds wrong operators anywhere in generated code, not only faults planted at its outputs."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Octave as a callable: found as other programs are, and what goes wrong in it is one message."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +25,6 @@ def test_octave_is_found_by_its_variable_or_its_names(tmp_path: Path) -> None:
 
 @needs_octave
 def test_a_wrong_function_fails_the_verification(tmp_path: Path) -> None:
-    """The entry, and where; a file that is no code is one message, too."""
     robot = Robot.from_text(TEXT)
     write_package(tmp_path, robot)
     assert {row.target for row in verify(robot, tmp_path, samples=3).rows} == {"octave"}

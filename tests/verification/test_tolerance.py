@@ -1,7 +1,5 @@
 """The yardstick of errors: every function has a natural size that its values keep within, and 1e-9 is the tolerance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -16,7 +14,6 @@ NOT_BOUNDED = {"forward_dynamics", "base_parameters", *ANGLES}
 
 
 def samples_of(name: str) -> SampleSet:
-    """Configurations of a robot of the catalogue."""
     return sample_sets(Robot.load(name), 24, np.random.default_rng(3))[0]
 
 

@@ -1,7 +1,5 @@
 """The calls of a function: every way that a target offers, each with arguments that the oracle can answer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -29,8 +27,6 @@ gravity: [0, -9.81, 0]
 
 
 class Perfect:
-    """A target that answers with the oracle, in all ways."""
-
     target, file = "perfect", "perfect.py"
     ways = ("one", "batch", "broadcast", "blocks", "parameters")
     constants: Mapping[str, Any] = {"DOF": 2, "PARAMETERS": ("a1", "m1")}
@@ -39,7 +35,6 @@ class Perfect:
         self.sets = sets
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Mapping[str, Any]) -> Array:
-        """The value; a batch of parameters set by set."""
         if np.ndim(parameters["m1"]):
             return np.stack(
                 [one.oracle.evaluate(function, *(a[k] for a in arguments)) for k, one in enumerate(self.sets)]
@@ -51,7 +46,6 @@ class Perfect:
 
 @pytest.fixture(scope="module")
 def sets() -> tuple[SampleSet, ...]:
-    """Three sets of parameters."""
     return sample_sets(Robot.from_text(ROBOT), 24, np.random.default_rng(1))
 
 

@@ -12,14 +12,16 @@ from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 
 from derive.checking.formulas.edits import (
+    NO_VALUE,
     Edit,
-    Evaluator,
     Replacements,
     SlipKind,
     Spot,
     changes_text,
     edits,
+    float_value,
     is_token,
+    nodes,
     spots,
 )
 from derive.errors import DeriveError
@@ -27,7 +29,7 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import compare
 from derive.model.quantity_names import parse
-from derive.robot.expression import Call, Expression, Name, Product, Sum, children, multiply, names, negate, substitute
+from derive.robot.expression import Call, Expression, Name, Product, Sum, multiply, names, negate, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
@@ -41,7 +43,6 @@ POINTS = 40  # points that are tried until both formulas have a value
 # Joint angles whose sine and cosine a term may lack; for longer arms only those that occur are tried.
 MAX_SINGLE_ANGLES = 12
 PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)  # kinds of which two changes are tried
-_BAD = (ArithmeticError, ValueError, KeyError)
 
 
 def _itself(e: Expression) -> Expression:
@@ -101,6 +102,7 @@ def diagnose(question: Question) -> Repair | None:
         The change, or None if no single change and no two of one kind repair it and it is right for nothing else.
     """
     repair = _smallest_change(question)
+    # beside any repair: the formula as it stands may be right for the same symbol with its indices in another order
     fitting = (
         name for name, value in question.others.items() if replace(question, right=value).is_answer(question.printed)
     )
@@ -115,15 +117,16 @@ def diagnose(question: Question) -> Repair | None:
 def _smallest_change(question: Question) -> Repair | None:
     """The first change of those of `_Search` at a point where both formulas have a value."""
     known_names = _known_names(question)
+    # away from 0 and 1, where products vanish or do not change, and inside the range of square roots and arc functions
     rng = random.Random(7)
     wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
     for _ in range(POINTS):
         values = {name: rng.choice((-1, 1)) * rng.uniform(0.3, 1.7) for name in wanted}
         try:
             for name, meaning in question.definitions.items():
-                values[name] = Evaluator(values)(meaning)
-            search = _Search(question, Evaluator(values), known_names)
-        except _BAD:  # a definition or one of the formulas has no value at this point
+                values[name] = float_value(meaning, values)
+            search = _Search(question, values, known_names)
+        except NO_VALUE:  # a definition or one of the formulas has no value at this point
             continue
         found = search.one_change() or search.two_changes()
         if found is None:
@@ -135,15 +138,17 @@ def _smallest_change(question: Question) -> Repair | None:
 class _Search:
     """The search at one point; ArithmeticError, ValueError or KeyError where a formula has no value there."""
 
-    def __init__(self, question: Question, evaluate: Evaluator, known_names: Sequence[str]) -> None:
+    def __init__(self, question: Question, values: Mapping[str, float], known_names: Sequence[str]) -> None:
         self.question = question
-        self.evaluate = evaluate
+        self.values = values
         self.outer = None if question.is_plain else question.compared(Name("(printed)"))
-        self.target = evaluate(question.right)
-        self._compared_value(evaluate(question.printed))
+        self.target = float_value(question.right, values)
+        self._compared_value(float_value(question.printed, values))  # it must have a value there, too
         self.work = 0
         angles = tuple(joint.variable for joint in question.robot.joints if joint.is_revolute)
-        tokens = [node for node in (*_nodes(question.printed), *_nodes(question.right)) if is_token(node)]
+        # a factor that is missing: any name, and the sines and cosines of both formulas and of single joints; a term
+        # that is missing: one of the right formula, with either sign
+        tokens = [node for node in (*nodes(question.printed), *nodes(question.right)) if is_token(node)]
         singles = [Call(f, (Name(angle),)) for angle in angles[:MAX_SINGLE_ANGLES] for f in ("cos", "sin")]
         whole = () if isinstance(question.right, Sum) else (question.right,)
         of_right = islice(chain(whole, _terms_inside(question.right)), MAX_LACKING_TERMS)
@@ -159,7 +164,7 @@ class _Search:
         """What is compared, for a value of the printed formula."""
         if self.outer is None:
             return value
-        return Evaluator({**self.evaluate.values, "(printed)": value})(self.outer)
+        return float_value(self.outer, {**self.values, "(printed)": value})
 
     def one_change(self) -> tuple[Edit, ...] | None:
         """One change, of the first kind that has one."""
@@ -174,7 +179,7 @@ class _Search:
         places = self._places(self.question.printed)
         for kind in PAIRED:
             firsts = [edit for place in places for edit in edits(place, self.may, kind)]
-            if len(firsts) ** 2 * (WORK_OF_EDIT + len(places)) > MAX_WORK:
+            if len(firsts) ** 2 * (WORK_OF_EDIT + len(places)) > MAX_WORK:  # about as many second changes as first ones
                 continue
             pairs: list[tuple[Edit, ...]] = [
                 (first, second) for first in firsts for second in self._hits(self._places(first.formula), kind)
@@ -185,14 +190,15 @@ class _Search:
 
     def _least_right(self, candidates: list[tuple[Edit, ...]]) -> tuple[Edit, ...] | None:
         """The candidate that touches least, of those that are right."""
-        sizes = [sum(1 for edit in made for _ in _nodes(edit.old)) for made in candidates]
+        # the fewest nodes replaced, then the nearest to the root; proofs are exact and slow, so that they come last
+        sizes = [sum(1 for edit in made for _ in nodes(edit.old)) for made in candidates]
         ranked = sorted(zip(sizes, candidates, strict=True), key=lambda pair: (pair[0], pair[1][0].place.depth))
         return next((made for _, made in ranked[:MAX_PROOFS] if self.question.is_answer(made[-1].formula)), None)
 
     def _places(self, formula: Expression) -> list[Spot]:
         try:
-            return list(spots(formula, self.evaluate))
-        except _BAD:
+            return list(spots(formula, self.values))
+        except NO_VALUE:
             return []
 
     def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
@@ -203,9 +209,9 @@ class _Search:
                 if self.work > MAX_WORK:
                     return
                 try:
-                    value = self._compared_value(place.value(self.evaluate(edit.node)))
+                    value = self._compared_value(place.value(float_value(edit.node, self.values)))
                     is_close = abs(value - self.target) <= CLOSE * (1 + abs(self.target))
-                except (*_BAD, TypeError):
+                except (*NO_VALUE, TypeError):
                     continue
                 if is_close:
                     yield edit
@@ -216,18 +222,11 @@ def _known_names(question: Question) -> list[str]:
     robot = question.robot
     variables = [joint.variable for joint in robot.joints]
     rates = [rename(v) for rename in (velocity_name, acceleration_name) for v in variables]
+    # a rate may stand for another one only in formulas that have rates at all
     moving = set(rates).intersection((*names(question.printed), *names(question.right)))
     defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
     found = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
     return list(dict.fromkeys(found))
-
-
-def _nodes(e: Expression) -> Iterator[Expression]:
-    waiting = [e]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        waiting.extend(children(node))
 
 
 def _terms_inside(e: Expression) -> Iterator[Expression]:

@@ -43,6 +43,7 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "asin": math.asin,
     "atan": math.atan,
 }
+NO_VALUE = (ArithmeticError, ValueError, KeyError)  # what `float_value` raises where a formula has no value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,8 +71,9 @@ class Spot:
         """The value of the whole formula for another value here."""
         spot = self
         while (above := spot.above) is not None:
+            # only the nodes on the way to the root change; their other children keep the values that they had
             parts = [*spot.siblings[: spot.index], here, *spot.siblings[spot.index + 1 :]]
-            spot, here = above, combined(above.node, parts)
+            spot, here = above, _combined(above.node, parts, {})
         return here
 
     def formula(self, here: Expression) -> Expression:
@@ -83,35 +85,20 @@ class Spot:
         return self.above.formula(rebuilt(self.above.node, lambda _: next(changed)))
 
 
-class Evaluator:
-    """The values of trees at one point; every node is evaluated once."""
-
-    def __init__(self, values: Mapping[str, float]) -> None:
-        self.values = values
-        # by identity, since hashing a tree takes as long as evaluating it; the entry keeps its node, so the id, alive
-        self._known: dict[int, tuple[Expression, float]] = {}
-
-    def __call__(self, e: Expression) -> float:
-        """The value of a tree; ArithmeticError, ValueError or KeyError where there is none."""
-        known = self._known.get(id(e))
-        if known is not None:
-            return known[1]
-        match e:
-            case Number(number):
-                value = float(number)
-            case Pi():
-                value = math.pi
-            case Name(name):
-                value = self.values[name]
-            case _:
-                value = combined(e, [self(child) for child in children(e)])
-        self._known[id(e)] = (e, value)
-        return value
+def float_value(e: Expression, values: Mapping[str, float]) -> float:
+    """The value of a tree at a point; ArithmeticError, ValueError or KeyError (`NO_VALUE`) where there is none."""
+    return _combined(e, [float_value(child, values) for child in children(e)], values)
 
 
-def combined(e: Expression, parts: Sequence[float]) -> float:
+def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]) -> float:
     """The value of a node from the values below it."""
     match e:
+        case Number(number):
+            return float(number)
+        case Pi():
+            return math.pi
+        case Name(name):
+            return values[name]
         case Sum():
             return math.fsum(parts)
         case Product():
@@ -120,20 +107,23 @@ def combined(e: Expression, parts: Sequence[float]) -> float:
             return float(parts[0] ** exponent)
         case Call(function, _):
             return FUNCTIONS[function](*parts)
-    raise TypeError(e)
 
 
-def spots(root: Expression, evaluate: Evaluator) -> Iterator[Spot]:
-    """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token."""
+def spots(root: Expression, values: Mapping[str, float] | None = None) -> Iterator[Spot]:
+    """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token.
+
+    Args:
+        values: The point at which `Spot.value` gives values; None where only formulas are wanted.
+    """
     waiting = [Spot(root)]
     while waiting:
         spot = waiting.pop()
         yield spot
         if not is_token(spot.node):
             parts = children(spot.node)
-            values = tuple(evaluate(part) for part in parts)
+            siblings = () if values is None else tuple(float_value(part, values) for part in parts)
             depth, cost = spot.depth + 1, spot.cost + len(parts)
-            below = [Spot(part, spot, i, values, depth, cost) for i, part in enumerate(parts)]
+            below = [Spot(part, spot, i, siblings, depth, cost) for i, part in enumerate(parts)]
             waiting.extend(reversed(below))
 
 
@@ -143,6 +133,15 @@ def is_token(e: Expression) -> bool:
         return False
     (angle,) = e.arguments
     return all(isinstance(t, Name | Product) for t in (angle.terms if isinstance(angle, Sum) else (angle,)))
+
+
+def nodes(e: Expression) -> Iterator[Expression]:
+    """Every node of a tree."""
+    waiting = [e]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting.extend(children(node))
 
 
 SWAPPED = {"cos": "sin", "sin": "cos"}
@@ -203,11 +202,13 @@ def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
         case SlipKind.FUNCTION, Call(function, arguments) if function in SWAPPED:
             yield _replaced(kind, spot, Call(SWAPPED[function], arguments))
         case SlipKind.EXPONENT, Power(base, exponent):
+            # an exponent misread, or off by one; -1 and -2 are a division by the base and by its square
             exponents = {1, 2, 3, exponent + 1, exponent - 1} if exponent > 0 else {-1, -2}
             yield from (_replaced(kind, spot, power(base, other)) for other in sorted(exponents - {0, exponent}))
         case SlipKind.EXPONENT, Name() | Call() | Sum() if not isinstance(spot.parent, Power):
             yield _replaced(kind, spot, power(node, 2))
         case ((SlipKind.INDEX | SlipKind.SYMBOL), Name(own)):
+            # an index is another number behind the same letter, a symbol is another letter
             stem, wants_relatives = _stem(own), kind is SlipKind.INDEX
             fitting = (name for name in may.names if name != own and (_stem(name) == stem) is wants_relatives)
             yield from (_replaced(kind, spot, Name(name)) for name in fitting)
@@ -251,12 +252,11 @@ def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expres
     present = {term.name for term in terms if isinstance(term, Name)}
     absent = [Name(name) for name in angles if name not in present]
     for i in range(len(terms)):
-        rest = (*terms[:i], *terms[i + 1 :])
-        if rest:
+        if rest := (*terms[:i], *terms[i + 1 :]):
             yield add(*rest)
         yield from (add(*terms[:i], other, *terms[i + 1 :]) for other in absent)
     yield from (add(*terms, other) for other in absent)
-    if len(angles) <= 8:
+    if len(angles) <= 8:  # c234 for c23: sums of neighbouring joints are what books abbreviate
         runs = (angles[i:j] for i in range(len(angles)) for j in range(i + 1, len(angles) + 1))
         yield from (add(*map(Name, run)) for run in runs if set(run) != present)
 

@@ -20,7 +20,7 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.quotients import opaque
 from derive.checking.formulas.diagnosis import Question, Repair, diagnose
-from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.printed import NO_CITATION, NO_REMARK, Citation, Remark
 from derive.errors import DeriveError, Location, UnknownNameError
 from derive.lecture.form import LectureForm
@@ -125,9 +125,10 @@ def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bo
     for sample in samples(robot, wanted):
         values = {name: float(value) for name, value in (sample | decimals).items()}
         try:
-            there = Evaluator(values)(marked)
-            gap = abs(there - Evaluator(values)(right))
-            changes = (Evaluator({**values, n: values[n] + half})(marked) - there for n, half in halves.items())
+            there = float_value(marked, values)
+            gap = abs(there - float_value(right, values))
+            # first-order error propagation: half a unit of the last digit of each decimal, all with the worst sign
+            changes = (float_value(marked, {**values, n: values[n] + half}) - there for n, half in halves.items())
             allowed = _SLACK * sum(map(abs, changes)) + 1e-12 * abs(there)
         except (ArithmeticError, ValueError):
             continue
@@ -205,7 +206,7 @@ class FileReport:
 
 
 # Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it.
-MAX_TERMS = 20_000
+MAX_DIFFERENCE_TERMS = 20_000
 # The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
 Shape = tuple[Any, ...]
 ONE: Shape = ("*",)
@@ -258,7 +259,7 @@ def _difference_terms(question: Question) -> tuple[Expr, ...]:
     whole = substitute(question.printed, question.definitions)
     printed, right = opaque(whole, meanings), opaque(question.right, meanings)
     try:
-        domain = PolynomialDomain(question.robot, [printed, right], max_terms=MAX_TERMS)
+        domain = PolynomialDomain(question.robot, [printed, right], max_terms=MAX_DIFFERENCE_TERMS)
         polynomial = domain.constant(printed) - domain.constant(right)
         difference = LectureForm(domain, style=NAMED_STYLES["expanded"]).kinematic(polynomial)
     except DeriveError:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
 
 from derive.checking.formulas.printed import Citation, Printed, PrintedText, Remark
 from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
@@ -126,9 +125,6 @@ def printed_in(node: YamlMapping) -> Citation:
     return Citation(source.text if isinstance(source, YamlScalar) else "")
 
 
-Refusal = TypeVar("Refusal", bound=CheckError)
-
-
 def printed_text(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
     """A text with its place; of a literal block (``|``) the lines of the file themselves, so that columns are exact."""
     if scalar.verbatim:
@@ -164,21 +160,17 @@ NO_ABBREVIATIONS = Abbreviations()
 def read_printed(
     text: YamlScalar, robot: Robot, further: Abbreviations = NO_ABBREVIATIONS, place: tuple[int, int] = (1, 1)
 ) -> Printed:
-    """A printed formula; one with a name that the robot does not know says so and has the formula zero."""
+    """A printed formula; one with a name that the robot does not know says so and has the formula zero.
+
+    Columns inside a folded or escaped text are not those of the file; there an error is at the beginning of the text.
+    """
     try:
         formula = read_formula(text.text, robot, text.inner, further.names)
     except UnknownNameError as error:
-        return Printed(*place, text.text, ZERO, text.inner, _placed(error, text))
+        return Printed(*place, text.text, ZERO, text.inner, error if text.verbatim else error.moved(text.location))
     except CheckError as error:
-        raise _placed(error, text) from None
+        raise error if text.verbatim else error.moved(text.location) from None
     for name in _WORD.findall(text.text) if further.unknown else ():
         if name in further.unknown:
             return Printed(*place, text.text, ZERO, text.inner, further.unknown[name])
     return Printed(*place, text.text, formula, text.inner)
-
-
-def _placed(error: Refusal, text: YamlScalar) -> Refusal:
-    """Columns inside a folded or escaped text are not those of the file; there the error is at its beginning."""
-    if text.verbatim:
-        return error
-    return type(error)(error.found, allowed=error.allowed, remedy=error.remedy, location=text.location)

@@ -74,7 +74,7 @@ def read_vector(text: str, where: Location) -> Vector:
     if len(text) > MAX_LENGTH:
         raise CheckError("vector equation too long", allowed=f"at most {MAX_LENGTH} characters", location=where)
     try:
-        return _Builder().transform(_parser().parse(text))
+        return _VectorBuilder().transform(_parser().parse(text))
     except UnexpectedInput as error:
         at = min(getattr(error, "pos_in_stream", None) or 0, len(text))
         found, there = f"vector equation {quoted(text, 80)}", place(text, at, where)
@@ -86,7 +86,7 @@ def _parser() -> Lark:
     return Lark(GRAMMAR, parser="lalr")
 
 
-class _Builder(Transformer_NonRecursive[Token, Vector]):
+class _VectorBuilder(Transformer_NonRecursive[Token, Vector]):
     def __default__(self, data: str, children: list[Any], meta: object) -> Vector:
         """What a rule of the grammar makes of its parts."""
         match data, children:

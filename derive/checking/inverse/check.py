@@ -13,26 +13,26 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from derive.checking.formulas.diagnosis import Repair
-from derive.checking.formulas.edits import Evaluator, Replacements, SlipKind, changes_text, edits
+from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, spots
 from derive.checking.formulas.findings import Finding, Role
 from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.order import determined_joints
 from derive.checking.inverse.ours import OurSolution
-from derive.checking.inverse.poses import places, pose_of
-from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse, count_calls, with_calls
+from derive.checking.inverse.poses import geometry_symbols, places, pose_of
+from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, count_calls, with_calls
 from derive.checking.inverse.reading import Vocabulary
-from derive.checking.inverse.repair import InverseRepair, Repairer, places_in
+from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.latex.names import SIGN
 from derive.errors import listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, add, names, negate, substitute
-from derive.robot.names import robot_symbols
 
 # The changes that are tried where a line is never right.
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
@@ -78,19 +78,18 @@ class _InverseCheck:
         """The solution with atan2 for what may take the cosine first: whichever makes more lines right."""
         every = [f for line in printed.lines for f in line.formulas]
         calls = sum(count_calls(f.expression, "Atan2") for f in every)
-        ways = {}
-        for swapped in (False, True):
-            change = {id(f): with_calls(f.expression, "Atan2", "atan2", swapped) for f in every}
-            if self._asked.cosine_first:  # every atan2 is the book's
-                change = {id(f): _turned(f.expression) for f in every}
-            ways[swapped] = printed.mapped(change)
+        if self._asked.cosine_first:  # every atan2 is the book's
+            ours = printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=False))
+            return ours.mapped(partial(with_calls, old="atan2", new="atan2", swapped=True)), ""
+        plain, turned = (
+            printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=s)) for s in (False, True)
+        )
         is_lone = calls == 1 and not any("tan2" not in f.text for f in every if count_calls(f.expression, "Atan2"))
         if not calls or self._asked.cosine_first is not None or is_lone:
-            return ways[False], ""
+            return plain, ""
         some = self._required[:8]
-        right = {s: sum(all(p.hits(line, x) for x in some) for line in p.given) for s, p in ways.items()}
-        swapped = right[True] > right[False]
-        return ways[swapped], " (its arctangent takes the cosine first)" if swapped else ""
+        right, right_turned = (sum(all(p.hits(line, x) for x in some) for line in p.given) for p in (plain, turned))
+        return (turned, " (its arctangent takes the cosine first)") if right_turned > right else (plain, "")
 
     def _second_solution(self) -> Iterator[Finding]:
         """The verdicts on primed lines, which must lead from every configuration to another one of the same pose.
@@ -99,8 +98,8 @@ class _InverseCheck:
         """
         repaired = None
         if all(self._leads_back(self._printed, place) for place in self._places):
-            self._places = tuple(replace(p, twin=self._twin(self._printed, p)) for p in self._places)
-            wrong: set[Line] = set()
+            self._places = tuple(replace(p, twin=self._printed.second(p)) for p in self._places)
+            wrong: set[PrintedLine] = set()
         else:
             self.is_wrong, repaired = True, self._primed_repair()
             wrong = {repaired[0]} if repaired else set(self._printed.primed)
@@ -111,10 +110,10 @@ class _InverseCheck:
 
     def _leads_back(self, printed: PrintedInverse, place: Place) -> bool:
         """Whether primed lines lead from a configuration to one of the same pose."""
-        twin = self._twin(printed, place)
+        twin = printed.second(place)
         return twin is not None and np.allclose(pose_of(self._model.robot, twin.values), place.pose, atol=1e-9)
 
-    def _primed_repair(self) -> tuple[Line, Repair] | None:
+    def _primed_repair(self) -> tuple[PrintedLine, Repair] | None:
         """The change of one primed line with which they lead to the same pose."""
         robot = self._model.robot
         joints = tuple(joint.variable for joint in robot.joints)
@@ -122,7 +121,7 @@ class _InverseCheck:
         may = Replacements(names=joints, angles=(), terms=(*half_turns, *map(Name, joints)))
         for kind in KINDS:
             for line in self._printed.primed:
-                for spot in places_in(line.formulas[0].expression):
+                for spot in spots(line.formulas[0].expression):
                     for edit in edits(spot, may, kind):
                         changed = self._printed.changed(line, line.formulas[0], edit.formula)
                         if all(self._leads_back(changed, place) for place in self._places[:3]):
@@ -130,34 +129,28 @@ class _InverseCheck:
                             return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
         return None
 
-    def _twin(self, printed: PrintedInverse, place: Place) -> Place | None:
-        """The second solution of the pose of a configuration; None where primed lines have no value."""
-        values = dict(place.values)
-        for line in printed.primed:
-            found = next(printed.values(line, place), None)
-            if found is None or not isinstance(line.target, Name):
-                return None
-            values[line.target.name] = found
-        sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
-        return replace(place, values={**values, **sums}, twin=None)
-
     # -- lines
 
     def lines(self) -> Iterator[Finding]:
         """The verdict on every line; of one that is wrong because of a quantity that it names, on that quantity."""
-        found: dict[Formula, Finding] = {}
+        found: dict[PrintedFormula, Finding] = {}
         failing = [line for line in self._printed.given if not all(self._hits(line))]
         for line in self._printed.given:
             if line not in failing:
                 never = {f: wrong for f in line.formulas if (wrong := self._never_right(line, f))}
                 rest = tuple(f for f in line.formulas if f not in never)
-                found.update({**never, rest[0]: self._right(replace(line, formulas=rest))} if rest else never)
-        done: set[int] = set()
+                found.update(never)
+                if rest:
+                    is_same = len(rest) == 1 and self._ours.has_form(rest[0])
+                    whole = replace(rest[0], text=" or ".join(f.text for f in rest))
+                    right = self._ours.text(line)
+                    found[rest[0]] = self._finding(line.quantity, whole, RIGHT, right=right, same=is_same)
+        done: set[PrintedLine] = set()  # what one change repairs has one verdict
         for line in failing:
-            if id(line) not in done:
+            if line not in done:
                 repaired, finding, place = self._failing(line, failing)
                 found[place] = finding
-                done.update(id(other) for other in repaired)
+                done.update(repaired)
         for group in self._printed.coupled():
             if len(group) > 1 and not any(line in failing for line in group):
                 self._check_together(group, found)
@@ -165,10 +158,10 @@ class _InverseCheck:
                 self._check_signs(group, found)
         yield from sorted((*found.values(), *self._primed), key=lambda f: (f.location.line, f.location.column))
 
-    def _hits(self, line: Line) -> list[bool]:
+    def _hits(self, line: PrintedLine) -> list[bool]:
         return [self._printed.hits(line, place) for place in self._required]
 
-    def _never_right(self, line: Line, formula: Formula) -> Finding | None:
+    def _never_right(self, line: PrintedLine, formula: PrintedFormula) -> Finding | None:
         """The verdict on an alternative that is right nowhere, although another one is."""
         if len(line.formulas) == 1:
             return None
@@ -179,7 +172,7 @@ class _InverseCheck:
         verdict = replace(WRONG, counter_example=self._example(alone, self._required))
         return self._finding(line.quantity, formula, verdict, repair=self._other_side(alone))
 
-    def _other_side(self, line: Line) -> Repair | None:
+    def _other_side(self, line: PrintedLine) -> Repair | None:
         """Another left side for which a line is right: s3 for c3, or another joint."""
         robot, meaning = self._model.robot, self._printed.joints.meaning(line.target) if line.target else None
         if line.target is None or meaning is None:
@@ -196,18 +189,16 @@ class _InverseCheck:
                 return Repair((SlipKind.SYMBOL,), f"left side: {text} instead of {line.quantity}", Name(text))
         return None
 
-    def _right(self, line: Line) -> Finding:
-        formula = line.formulas[0]
-        whole = replace(formula, text=" or ".join(f.text for f in line.formulas))
-        is_same = len(line.formulas) == 1 and self._ours.has_form(formula)
-        return self._finding(line.quantity, whole, RIGHT, right=self._ours.text(line), same=is_same)
-
-    def _failing(self, line: Line, failing: Sequence[Line]) -> tuple[list[Line], Finding, Formula]:
+    def _failing(
+        self, line: PrintedLine, failing: Sequence[PrintedLine]
+    ) -> tuple[list[PrintedLine], Finding, PrintedFormula]:
         """What is wrong with a line: itself, or a quantity that it names; with the lines that this repairs."""
         hits = self._hits(line)
         bad = [place for place, hit in zip(self._required, hits, strict=True) if not hit]
+        # a change is tried first where the line fails, so that wrong ones are dropped at once
         ordered = [*bad, *(place for place in self._required if place not in bad)]
         verdict = replace(WRONG, counter_example=self._example(line, bad))
+        # right at an eighth of the configurations or more: rather a branch that is missing than a slip
         is_partial = sum(hits) >= max(1, len(hits) // 8)
         kinds = (SlipKind.PLUS_MINUS, SlipKind.ATAN2, *KINDS) if is_partial else (*KINDS, SlipKind.ATAN2)
         has_arc = self._printed.has_arc(line)
@@ -227,7 +218,7 @@ class _InverseCheck:
             return repaired, replace(finding, some=is_some), line.formulas[0]
         return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
 
-    def _lacks_second(self, line: Line, ordered: Sequence[Place]) -> bool:
+    def _lacks_second(self, line: PrintedLine, ordered: Sequence[Place]) -> bool:
         """Whether a line only lacks the solution half a turn away."""
         if not self._printed.is_angle(line):
             return False
@@ -246,8 +237,8 @@ class _InverseCheck:
         return self._finding(line.quantity, repair.formula, verdict, right=right, repair=said)
 
     def _repair(
-        self, line: Line, failing: Sequence[Line], ordered: Sequence[Place], kinds: Sequence[SlipKind]
-    ) -> tuple[InverseRepair | None, list[Line]]:
+        self, line: PrintedLine, failing: Sequence[PrintedLine], ordered: Sequence[Place], kinds: Sequence[SlipKind]
+    ) -> tuple[InverseRepair | None, list[PrintedLine]]:
         """What repairs a line, and all lines that it repairs: a quantity that others need too, itself, another one."""
         needed = self._printed.named_before(line)
         for part in needed:
@@ -259,7 +250,7 @@ class _InverseCheck:
         sites = [(part, f) for part in (line, *reversed(needed)) for f in part.formulas]
         return Repairer(self._printed, [line], ordered, self._known).first(kinds, sites), [line]
 
-    def _check_together(self, group: Sequence[Line], found: dict[Formula, Finding]) -> None:
+    def _check_together(self, group: Sequence[PrintedLine], found: dict[PrintedFormula, Finding]) -> None:
         """Lines that are right one by one, but with choices that contradict each other."""
         bad = [place for place in self._required if not self._printed.hit_together(group, place)]
         if not bad:
@@ -273,7 +264,7 @@ class _InverseCheck:
         note = f" with the same signs as in {listed(other.quantity for other in group if other is not line)}"
         found[formula] = replace(self._repaired(repair, WRONG) if repair else plain, note=note)
 
-    def _check_signs(self, group: Sequence[Line], found: dict[Formula, Finding]) -> None:
+    def _check_signs(self, group: Sequence[PrintedLine], found: dict[PrintedFormula, Finding]) -> None:
         """Choices of which one never gives anything: a plus-minus where a plus or a minus would do."""
         parts = [part for line in group for part in (*self._printed.named_before(line), line)]
         for sign in {name: None for line in group for name in self._printed.choices(line) if len(name) > 1}:
@@ -294,12 +285,13 @@ class _InverseCheck:
     def _known(self) -> tuple[str, ...]:
         """Names that may have been meant: parameters, joint variables, the pose in the letters of the text."""
         robot, pose = self._model.robot, self._vocabulary.pose
-        symbols = robot_symbols(replace(robot, links=(), gravity=None))
         named = [line.name for line in self._printed.lines if line.target is None]
         usable = (name for name in (*pose.entries, *pose.relatives, *pose.wrist) if name in self._places[0].values)
-        return tuple(dict.fromkeys((*symbols, *(joint.variable for joint in robot.joints), *usable, *named)))
+        return tuple(
+            dict.fromkeys((*geometry_symbols(robot), *(joint.variable for joint in robot.joints), *usable, *named))
+        )
 
-    def _example(self, line: Line, bad: Sequence[Place]) -> CounterExample | None:
+    def _example(self, line: PrintedLine, bad: Sequence[Place]) -> CounterExample | None:
         """A configuration at which a line fails most visibly, with the value that is nearest to the right one there."""
         parts = (*self._printed.named_before(line), line)
         used = dict.fromkeys(name for part in parts for f in part.formulas for name in names(f.expression))
@@ -318,7 +310,7 @@ class _InverseCheck:
     def _finding(
         self,
         quantity: str,
-        formula: Formula,
+        formula: PrintedFormula,
         verdict: Verdict,
         *,
         right: str = "",
@@ -332,15 +324,15 @@ class _InverseCheck:
 
     def branches(self) -> Finding:
         """Whether all branches are given, or which are missing."""
-        ours, robot, found = self._ours, self._model.robot, self._printed.determined
+        ours, robot, found = self._ours, self._model.robot, determined_joints(self._printed)
         rest = [joint.variable for joint in robot.joints if joint.variable not in (*found, *ours.given)]
         of = f" of {listed(found)}; no formula for {listed(rest)}" if rest else ""
         missing: tuple[str, ...] = ()
-        is_whole = all(self._is_met(place) for place in self._required)
+        is_whole = all(map(self._printed.met, self._required))
         if is_whole:
             count = ours.count
             what = f"all {count} solutions" if count > 1 else "the one solution" if count else "all solutions"
-            if not all(self._is_met(place) for place in self._places if not place.required):
+            if not all(self._printed.met(place) for place in self._places if not place.required):
                 slides = listed(joint.variable for joint in robot.joints if not joint.is_revolute)
                 what = f"all solutions with positive {slides}"
         else:
@@ -357,10 +349,7 @@ class _InverseCheck:
     def _is_met_or_twin(self, place: Place) -> bool:
         """Whether a configuration that is none of those that are tried is given."""
         has_twins = self._places[0].twin is not None
-        return self._is_met(replace(place, twin=self._twin(self._printed, place)) if has_twins else place)
-
-    def _is_met(self, place: Place) -> bool:
-        return all(self._printed.hit_together(group, place) for group in self._printed.coupled())
+        return self._printed.met(replace(place, twin=self._printed.second(place)) if has_twins else place)
 
 
 def shown(text: str) -> str:
@@ -368,8 +357,3 @@ def shown(text: str) -> str:
     text = re.sub(rf"([+-]) -?{SIGN}\w*\*?", lambda m: f"{m[1]}- " if m[1] == "+" else "-+ ", text)
     text = re.sub(rf"-{SIGN}\w*\*?", "-+", text)
     return re.sub(rf"{SIGN}\w*\*?", "+-", text)
-
-
-def _turned(e: Expression) -> Expression:
-    """An expression whose arctangents all take the cosine first, in our order."""
-    return with_calls(with_calls(e, "Atan2", "atan2", False), "atan2", "atan2", True)

@@ -7,15 +7,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from derive.checking.inverse.reading import Part, Side
+from derive.checking.inverse.reading import Alternative, Side
 from derive.checking.latex.equations import equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import taken_apart
 from derive.checking.latex.names import FLAT, PlusMinus
-from derive.checking.latex.pieces import MATRIX_MARK, Piece
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.errors import Location
 from derive.robot.expression import Expression
-from derive.robot.names import robot_symbols
+from derive.robot.names import own_names
 from derive.robot.robot import Robot
 
 _OR_MARK = "\ue0f0"  # stands for the word between alternatives
@@ -35,7 +35,7 @@ def latex_equations(
     marked = _OR.sub(lambda match: _OR_MARK.ljust(len(match[0])), text)
     found = []
     for equation in equations(marked, start, document=document, time=False):
-        found.append([_side(piece, text, robot, start, signs) for piece in equation.sides])
+        found.append([_side(piece, text, robot, start, signs) for piece in equation])
     return found, list(_words(text))
 
 
@@ -43,8 +43,7 @@ def gives_joints(text: str, robot: Robot) -> bool:
     r"""Whether a text is a printed solution: a left side is a joint variable, and an arc function stands somewhere."""
     if not re.search(r"(?i)a(?:rc)?\s*\\?tan|arc(?:cos|sin)|\^\s*\{\s*-\s*1\s*\}", text):
         return False
-    variables = {joint.variable for joint in robot.joints}
-    labels = "|".join(re.escape(v.lstrip("qdthea_")) or "x" for v in variables)
+    labels = "|".join(re.escape(joint.variable.lstrip("qdthea_")) or "x" for joint in robot.joints)
     return bool(re.search(rf"(?:^|[\s&$,;{{])(?:\\(?:var)?theta|q)\s*_\s*\{{?\s*(?:{labels})\s*\}}?\s*&?\s*=", text))
 
 
@@ -57,13 +56,13 @@ def _words(text: str) -> Iterator[str]:
         head = head.removeprefix("\\")
         sub = re.sub(r"\\[a-z]+(?=\s*\{)|[^A-Za-z0-9]", "", match[2])
         yield FLAT.get(head, head) + sub
-        yield from (FLAT.get(head, head),)
+        yield FLAT.get(head, head)
         for letter in ("c", "s"):  # c_\phi
             if head == letter and sub:
                 yield letter + FLAT.get(sub, sub)
 
 
-def _side(piece: Piece, text: str, robot: Robot, start: Location, signs: PlusMinus) -> Side:
+def _side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: PlusMinus) -> Side:
     left = None if piece.matrices or _OR_MARK in piece.text else taken_apart(piece.text)
     plain = _PRIME.sub(lambda match: " " * len(match[0]), piece.text)
     is_primed = plain != piece.text and taken_apart(plain) is not None
@@ -74,11 +73,11 @@ def _side(piece: Piece, text: str, robot: Robot, start: Location, signs: PlusMin
     for part in _alternatives(piece):
         shown = " ".join(text[part.start : part.end].split())
         where = LatexReader(robot, text, start).location(part.start)
-        parts.append(Part(shown, where, partial(_formula, part, text, robot, start, signs)))
+        parts.append(Alternative(shown, where, partial(_formula, part, text, robot, start, signs)))
     return Side(tuple(parts), word, is_primed)
 
 
-def _alternatives(piece: Piece) -> Iterator[Piece]:
+def _alternatives(piece: LatexPiece) -> Iterator[LatexPiece]:
     """What stands between the words or, and the first column of cases."""
     if piece.text.strip() == MATRIX_MARK and len(piece.matrices) == 1:
         yield from (row[0] for row in piece.matrices[0].rows)
@@ -91,8 +90,8 @@ def _alternatives(piece: Piece) -> Iterator[Piece]:
 
 
 def _formula(
-    piece: Piece, text: str, robot: Robot, start: Location, signs: PlusMinus, meanings: Mapping[str, Expression]
+    piece: LatexPiece, text: str, robot: Robot, start: Location, signs: PlusMinus, meanings: Mapping[str, Expression]
 ) -> Expression:
-    own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    own = own_names(robot)
     known = {name: meaning for name, meaning in meanings.items() if name not in own}
     return LatexReader(robot, text, start, known, signs=signs).formula(piece)

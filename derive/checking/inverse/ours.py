@@ -5,28 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 import sympy
 
-from derive.checking.formulas.edits import Evaluator
 from derive.checking.formulas.findings import Shape, form_of
-from derive.checking.inverse.poses import PoseNames
-from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse
+from derive.checking.inverse.order import free_joints
+from derive.checking.inverse.poses import PoseNames, geometry_symbols
+from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, DeriveError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignPrinter, pose_names, with_names
 from derive.inverse.closed.solve import Freedom
 from derive.inverse.numeric.in_numbers import array_value
-from derive.inverse.words.elementary import Line as OurLine
+from derive.inverse.words.elementary import PrintedLine as OurLine
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
 from derive.robot.expression import Expression, Name, names, substitute
-from derive.robot.names import robot_symbols
 from derive.robot.options.inverse import Task
 
 
@@ -49,7 +47,8 @@ class OurSolution:
         with suppress(DeriveError):
             task = self._task
             rank = Freedom(robot, task).rank
-            given = [k for k, joint in enumerate(robot.joints) if joint.variable in self._printed.free]
+            free = free_joints(self._printed)
+            given = [k for k, joint in enumerate(robot.joints) if joint.variable in free]
             if task == robot.inverse.task and (rank == robot.n or len(given) != robot.n - rank):
                 return model.inverse
             return inverse_kinematics(robot, model.style, task, tuple(given) if rank < robot.n else None)
@@ -95,7 +94,7 @@ class OurSolution:
                     known[name] = whole
         return forms
 
-    def has_form(self, formula: Formula) -> bool:
+    def has_form(self, formula: PrintedFormula) -> bool:
         """Whether a printed formula is one of ours but for names."""
         if self.inverse is None:
             return False
@@ -123,7 +122,7 @@ class OurSolution:
         first = ((a, next(b for b, other in columns.items() if np.allclose(x, other))) for a, x in columns.items())
         return {a: Name(b) for a, b in first if a != b}
 
-    def text(self, line: Line) -> str:
+    def text(self, line: PrintedLine) -> str:
         """Our formula for what a line gives, with what it names; empty where there is none."""
         name = line.target.name if isinstance(line.target, Name) else ""
         if name not in self._lines or self.inverse is None:
@@ -158,7 +157,7 @@ class OurSolution:
     ) -> Iterator[tuple[str, list[Place | None]]]:
         """Each branch by its name, and its configurations at the poses of some; None where it does not exist."""
         robot, joints = self._model.robot, self._model.robot.joints
-        symbols = (*robot_symbols(replace(robot, links=(), gravity=None)), *self.given)
+        symbols = (*geometry_symbols(robot), *self.given)
         values = {sympy.Symbol(name): np.array([place.values[name] for place in places]) for name in symbols}
         for i in range(3):
             for j in range(4):
@@ -169,15 +168,11 @@ class OurSolution:
                 for line in solution.lines:
                     known[line.symbol] = array_value(line.value, known)
             own = {j.variable: np.broadcast_to(known[sympy.Symbol(j.variable)], len(places)) for j in joints}
+            angles = ({n: float(q[k]) for n, q in own.items()} for k in range(len(places)))
             yield (
                 solution.name,
-                [self._moved(place, {n: float(q[k]) for n, q in own.items()}) for k, place in enumerate(places)],
+                [
+                    self._printed.moved(place, q) if all(map(math.isfinite, q.values())) else None
+                    for place, q in zip(places, angles, strict=True)
+                ],
             )
-
-    def _moved(self, place: Place, q: Mapping[str, float]) -> Place | None:
-        """Another configuration of the same pose."""
-        if not all(map(math.isfinite, q.values())):
-            return None
-        values = {**place.values, **q}
-        sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
-        return replace(place, values={**values, **sums}, twin=None)

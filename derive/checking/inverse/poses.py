@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import sympy
 
-from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.edits import float_value
 from derive.checking.inverse.printed import Place
 from derive.errors import DeriveError
 from derive.inverse.numeric.in_numbers import ArrayDomain
@@ -27,7 +27,7 @@ from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Call, Expression, Name
-from derive.robot.names import robot_symbols
+from derive.robot.names import own_names, robot_symbols
 from derive.robot.robot import Robot
 
 Arrays = Mapping[str, npt.NDArray[np.float64]]
@@ -56,7 +56,7 @@ class PoseNames:
     @classmethod
     def of(cls, robot: Robot, words: Iterable[str]) -> PoseNames:
         """Those among the words of a text."""
-        own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+        own = own_names(robot)
         words = [word for word in dict.fromkeys(words) if word not in own]
         flat = {word: word.replace("_", "") for word in words}
         letters = {found[1] for word in flat.values() if (found := _COLUMN.fullmatch(word))}
@@ -76,7 +76,7 @@ class PoseNames:
                 wrist[word] = "xyz".index(found[1] or found[2])
         example = _Arm(
             robot,
-            {s: 0.3 + 0.1 * k for k, s in enumerate(_symbols(robot))},
+            {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))},
             [np.full(1, 0.4 + 0.3 * k) for k in range(robot.n)],
         )
         is_planar = all(parallel(axis, example.arms[0].axes[0]) for axis in example.arms[0].axes) and robot.n > 1
@@ -162,13 +162,13 @@ def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = 
 def pose_of(robot: Robot, values: Mapping[str, float]) -> list[list[float]]:
     """The pose of an arm, three rows of four entries."""
     q = [np.array([values[joint.variable]]) for joint in robot.joints]
-    arm = _Arm(robot, {name: values[name] for name in _symbols(robot)}, q)
+    arm = _Arm(robot, {name: values[name] for name in geometry_symbols(robot)}, q)
     return [[float(x[0]) for x in row] for row in arm.pose]
 
 
 def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random, numbers: bool) -> Iterator[Place]:
     robot = names.robot
-    drawn = {name: rng.randint(20, 150) / 100 for name in _symbols(robot)}
+    drawn = {name: rng.randint(20, 150) / 100 for name in geometry_symbols(robot)}
     values = {**drawn, **{n: float(x) for n, x in parameter_values(robot).items()}} if numbers else drawn
     q, required = [], np.ones(CONFIGURATIONS, dtype=bool)
     for joint in robot.joints:
@@ -184,7 +184,7 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
     centre, entries = arm.wrist if names.wrist else None, {**names.relatives, **names.entries}
     for k in range(CONFIGURATIONS):
         known = {**values, **{joint.variable: float(x[k]) for joint, x in zip(robot.joints, q, strict=True)}}
-        known.update({name: Evaluator(known)(meaning) for name, meaning in sums.items()})
+        known.update({name: float_value(meaning, known) for name, meaning in sums.items()})
         known.update({name: float(arm.pose[i - 1][j - 1][k]) for name, (i, j) in entries.items()})
         known["(phi)"] = float(np.arctan2(arm.pose[1][0][k], arm.pose[0][0][k]))
         if centre is not None:
@@ -204,5 +204,6 @@ def _limits(limits: tuple[Expression, Expression] | None, values: Mapping[str, f
     return (low, high) if low < high else None
 
 
-def _symbols(robot: Robot) -> tuple[str, ...]:
+def geometry_symbols(robot: Robot) -> tuple[str, ...]:
+    """Symbols of the table, without those of masses, inertias and gravity."""
     return robot_symbols(replace(robot, links=(), gravity=None))

@@ -8,36 +8,26 @@ for every choice, and it is right if for every configuration some choice gives w
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from fractions import Fraction
 from itertools import product
 
-from derive.checking.formulas.edits import Evaluator
+from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.formulas.findings import ROUNDED, significant
-from derive.checking.inverse.joint_combinations import JointCombinations, Known, Vector, unit_vector
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, Location, listed
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Number,
-    children,
-    names,
-    rebuilt,
-    substitute,
-)
+from derive.robot.expression import Call, Expression, Name, Number, children, linear_terms, names, rebuilt
 from derive.robot.robot import Robot
 
 MAX_SIGNS = 10  # plus-minus signs that one line may depend on
 CLOSE = 1e-7  # difference of angles [rad] and of lengths relative to their size below which they are the same
+Vector = tuple[Fraction, ...]  # a linear combination of the joint variables, constants aside
 Choice = Mapping[str, float]  # a value of every plus-minus, and for lines with alternatives which one
-_BAD = (ArithmeticError, ValueError, KeyError)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Formula:
+class PrintedFormula:
     """A printed right-hand side."""
 
     expression: Expression  # what it says, in the names of the robot, of the pose and of named quantities
@@ -47,11 +37,11 @@ class Formula:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Line:
+class PrintedLine:
     """What is printed about one quantity."""
 
     quantity: str  # what it is called in messages: ``q2``, ``cos(q2)``, ``D``
-    formulas: tuple[Formula, ...]  # what is printed for it; several where alternatives are given
+    formulas: tuple[PrintedFormula, ...]  # what is printed for it; several where alternatives are given
     target: Expression | None = None  # what it is in the joint variables; None of a quantity that is only named
     name: str = ""  # its name in other lines, if it has one
     # Whether it gives a joint of a second solution from those of the first, as in ``theta5' = -theta5``.
@@ -73,6 +63,44 @@ class Place:
     twin: Place | None = None  # the configuration whose second solution it is, where primed lines are printed
 
 
+class JointCombinations:
+    """Reads expressions as linear combinations of joint variables."""
+
+    def __init__(self, robot: Robot, sums: Mapping[str, Expression]) -> None:
+        self._variables = [joint.variable for joint in robot.joints]
+        self._sums = sums
+
+    def combination(self, e: Expression) -> Vector | None:
+        """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
+        variables = self._variables
+        vector = [Fraction(0)] * len(variables)
+        for factor, term in linear_terms(e):
+            if isinstance(term, Name) and term.name in self._sums:
+                whole = self.combination(self._sums[term.name])
+                vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
+            elif isinstance(term, Name) and term.name in variables:
+                vector[variables.index(term.name)] += factor
+            elif any(name in variables or name in self._sums for name in names(term)):
+                return None
+        return tuple(vector) if any(vector) else None
+
+    def meaning(self, e: Expression) -> tuple[str, Vector] | None:
+        """What is known where an expression is: an angle or length itself, or its cosine, sine or tangent."""
+        if isinstance(e, Call) and e.function in ("cos", "sin", "tan"):
+            vector = self.combination(e.arguments[0])
+            return (e.function, vector) if vector else None
+        vector = self.combination(e)
+        return ("", vector) if vector else None
+
+    def needed(self, e: Expression) -> Iterator[tuple[str, Vector]]:
+        """What must be known for an expression to have a value."""
+        if isinstance(e, Name | Call) and (found := self.meaning(e)):
+            yield found
+        elif not isinstance(e, Name):
+            for part in children(e):
+                yield from self.needed(part)
+
+
 class PrintedInverse:
     """The lines of one printed solution.
 
@@ -87,16 +115,16 @@ class PrintedInverse:
         close: Difference below which values are the same; decimals of many digits count as rounded.
     """
 
-    def __init__(self, robot: Robot, lines: Sequence[Line], sums: Mapping[str, Expression]) -> None:
+    def __init__(self, robot: Robot, lines: Sequence[PrintedLine], sums: Mapping[str, Expression]) -> None:
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
         self.joints = JointCombinations(robot, sums)
         self.named = {line.name: line for line in self.lines if line.target is None}
         self.given = tuple(line for line in self.lines if line.target is not None and not line.primed)
         self.primed = tuple(line for line in self.lines if line.primed)
         self.close = CLOSE
-        self._names: dict[Formula, frozenset[str]] = {}
-        self._before: dict[Line, tuple[Line, ...]] = {}
-        self._choices: dict[Line, dict[str, tuple[float, ...]]] = {}
+        self._names: dict[PrintedFormula, frozenset[str]] = {}
+        self._before: dict[PrintedLine, tuple[PrintedLine, ...]] = {}
+        self._choices: dict[PrintedLine, dict[str, tuple[float, ...]]] = {}
 
     def check_size(self) -> None:
         """Refuse what cannot be tried, and look for decimals of many digits."""
@@ -107,41 +135,38 @@ class PrintedInverse:
                 found = f"{line.quantity} depends on {len(self._signs(line))} plus-minus signs"
                 raise CheckError(found, allowed=f"at most {MAX_SIGNS}", location=line.formulas[0].location)
 
-    def changed(self, line: Line, formula: Formula, expression: Expression) -> PrintedInverse:
+    def changed(self, line: PrintedLine, formula: PrintedFormula, expression: Expression) -> PrintedInverse:
         """The solution with another expression in the place of one."""
         formulas = tuple(replace(f, expression=expression) if f is formula else f for f in line.formulas)
         return self._with([replace(line, formulas=formulas) if x is line else x for x in self.lines])
 
-    def _with(self, lines: Sequence[Line]) -> PrintedInverse:
+    def _with(self, lines: Sequence[PrintedLine]) -> PrintedInverse:
         """A solution with other lines, which knows the names in formulas that both have."""
         found = PrintedInverse(self.robot, lines, self.sums)
         found.close, found._names = self.close, self._names
         return found
 
-    def _names_in(self, formula: Formula) -> frozenset[str]:
+    def _names_in(self, formula: PrintedFormula) -> frozenset[str]:
         if formula not in self._names:
             self._names[formula] = frozenset(names(formula.expression))
         return self._names[formula]
 
-    def mapped(self, change: Mapping[int, Expression]) -> PrintedInverse:
-        """The solution with other expressions."""
-        lines = [
-            replace(line, formulas=tuple(replace(f, expression=change.get(id(f), f.expression)) for f in line.formulas))
-            for line in self.lines
-        ]
-        return self._with(lines)
+    def mapped(self, change: Callable[[Expression], Expression]) -> PrintedInverse:
+        """The solution with every expression changed."""
+        changed = [[replace(f, expression=change(f.expression)) for f in line.formulas] for line in self.lines]
+        return self._with([replace(x, formulas=tuple(f)) for x, f in zip(self.lines, changed, strict=True)])
 
     # -- values
 
-    def named_before(self, line: Line) -> tuple[Line, ...]:
+    def named_before(self, line: PrintedLine) -> tuple[PrintedLine, ...]:
         """The named quantities that a line needs, each behind those that it needs itself."""
         if line not in self._before:
-            found: dict[str, Line] = {}
+            found: dict[str, PrintedLine] = {}
             self._collect(line, found, ())
             self._before[line] = tuple(found.values())
         return self._before[line]
 
-    def _collect(self, line: Line, found: dict[str, Line], above: tuple[str, ...]) -> None:
+    def _collect(self, line: PrintedLine, found: dict[str, PrintedLine], above: tuple[str, ...]) -> None:
         for formula in line.formulas:
             for name in sorted(self._names_in(formula) & {*self.named, *above}):
                 if name in above:
@@ -151,7 +176,7 @@ class PrintedInverse:
                     self._collect(self.named[name], found, (*above, name))
                     found[name] = self.named[name]
 
-    def choices(self, line: Line) -> dict[str, tuple[float, ...]]:
+    def choices(self, line: PrintedLine) -> dict[str, tuple[float, ...]]:
         """The plus-minus signs and alternatives that the value of a line depends on, with their values."""
         if line not in self._choices:
             parts = (*self.named_before(line), line)
@@ -162,38 +187,38 @@ class PrintedInverse:
             }
         return self._choices[line]
 
-    def _signs(self, line: Line) -> tuple[str, ...]:
+    def _signs(self, line: PrintedLine) -> tuple[str, ...]:
         formulas = [f for part in (*self.named_before(line), line) for f in part.formulas]
         found = dict.fromkeys(name for f in formulas for name in self._names_in(f) if name[0] == SIGN)
         return tuple(sorted(found))
 
-    def value(self, line: Line, place: Place, choice: Choice) -> float:
+    def value(self, line: PrintedLine, place: Place, choice: Choice) -> float:
         """What a line gives at a configuration."""
         known = {**place.values, **choice}
         for part in (*self.named_before(line), line):
             formula = part.formulas[int(choice.get(part.switch, 0))]
-            own = {formula.first: Evaluator(known)(part.formulas[0].expression)} if formula.first else {}
-            known[part.name or part.quantity] = value = Evaluator({**known, **own})(formula.expression)
+            own = {formula.first: float_value(part.formulas[0].expression, known)} if formula.first else {}
+            known[part.name or part.quantity] = value = float_value(formula.expression, {**known, **own})
         return value
 
-    def values(self, line: Line, place: Place, fixed: Choice | None = None) -> Iterator[float]:
+    def values(self, line: PrintedLine, place: Place, fixed: Choice | None = None) -> Iterator[float]:
         """What a line gives at a configuration, for all choices."""
         free = {name: values for name, values in self.choices(line).items() if name not in (fixed or {})}
         for chosen in product(*free.values()):
             try:
                 yield self.value(line, place, {**(fixed or {}), **dict(zip(free, chosen, strict=True))})
-            except _BAD:
+            except NO_VALUE:
                 continue
 
-    def wanted(self, line: Line, place: Place) -> float:
+    def wanted(self, line: PrintedLine, place: Place) -> float:
         """What a line should give at a configuration; not a number where its left side has no value."""
         assert line.target is not None
         try:
-            return Evaluator(place.values)(line.target)
-        except _BAD:
+            return float_value(line.target, place.values)
+        except NO_VALUE:
             return math.nan
 
-    def hits(self, line: Line, place: Place, fixed: Choice | None = None) -> bool:
+    def hits(self, line: PrintedLine, place: Place, fixed: Choice | None = None) -> bool:
         """Whether some choice gives what the line is about."""
         if place.twin is not None and self.hits(line, place.twin, fixed):
             return True
@@ -202,7 +227,7 @@ class PrintedInverse:
             return True
         return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
 
-    def hit_together(self, lines: Sequence[Line], place: Place, fixed: Choice | None = None) -> bool:
+    def hit_together(self, lines: Sequence[PrintedLine], place: Place, fixed: Choice | None = None) -> bool:
         """Whether some choice gives what all of some lines are about."""
         shared = {name: values for name, values in self.shared(lines).items() if name not in (fixed or {})}
         return any(
@@ -211,12 +236,12 @@ class PrintedInverse:
             for chosen in product(*shared.values())
         )
 
-    def shared(self, lines: Sequence[Line]) -> dict[str, tuple[float, ...]]:
+    def shared(self, lines: Sequence[PrintedLine]) -> dict[str, tuple[float, ...]]:
         """The choices that more than one of some lines depend on."""
         own = [self.choices(line) for line in lines]
         return {n: values for choices in own for n, values in choices.items() if sum(n in o for o in own) > 1}
 
-    def coupled(self) -> Iterator[tuple[Line, ...]]:
+    def coupled(self) -> Iterator[tuple[PrintedLine, ...]]:
         """The lines with targets in groups whose choices do not depend on each other."""
         waiting = list(self.given)
         while waiting:
@@ -228,63 +253,37 @@ class PrintedInverse:
                 keys.update(name for line in more for name in self.choices(line))
             yield tuple(line for line in self.given if line in group)
 
-    def has_arc(self, line: Line) -> bool:
+    def met(self, place: Place) -> bool:
+        """Whether a configuration is given: some choice gives it in all lines at once."""
+        return all(self.hit_together(group, place) for group in self.coupled())
+
+    def second(self, place: Place) -> Place | None:
+        """The second solution of the pose of a configuration, by the primed lines; None where they have no value."""
+        values = dict(place.values)
+        for line in self.primed:
+            found = next(self.values(line, place), None)
+            if found is None or not isinstance(line.target, Name):
+                return None
+            values[line.target.name] = found
+        return self.moved(place, values)
+
+    def moved(self, place: Place, q: Mapping[str, float]) -> Place:
+        """A configuration with other joint variables, and what follows for their sums."""
+        values = {**place.values, **q}
+        sums = {name: float_value(meaning, values) for name, meaning in self.sums.items()}
+        return replace(place, values={**values, **sums}, twin=None)
+
+    def has_arc(self, line: PrintedLine) -> bool:
         """Whether an arc function of one argument stands in a line or in what it needs."""
         formulas = [f.expression for part in (*self.named_before(line), line) for f in part.formulas]
         return any(count_calls(e, arc) for e in formulas for arc in ("acos", "asin", "atan"))
 
-    def is_angle(self, line: Line) -> bool:
+    def is_angle(self, line: PrintedLine) -> bool:
         """Whether a line is right up to full turns."""
         assert line.target is not None
         vector = self.joints.combination(line.target)
         revolute = [joint.is_revolute for joint in self.robot.joints]
         return vector is not None and any(c and r for c, r in zip(vector, revolute, strict=True))
-
-    # -- which line needs which
-
-    @property
-    def _steps(self) -> list[tuple[Line, tuple[str, Vector]]]:
-        return [(line, m) for line in self.given if line.target and (m := self.joints.meaning(line.target))]
-
-    @cached_property
-    def free(self) -> tuple[str, ...]:
-        """The joint variables that are taken as known: no line gives them, or only as a part of a sum."""
-        own = [vector for _, (_, vector) in self._steps]
-        units = {joint.variable: unit_vector(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
-        untouched = [name for j, name in enumerate(units) if not any(vector[j] for vector in own)]
-        alone = [name for name, unit in units.items() if unit not in own]
-        return tuple(untouched if self._order(untouched)[1] == [] else alone)
-
-    def _order(self, free: Sequence[str]) -> tuple[Known, list[Line]]:
-        """What is known at the end where some joint variables are, and the lines that need each other."""
-        variables = [joint.variable for joint in self.robot.joints]
-        known, waiting = Known([variables.index(name) for name in free], len(variables)), self._steps
-        while waiting:
-            ready = [step for step in waiting if all(known.has(*need) for need in self._needs(step[0]))]
-            if not ready:
-                break
-            for _, found in ready:
-                known.add(*found)
-            waiting = [step for step in waiting if step not in ready]
-        return known, [line for line, _ in waiting]
-
-    @cached_property
-    def determined(self) -> tuple[str, ...]:
-        """The joint variables that the lines give."""
-        known, left = self._order(self.free)
-        if left:
-            whole = listed(dict.fromkeys(line.quantity for line in left))
-            found = f"{whole} are given by each other" if len(left) > 1 else f"{whole} is given by itself"
-            where = left[0].formulas[0].location
-            raise CheckError(found, remedy="give one of them by the pose alone", location=where)
-        units = {joint.variable: unit_vector(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
-        return tuple(name for name, unit in units.items() if name not in self.free and known.has("", unit))
-
-    def _needs(self, line: Line) -> Iterator[tuple[str, Vector]]:
-        for part in (*self.named_before(line), line):
-            for formula in part.formulas:
-                own = {formula.first: ZERO} if formula.first else {}
-                yield from self.joints.needed(substitute(formula.expression, own))
 
 
 def _digits(e: Expression) -> Iterator[int]:

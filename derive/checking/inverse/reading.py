@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from derive.checking.inverse.poses import PoseNames
-from derive.checking.inverse.printed import Formula, Line, PrintedInverse
+from derive.checking.inverse.printed import PrintedFormula, PrintedInverse, PrintedLine
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import notation_text, resolve_tokens
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, add, names, negate
-from derive.robot.names import joint_label, robot_symbols
+from derive.robot.names import joint_label, own_names
 from derive.robot.robot import Robot
 
 _JOINT = re.compile(r"(vartheta|theta|th|q|d)([0-9]+)")
@@ -26,7 +26,7 @@ _SIGN_NAME = re.compile(r"(?:sgn|sign|eps|epsilon|varepsilon|sigma)[0-9]*")
 
 
 @dataclass(frozen=True)
-class Part:
+class Alternative:
     """One of the alternatives that a side of an equation is."""
 
     text: str  # as it is printed
@@ -38,21 +38,14 @@ class Part:
 class Side:
     """One side of an equation."""
 
-    parts: tuple[Part, ...]  # its alternatives, mostly one
+    parts: tuple[Alternative, ...]  # its alternatives, mostly one
     word: str = ""  # the name that it is, on one line; empty of a formula
     primed: bool = False  # whether that name has a prime
-
-
-@dataclass(frozen=True)
-class _Read:
-    """A side that has been read."""
-
-    word: str
-    formulas: tuple[Formula, ...]
-    primed: bool = False
+    formulas: tuple[PrintedFormula, ...] = ()  # what its alternatives say, once they are read
 
     @property
     def expression(self) -> Expression:
+        """What the first alternative says."""
         return self.formulas[0].expression
 
 
@@ -70,7 +63,7 @@ class Vocabulary:
     @classmethod
     def of(cls, robot: Robot, words: Sequence[str], defined: Sequence[str]) -> Vocabulary:
         """The names among the words of a text."""
-        own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+        own = own_names(robot)
         found = cls(robot, PoseNames.of(robot, words))
         for word in dict.fromkeys(words):
             if word not in own and word not in found.pose.meanings:
@@ -85,8 +78,8 @@ class Vocabulary:
         flat = word.replace("_", "")
         if _SIGN_NAME.fullmatch(flat):
             self.meanings[word] = Name(SIGN + flat)
-        elif (match := _JOINT.fullmatch(flat)) and (variable := self._variable(match[1], match[2])):
-            self.meanings[word] = Name(variable)
+        elif (match := _JOINT.fullmatch(flat)) and (variables := self._variables(*match.groups())):
+            self.meanings[word] = Name(variables[0])
         elif match := _SUM.fullmatch(flat):
             try:
                 token = resolve_tokens(Name(f"c{match[1]}"), self.robot)
@@ -106,11 +99,9 @@ class Vocabulary:
         except CheckError:
             return False
 
-    def _variable(self, stem: str, label: str) -> str:
-        for joint in self.robot.joints:
-            if joint_label(joint.variable) == label and (stem == "q" or (stem == "d") is not joint.is_revolute):
-                return joint.variable
-        return ""
+    def _variables(self, stem: str, label: str) -> list[str]:
+        joints = [joint for joint in self.robot.joints if joint_label(joint.variable) == label]
+        return [joint.variable for joint in joints if stem == "q" or (stem == "d") is not joint.is_revolute]
 
     def is_forward(self, word: str, e: Expression) -> bool:
         """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone."""
@@ -119,8 +110,7 @@ class Vocabulary:
 
     def has_joints(self, e: Expression) -> bool:
         """Whether joint variables occur in an expression."""
-        variables = {joint.variable for joint in self.robot.joints}
-        return any(name in variables or name in self.sums for name in names(e))
+        return not {*self.sums, *(joint.variable for joint in self.robot.joints)}.isdisjoint(names(e))
 
 
 @dataclass(frozen=True)
@@ -141,7 +131,7 @@ def assembled(
     """
     defined = [side.word for sides in equations for side in sides if side.word]
     vocabulary = Vocabulary.of(robot, words, defined)
-    lines: list[Line] = []
+    lines: list[PrintedLine] = []
     for sides in equations:
         before = len(lines)
         try:
@@ -176,12 +166,12 @@ def _refuse_unknown(printed: PrintedInverse, vocabulary: Vocabulary) -> None:
                     raise UnknownNameError(found, allowed=f"known: {known}", remedy=remedy, location=where)
 
 
-def _read(side: Side, vocabulary: Vocabulary) -> _Read:
-    formulas = (Formula(part.read(vocabulary.meanings), part.text, part.location) for part in side.parts)
-    return _Read(side.word, tuple(formulas), side.primed)
+def _read(side: Side, vocabulary: Vocabulary) -> Side:
+    formulas = (PrintedFormula(part.read(vocabulary.meanings), part.text, part.location) for part in side.parts)
+    return replace(side, formulas=tuple(formulas))
 
 
-def _lines(vocabulary: Vocabulary, sides: Sequence[_Read]) -> Iterator[Line]:
+def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLine]:
     """The lines that one equation makes."""
     first, *others = sides
     joints = vocabulary.has_joints
@@ -197,10 +187,10 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[_Read]) -> Iterator[Line]:
         )
     if first.word in vocabulary.new and not vocabulary.is_forward(first.word, others[0].expression):
         value = next((side for side in others if not joints(side.expression)), others[0])
-        yield Line(first.word, value.formulas, name=first.word)
+        yield PrintedLine(first.word, value.formulas, name=first.word)
         for side in others:
             if side is not value and joints(side.expression):
-                about = Formula(first.expression, first.formulas[0].text, value.formulas[0].location)
+                about = PrintedFormula(first.expression, first.formulas[0].text, value.formulas[0].location)
                 yield _about(vocabulary, side, (about,))
         return
     target = first if joints(first.expression) else next((side for side in others if joints(side.expression)), None)
@@ -209,27 +199,27 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[_Read]) -> Iterator[Line]:
     rest = [side for side in (first, *others) if side is not target]
     for side, after in zip(rest, (*rest[1:], None), strict=True):
         if side.word in vocabulary.new and after is not None:  # alpha, between what it is and its formula
-            yield Line(side.word, after.formulas, name=side.word)
+            yield PrintedLine(side.word, after.formulas, name=side.word)
             continue
         yield _about(vocabulary, target, side.formulas)
 
 
-def _about(vocabulary: Vocabulary, target: _Read, formulas: tuple[Formula, ...]) -> Line:
+def _about(vocabulary: Vocabulary, target: Side, formulas: tuple[PrintedFormula, ...]) -> PrintedLine:
     """A line about joint variables; of an equation with named quantities on both sides, that its sides are equal."""
     e = target.expression
     what = notation_text(e, vocabulary.robot)
     if any(name in vocabulary.new or name[0] == SIGN for name in names(e)):
         whole = tuple(replace(f, expression=add(e, negate(f.expression))) for f in formulas)
-        return Line(what, whole, ZERO)
-    return Line(what, formulas, e)
+        return PrintedLine(what, whole, ZERO)
+    return PrintedLine(what, formulas, e)
 
 
-def _merge(lines: list[Line], line: Line, before: int) -> None:
+def _merge(lines: list[PrintedLine], line: PrintedLine, before: int) -> None:
     """One line more, or further alternatives of one that an equation before has."""
     for i, other in enumerate(lines[:before]):
         same = other.name == line.name if line.target is None else other.target == line.target
-        same = same and other.primed is line.primed
-        if same and (other.target is None) is (line.target is None) and not isinstance(line.target, Number):
+        same = same and other.primed is line.primed and (other.target is None) is (line.target is None)
+        if same and not isinstance(line.target, Number):
             known = {formula.expression for formula in other.formulas}
             new = tuple(f for f in line.formulas if f.expression not in known)
             lines[i] = replace(other, formulas=(*other.formulas, *new))
@@ -237,12 +227,11 @@ def _merge(lines: list[Line], line: Line, before: int) -> None:
     lines.append(line)
 
 
-def _without_itself(line: Line) -> Line:
+def _without_itself(line: PrintedLine) -> PrintedLine:
     """A line whose alternatives such as ``q4 + pi`` mean the first one by the unknown's own name."""
     if not isinstance(line.target, Name):
         return line
     first, *others = line.formulas
     own = line.target.name
-    return replace(
-        line, formulas=(first, *(replace(f, first=own if own in names(f.expression) else "") for f in others))
-    )
+    others = [replace(f, first=own if own in names(f.expression) else "") for f in others]
+    return replace(line, formulas=(first, *others))

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from derive.checking.formulas.diagnosis import PAIRED
-from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token
-from derive.checking.inverse.printed import Formula, Line, Place, PrintedInverse
+from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token, spots
+from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
 from derive.checking.latex.names import SIGN
 from derive.errors import CheckError
 from derive.robot.expression import (
@@ -43,8 +43,8 @@ MISSING = Name(f"{SIGN}new")  # a plus-minus that is put in
 class InverseRepair:
     """What makes a line right."""
 
-    line: Line  # the line that is changed: the one that is wrong, or a quantity that it needs
-    formula: Formula  # which of its formulas
+    line: PrintedLine  # the line that is changed: the one that is wrong, or a quantity that it needs
+    formula: PrintedFormula  # which of its formulas
     edits: tuple[Edit, ...]  # the changes
     solution: PrintedInverse  # the solution with them made
 
@@ -58,7 +58,7 @@ class Repairer:
     """The search for what repairs some lines."""
 
     def __init__(
-        self, printed: PrintedInverse, lines: Sequence[Line], places: Sequence[Place], known: Sequence[str]
+        self, printed: PrintedInverse, lines: Sequence[PrintedLine], places: Sequence[Place], known: Sequence[str]
     ) -> None:
         self._printed, self._lines, self._places = printed, lines, places
         self._tried = 0
@@ -75,7 +75,9 @@ class Repairer:
             ),
         )
 
-    def first(self, kinds: Sequence[SlipKind], sites: Sequence[tuple[Line, Formula]]) -> InverseRepair | None:
+    def first(
+        self, kinds: Sequence[SlipKind], sites: Sequence[tuple[PrintedLine, PrintedFormula]]
+    ) -> InverseRepair | None:
         """The first change, of the first kind that has one; then two changes of one kind."""
         for kind in kinds:
             for line, formula in sites:
@@ -93,7 +95,7 @@ class Repairer:
         return None
 
     def _edits(self, e: Expression, kind: SlipKind) -> Iterator[Edit]:
-        for spot in places_in(e):
+        for spot in spots(e):
             yield from edits(spot, self._may, kind)
             if kind is SlipKind.PLUS_MINUS and not isinstance(spot.parent, Product | Power):
                 yield from _plus_minus(spot)
@@ -106,7 +108,9 @@ class Repairer:
             if kind is SlipKind.EXPONENT and isinstance(spot.node, Sum):
                 yield from _squares(spot, spot.node.terms)
 
-    def _least(self, line: Line, formula: Formula, candidates: Sequence[tuple[Edit, ...]]) -> InverseRepair | None:
+    def _least(
+        self, line: PrintedLine, formula: PrintedFormula, candidates: Sequence[tuple[Edit, ...]]
+    ) -> InverseRepair | None:
         """The candidate that touches least, of those that are right."""
         found: list[tuple[int, int, int, InverseRepair]] = []
         for made in candidates:
@@ -121,15 +125,6 @@ class Repairer:
                 size = sum(_size(edit.old) for edit in made)
                 found.append((size, made[0].place.depth, len(found), InverseRepair(line, formula, made, changed)))
         return min(found)[-1] if found else None
-
-
-def places_in(e: Expression, above: Spot | None = None, index: int = 0) -> Iterator[Spot]:
-    """Every place of a formula, from one down, without values."""
-    spot = Spot(e, above, index, depth=above.depth + 1 if above else 0)
-    yield spot
-    if not is_token(e):
-        for i, part in enumerate(children(e)):
-            yield from places_in(part, spot, i)
 
 
 def _plus_minus(spot: Spot) -> Iterator[Edit]:

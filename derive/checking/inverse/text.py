@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
-from derive.checking.inverse.reading import Part, Side
+from derive.checking.inverse.reading import Alternative, Side
 from derive.checking.latex.names import PlusMinus
 from derive.errors import CheckError, Location
 from derive.lecture.shorthand import read_formula
@@ -84,7 +84,7 @@ def _side(text: str, span: tuple[int, int], robot: Robot, start: Location, signs
         shown = text[begin:end].strip()
         begin += len(text[begin:end]) - len(text[begin:end].lstrip())
         where = place(text, begin, start)
-        parts.append(Part(shown, where, partial(_formula, shown, robot, where, signs)))
+        parts.append(Alternative(shown, where, partial(_formula, shown, robot, where, signs)))
     return Side(tuple(parts), whole if WORD.fullmatch(whole) else "", is_primed)
 
 
@@ -102,9 +102,8 @@ def _formula(
         column = error.location.column - 1 if error.location else 0
         offset = origins[column] if column < len(origins) else len(text)
         found = error.found.replace(repr(rewritten), repr(text)) if len(rewritten) < 40 else error.found
-        raise type(error)(
-            found, allowed=error.allowed, remedy=error.remedy, location=place(text, offset, where)
-        ) from None
+        there = place(text, offset, where)
+        raise type(error)(found, allowed=error.allowed, remedy=error.remedy, location=there) from None
 
 
 def _rewritten(text: str, known: dict[str, Expression], signs: PlusMinus) -> tuple[str, Sequence[int]]:

@@ -15,12 +15,12 @@ from itertools import islice
 
 from derive.checking.formulas.diagnosis import Question, other_orders
 from derive.checking.formulas.findings import FileReport, Finding, Role, undecidable, verdict_at
-from derive.checking.latex.equations import Equation, equations
+from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import Left, Target, is_scalar, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import EntryNames, Meanings, Right
-from derive.checking.latex.pieces import MATRIX_MARK, Piece
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -91,7 +91,7 @@ def check_latex(
 class _Side:
     """A side of an equation: the quantities that it may name, and what it says or why it says nothing."""
 
-    piece: Piece
+    piece: LatexPiece
     left: Left | None = None
     targets: tuple[Target, ...] = ()
     value: Expression | Table | None = None
@@ -107,7 +107,7 @@ class _Check:
         has_time = "t" not in robot_symbols(self.robot)
         found = islice(equations(text, start, document=document, time=has_time), MAX_EQUATIONS + 1)
         self.equations = tuple(found)
-        if len(self.equations) > MAX_EQUATIONS or any(len(e.sides) > MAX_SIDES for e in self.equations):
+        if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
             allowed = f"at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
         if not self.equations:
@@ -136,29 +136,29 @@ class _Check:
             except CheckError as error:
                 if not self.document:
                     raise
-                self._skip(equation.sides[0], error)
+                self._skip(equation[0], error)
                 continue
             unknown = next((finding.unknown for finding in found if finding.unknown), None)
             if unknown is not None and self.document:
-                self._skip(equation.sides[0], unknown)
+                self._skip(equation[0], unknown)
             else:
                 yield from found
 
-    def _skip(self, side: Piece, error: CheckError) -> None:
+    def _skip(self, side: LatexPiece, error: CheckError) -> None:
         where = error.location or self.plain.location(side.start)
         self.skipped.append(Skipped(where, self._typed(side), error.found))
 
-    def _typed(self, side: Piece) -> str:
+    def _typed(self, side: LatexPiece) -> str:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
 
     # -- definitions
 
-    def _torque_index(self, equation: Equation) -> int | None:
+    def _torque_index(self, equation: Sides) -> int | None:
         """Which index of a Christoffel symbol is that of the torque, where the equation defines the symbol.
 
         It is that of the variable in the derivative that is subtracted, as in -(partial d_ij)/(partial q_k).
         """
-        first, *others = (self.text[side.start : side.end] for side in equation.sides)
+        first, *others = (self.text[side.start : side.end] for side in equation)
         symbol = _SYMBOL.fullmatch("".join(first.split()))
         minus = next(filter(None, map(_SUBTRACTED.search, others)), None)
         if symbol is None or minus is None:
@@ -168,23 +168,25 @@ class _Check:
 
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
-        waiting = [(i, e, names) for i, e in enumerate(self.equations) if any(names := tuple(self._new_names(i, e)))]
+        several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1]
+        named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
+        waiting = [some for some in named if any(some[2])]
         for _ in range(MAX_PASSES):
             left = [some for some in waiting if not self._defines(*some)]
             if len(left) == len(waiting):
                 return
             waiting = left
 
-    def _defines(self, index: int, equation: Equation, names: tuple[str, ...]) -> bool:
+    def _defines(self, index: int, equation: Sides, names: tuple[str, ...]) -> bool:
         """Whether an equation gives a new name to a formula that can be read by now."""
         name, reader = next(filter(None, names)), self._reader(index)
-        for side, its_name in zip(equation.sides, names, strict=True):
+        for side, its_name in zip(equation, names, strict=True):
             with suppress(CheckError):
                 if not its_name:
                     meaning = reader.formula(side)
                     self.definitions.setdefault(name, []).append((index, meaning))
                     self.defining |= {index} if names[0] else set()
-                    self.names |= {(index, s.offset) for s, n in zip(equation.sides, names, strict=True) if n == name}
+                    self.names |= {(index, s.offset) for s, n in zip(equation, names, strict=True) if n == name}
                     return True
         return False
 
@@ -196,11 +198,7 @@ class _Check:
             meanings[name] = ordered[0][1]
         return LatexReader(self.robot, self.text, self.start, meanings, EntryNames(self.meanings))
 
-    def _new_names(self, index: int, equation: Equation) -> Iterator[str]:
-        for place, side in enumerate(equation.sides):
-            yield self._new_name(side, index, place == 0) if len(equation.sides) > 1 else ""
-
-    def _new_name(self, side: Piece, index: int, is_first: bool) -> str:
+    def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
         left = None if side.matrices else taken_apart(side.text)
         if left is None or not left.is_plain or left.arguments or self._is_own(left):
@@ -209,7 +207,7 @@ class _Check:
             return left.flat
         if not (is_first and left.sub and left.head in _LENT):
             return ""
-        others = (part for i, e in enumerate(self.equations) if i != index for part in e.sides[1:])
+        others = (part for i, e in enumerate(self.equations) if i != index for part in e[1:])
         return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
 
     def _is_own(self, left: Left) -> bool:
@@ -218,8 +216,8 @@ class _Check:
 
     # -- one equation
 
-    def _equation(self, index: int, equation: Equation) -> Iterator[Finding]:
-        pieces = [piece for piece in equation.sides if (index, piece.offset) not in self.names]
+    def _equation(self, index: int, equation: Sides) -> Iterator[Finding]:
+        pieces = [piece for piece in equation if (index, piece.offset) not in self.names]
         sides = [self._side(piece, len(pieces) > 1) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(target.turned for side in sides for target in side.targets)
@@ -249,7 +247,7 @@ class _Check:
             for name in named or [_Side(first.piece)]:
                 yield from self._compared(name, table, side.piece.start)
 
-    def _side(self, piece: Piece, may_name: bool) -> _Side:
+    def _side(self, piece: LatexPiece, may_name: bool) -> _Side:
         left = None if piece.matrices else taken_apart(piece.text)
         targets = self.meanings.targets(left) if left else ()
         if may_name and _PRODUCT.fullmatch(piece.text.strip()) and left is None:
@@ -347,7 +345,7 @@ class _Check:
         is_right = bool(chosen) and all(finding.verdict.equal for finding in chosen)
         if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
             (entry,) = table.rows[0]
-            side = _Side(Piece(entry.text, entry.offset), value=entry.formula)
+            side = _Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
             identity = tuple(self._identities([name, side]))
             is_token = name.left is not None and name.left.head in ("c", "s")
             chosen = identity if not chosen or is_token or identity[0].verdict.equal else chosen

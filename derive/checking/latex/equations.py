@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 
-from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, RELATION, Piece, display_piece
+from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, RELATION, LatexPiece, display_piece
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location
 from derive.robot.parser import place
@@ -40,14 +40,10 @@ _FENCE = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Equation:
-    """What stands between equals signs; a lone formula has one side."""
-
-    sides: tuple[Piece, ...]  # from left to right
+Sides = tuple[LatexPiece, ...]  # what stands between equals signs, from left to right; a lone formula is one side
 
 
-def equations(text: str, start: Location, *, document: bool = False, time: bool = True) -> Iterator[Equation]:
+def equations(text: str, start: Location, *, document: bool = False, time: bool = True) -> Iterator[Sides]:
     """The equations of a text."""
     plain = cleaned(text, time)
     for begin, end in _displays(plain, start, document):
@@ -108,35 +104,26 @@ def _closing(text: str, opening: int) -> int:
 # -- from a display to its equations
 
 
-def _equations(display: Piece) -> Iterator[Equation]:
-    text = _without_fences(display.text)
-    spans = _joined(text, [span for row in _spans(text, "\f") for span in _row_parts(text, row)])
+def _equations(display: LatexPiece) -> Iterator[Sides]:
+    # blanks for what marks a display, and for the one brace before a system of equations
+    text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), display.text)
+    if text.count("\\{") != text.count("\\}"):
+        text = text.replace("\\{", "  ")
+    # rows and what stands side by side in them, then lines of one equation together again
+    spans = _joined(text, [span for row in re.finditer("[^\f]+", text) for span in _row_parts(text, row.span())])
     shown, text = text, text.replace("\f", " ").replace("\v", " ")
     for begin, end in spans:
-        whole = Piece(text, display.offset, display.matrices)
+        whole = LatexPiece(text, display.offset, display.matrices)
         if number := _NUMBERED.search(shown[begin:end]):
             end = begin + number.start()
         printed = text[begin:end].rstrip()
         end = begin + len(printed if printed.endswith("...") else printed.rstrip(" \n\r.,;:"))
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]
         sides = [whole.part(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
-        sides = [_without_separators(side) for side in sides]
-        if any(side.text.strip() for side in sides):
-            yield Equation(tuple(side for side in sides if side.text.strip()))
-
-
-def _without_fences(text: str) -> str:
-    """Blanks for what marks a display, and for the one brace before a system of equations."""
-    text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), text)
-    if text.count("\\{") != text.count("\\}"):
-        text = text.replace("\\{", "  ")
-    return text
-
-
-def _spans(text: str, sign: str, begin: int = 0, end: int | None = None) -> Iterator[tuple[int, int]]:
-    end = len(text) if end is None else end
-    cuts = [i for i in range(begin, end) if text[i] == sign]
-    yield from zip((begin, *(i + 1 for i in cuts)), (*cuts, end), strict=True)
+        # spaces and words that part nothing are blank; commas stay, for a formula must not have one
+        plain = [_SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text) for side in sides]
+        if found := tuple(replace(side, text=text) for side, text in zip(sides, plain, strict=True) if text.strip()):
+            yield found
 
 
 def _depths(text: str, begin: int, end: int) -> int:
@@ -166,6 +153,7 @@ def _row_parts(text: str, row: tuple[int, int]) -> Iterator[tuple[int, int]]:
         depth, last = depth + _depths(text, last, first), stop
         if depth > 0:
             continue
+        # a separator parts two equations if one is complete before it and another one begins behind it
         here = cuts[-1][1] if cuts else begin
         done, rest = _relations(text, here, first), _relations(text, stop, end)
         is_mark = text[first] in "\v,;"
@@ -192,6 +180,7 @@ def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
             first, last = found[-1]
             before = text[first:last].rstrip(" \v\n\r")
             relations = _relations(text, begin, end)
+            # an operator at the break, an open bracket, or no relation of its own: still the equation before
             continues = (
                 _OPERATOR.match(part)
                 or _ENDS_OPEN.search(before)
@@ -203,9 +192,3 @@ def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
                 continue
         found.append((begin, end))
     return found
-
-
-def _without_separators(side: Piece) -> Piece:
-    """Spaces and words that part nothing are blank; commas stay, for a formula must not have one."""
-    text = _SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text)
-    return Piece(text, side.offset, side.matrices)

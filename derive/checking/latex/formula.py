@@ -15,7 +15,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import LatexNames, PlusMinus
-from derive.checking.latex.pieces import MATRIX_MARK, Piece, PrintedMatrix
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, PrintedMatrix
 from derive.checking.latex.typography import PRIMED, cleaned
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
 from derive.robot.expression import ZERO, Expression, expanded_terms
@@ -23,7 +23,7 @@ from derive.robot.parser import place
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 
-MAX_TERMS = 1_000_000
+MAX_EXPANDED_TERMS = 1_000_000
 """Terms of a formula when multiplied out, at most; an analytic Jacobian of a 7R arm has 300,000, and long formulas are
 compared at points."""
 
@@ -66,7 +66,7 @@ def read_latex(
 ) -> Expression:
     r"""A LaTeX formula as an expression in the robot's own names."""
     start = location or Location("<latex>")
-    piece = Piece(_without_dollars(cleaned(text)), 0)
+    piece = LatexPiece(_without_dollars(cleaned(text)), 0)
     return LatexReader(robot, text, start, abbreviations).formula(piece)
 
 
@@ -90,14 +90,14 @@ class LatexReader:
         """The place of a character."""
         return place(self._text, offset, self._start)
 
-    def formula(self, piece: Piece) -> Expression:
+    def formula(self, piece: LatexPiece) -> Expression:
         """What a piece says that is no matrix."""
         found = self.value(piece)
         if isinstance(found, Table):
             raise CheckError("matrix where a formula is expected", location=self.location(piece.start))
         return found
 
-    def value(self, piece: Piece) -> Expression | Table:
+    def value(self, piece: LatexPiece) -> Expression | Table:
         """What a piece says."""
         self._check_size(piece)
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
@@ -113,7 +113,7 @@ class LatexReader:
         except ZeroDivisionError:
             raise CheckError("division by zero", location=self.location(piece.start)) from None
         formulas = [found] if not isinstance(found, Table) else [e.formula for row in found.rows for e in row]
-        if any(expanded_terms(formula, MAX_TERMS) > MAX_TERMS for formula in formulas):
+        if any(expanded_terms(formula, MAX_EXPANDED_TERMS) > MAX_EXPANDED_TERMS for formula in formulas):
             raise CheckError("formula has too many terms when multiplied out", location=self.location(piece.start))
         return found
 
@@ -144,7 +144,7 @@ class LatexReader:
             raise determinant.unknown
         return determinant.formula
 
-    def _entry(self, cell: Piece) -> Entry:
+    def _entry(self, cell: LatexPiece) -> Entry:
         text = " ".join(self._text[cell.start : cell.end].split())
         if not cell.text.strip():
             raise CheckError("empty entry", remedy="write 0", location=self.location(cell.start))
@@ -153,7 +153,7 @@ class LatexReader:
         except UnknownNameError as error:
             return Entry(ZERO, text, cell.start, error)
 
-    def _check_size(self, piece: Piece) -> None:
+    def _check_size(self, piece: LatexPiece) -> None:
         """Refuse what is empty or beyond a limit."""
         text, longest, deepest = piece.text, FORMULA_LIMITS.text_length, FORMULA_LIMITS.depth
         if len(text) > longest:
@@ -168,7 +168,7 @@ class LatexReader:
                 where = self.location(piece.offset + match.start())
                 raise CheckError("brackets nested too deeply", allowed=f"at most {deepest}", location=where)
 
-    def _refusal(self, piece: Piece, error: UnexpectedInput) -> CheckError:
+    def _refusal(self, piece: LatexPiece, error: UnexpectedInput) -> CheckError:
         """The message for text that the grammar does not know."""
         text, offset = piece.text, len(piece.text)
         if isinstance(error, UnexpectedToken | UnexpectedCharacters):

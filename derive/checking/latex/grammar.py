@@ -63,15 +63,19 @@ class MisplacedError(Exception):
         error: What is wrong.
     """
 
-    def __init__(self, offset: int, error: DeriveError) -> None:
+    def __init__(self, offset: int | None, error: DeriveError) -> None:
         super().__init__(str(error))
-        self.offset = offset
+        self.offset = offset or 0
         self.error = error
+
+
+def _refused(offset: int | None, found: str, allowed: str = "", remedy: str = "") -> MisplacedError:
+    return MisplacedError(offset, CheckError(found, allowed=allowed, remedy=remedy))
 
 
 def parsed(text: str, names: LatexNames, tables: Mapping[int, Expression | Table]) -> Expression | Table:
     """What a formula says."""
-    found: Expression | Table = _Builder(names, tables).transform(_parser().parse(text))
+    found: Expression | Table = FormulaBuilder(names, tables).transform(_parser().parse(text))
     return found
 
 
@@ -81,7 +85,7 @@ def _parser() -> Lark:
     return Lark(grammar, parser="lalr")
 
 
-class _Builder(Transformer_NonRecursive[Token, Any]):
+class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
     """Makes of every rule of the grammar an expression, a matrix, a name, or a script."""
 
     def __init__(self, names: LatexNames, tables: Mapping[int, Expression | Table]) -> None:
@@ -215,6 +219,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def _product(self, children: Children) -> Expression | Table:
         """Factors side by side, with signs of multiplication and division between them, and c before an angle."""
         factors: list[Expression | Table] = []
+        # what waits for the next factor: cos or sin from a c or s, its exponent, and whether a slash stands before it
         function, exponent, divide = "", 1, False
         before: object = None
         for child in children:
@@ -222,30 +227,31 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
                 divide, before = child.type == "SLASH", None
                 continue
             if isinstance(child, _Digits) and isinstance(before, _Digits):
-                raise MisplacedError(
-                    child.offset, CheckError("two numbers side by side", remedy=r"write \cdot between them")
-                )
+                raise _refused(child.offset, "two numbers side by side", remedy=r"write \cdot between them")
             before = child
-            if not function and child is not children[-1]:
+            if not function and child is not children[-1]:  # c before an angle, as in c \theta_1
                 function, exponent = self._circular(child)
                 if function:
                     continue
             value = self._applied(function, child, exponent) if function else self._settled(child)
-            factors.append(self._inverse(value) if divide else value)
+            if divide:
+                if isinstance(value, Table):
+                    raise CheckError("division by a matrix", remedy="write the inverse out")
+                value = power(value, -1)
+            factors.append(value)
             function, divide = "", False
         formulas = [factor for factor in factors if not isinstance(factor, Table)]
         scale = _bounded(multiply(*formulas))
         tables = [factor for factor in factors if isinstance(factor, Table)]
         if not tables:
             return scale
-        return (
-            reduce(Table.times, tables).changed(lambda e: multiply(scale, e))
-            if formulas
-            else reduce(Table.times, tables)
-        )
+        # formulas commute with the matrices, whose order stays; an entry without a factor keeps its text and place
+        product = reduce(Table.times, tables)
+        return product.changed(partial(multiply, scale)) if formulas else product
 
     def _circular(self, child: Value) -> tuple[str, int]:
         """The function that c or s stands for, and the exponent that it bears."""
+        # c^2 \theta is the square of the cosine
         base, exponent = (child.base, child.exponent) if isinstance(child, _Raised) else (child, number(1))
         if not isinstance(base, Symbol) or not isinstance(exponent, Number):
             return "", 1
@@ -256,11 +262,6 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
         if isinstance(child, _Raised):
             return self._power(Call(function, (self._tree(child.base),)), child.exponent)
         return power(Call(function, (self._tree(child),)), exponent)
-
-    def _inverse(self, value: Expression | Table) -> Expression:
-        if isinstance(value, Table):
-            raise CheckError("division by a matrix", remedy="write the inverse out")
-        return power(value, -1)
 
     def _matrix(self, data: str, children: Children) -> Expression | Table:
         """A matrix, a list, or the transpose of one."""
@@ -282,11 +283,8 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def _sign(self, token: Token) -> Expression:
         """A plus-minus, where it has a meaning."""
         if self._names.signs is None:
-            what = CheckError(
-                f"{token} in a formula",
-                remedy="these are two formulas; check one sign at a time, or an inverse solution as a whole",
-            )
-            raise MisplacedError(token.start_pos or 0, what)
+            remedy = "these are two formulas; check one sign at a time, or an inverse solution as a whole"
+            raise _refused(token.start_pos, f"{token} in a formula", remedy=remedy)
         return self._names.signs.another()
 
     def _inverse_function(self, token: Token, exponent: Expression | None, children: Children) -> Expression:
@@ -294,12 +292,12 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
         arguments = [child for child in children if not isinstance(child, Token)]
         if self._names.signs is None:
             shown = f"inverse function {token}^{{-1}}" if exponent else f"{token} in a formula"
-            raise MisplacedError(token.start_pos or 0, CheckError(shown, remedy=r"write \operatorname{atan2}(y, x)"))
+            raise _refused(token.start_pos, shown, remedy=r"write \operatorname{atan2}(y, x)")
         if exponent and exponent != number(-1):
-            raise MisplacedError(token.start_pos or 0, CheckError("exponent of a function", allowed="^{-1} here"))
+            raise _refused(token.start_pos, "exponent of a function", allowed="^{-1} here")
         if len(arguments) == 2:
             return self._of_two(token, arguments)
-        plain = token.lower().replace("tg", "tan")
+        plain = token.lower().replace("tg", "tan")  # arctg
         return Call("a" + next(f for f in ("cos", "sin", "tan") if f in plain), (self._tree(arguments[0]),))
 
     def _of_two(self, token: Token, arguments: Children) -> Expression:
@@ -311,22 +309,20 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def _power(self, base: Value, exponent: Expression) -> Expression:
         offset = base.offset if isinstance(base, Symbol) else 0
         if not isinstance(exponent, Number) or exponent.value.denominator > 2:
-            raise MisplacedError(
-                offset, CheckError("exponent that is no whole number", remedy=r"write roots as \sqrt{}")
-            )
+            raise _refused(offset, "exponent that is no whole number", remedy=r"write roots as \sqrt{}")
+        # a half exponent is a root: x^(3/2) = sqrt(x)^3
         tree, value = self._tree(base), exponent.value
         if value == 0:
-            raise MisplacedError(
-                offset, CheckError("exponent 0", remedy="write 1; a frame's index stands on the left side only")
-            )
+            raise _refused(offset, "exponent 0", remedy="write 1; a frame's index stands on the left side only")
         if value.denominator == 2:
             tree, value = Call("sqrt", (tree,)), 2 * value
-        inner = tree.exponent if isinstance(tree, Power) else 1
+        inner = tree.exponent if isinstance(tree, Power) else 1  # powers of powers are joined
         if abs(value * inner) > FORMULA_LIMITS.exponent:
-            raise MisplacedError(offset, CheckError("exponent too large", allowed=f"at most {FORMULA_LIMITS.exponent}"))
+            raise _refused(offset, "exponent too large", allowed=f"at most {FORMULA_LIMITS.exponent}")
         return _bounded(power(tree, int(value)))
 
 
+# How books write them, in Italian ones too.
 _NAMES_OF_FUNCTIONS = {
     "cos": "cos",
     "sen": "sin",
@@ -356,9 +352,7 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
             return _symbol(base, scripts)
         case "accent", (token, base):
             if not isinstance(base, Symbol):
-                raise MisplacedError(
-                    token.start_pos or 0, CheckError("dot over a formula", allowed="over a joint variable")
-                )
+                raise _refused(token.start_pos, "dot over a formula", allowed="over a joint variable")
             return Symbol(base.text, base.offset, base.dots + (2 if token.type == "DDOT" else 1))
         case (("subscript_group" | "index_group" | "index_subscript"), ((_, offset), *_)):
             return "".join(text for text, _ in children), offset
@@ -374,7 +368,7 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
 def _symbol(base: Value, scripts: list[tuple[str, int]]) -> Symbol:
     """A name with its scripts."""
     if not isinstance(base, Symbol):
-        raise MisplacedError(scripts[0][1] if scripts else 0, CheckError("subscript of a formula", allowed="of a name"))
+        raise _refused(scripts[0][1] if scripts else 0, "subscript of a formula", allowed="of a name")
     return Symbol(base.text + "".join(text for text, _ in scripts), base.offset, base.dots)
 
 
@@ -390,9 +384,7 @@ def _bounded(e: Expression) -> Expression:
 
 def _number(token: Token) -> Expression:
     if len(token) > FORMULA_LIMITS.digits:
-        raise MisplacedError(
-            token.start_pos or 0, CheckError("number with too many digits", allowed=f"{FORMULA_LIMITS.digits}")
-        )
+        raise _refused(token.start_pos, "number with too many digits", allowed=f"{FORMULA_LIMITS.digits}")
     return number(Fraction(str(token).replace("{,}", ".")))
 
 

@@ -9,31 +9,16 @@ from dataclasses import dataclass
 from derive.errors import CheckError
 from derive.lecture.shorthand import resolve_tokens
 from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, negate
-from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
+from derive.robot.names import acceleration_name, joint_label, own_names, velocity_name
 from derive.robot.robot import Robot
 
 _GREEK = (
-    *(
-        "alpha",
-        "beta",
-        "gamma",
-        "delta",
-        "epsilon",
-        "zeta",
-        "eta",
-        "theta",
-        "iota",
-        "kappa",
-        "lambda",
-        "mu",
-        "nu",
-        "xi",
-    ),
-    *("omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega"),
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigma sigma tau upsilon "
+    "phi chi psi omega"
 )
 # Macros and signs that are another way to draw a letter.
 FLAT = {
-    **{chr(ord("\u03b1") + i): name for i, name in enumerate(_GREEK)},
+    **{chr(ord("\u03b1") + i): name for i, name in enumerate(_GREEK.split())},
     **{"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"},
 }
 SIGN = "±"  # first letter of the name of a plus-minus
@@ -84,8 +69,7 @@ class LatexNames:
         self.robot, self.signs = robot, signs
         self.abbreviations = dict(abbreviations or {})
         self.entries = {} if entries is None else entries  # one may be long to count
-        variables = [joint.variable for joint in robot.joints]
-        self.own = frozenset((*robot_symbols(robot), *variables, *self.abbreviations))
+        self.own = own_names(robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
         self._known: dict[tuple[str, int], Expression] = {}
 
@@ -128,7 +112,12 @@ class LatexNames:
             return Call(_ANGLE[text[0].lower()], (Name(angle),))
         if opposed:
             signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
-            angles = [add(*terms) if (terms := self._sum_of_angles(x)) else self._angle(x) for x in labels]
+            angles = [
+                add(*terms)
+                if (terms := self._sum_of_angles(x))
+                else resolve_tokens(Name(self._name(f"q{x}")), self.robot)
+                for x in labels
+            ]
             others = (negate(a) if sign == "-" else a for sign, a in zip(signs, angles[1:], strict=True))
             return Call(_ANGLE[opposed[1].lower()], (add(angles[0], *others),))
         name = self._name(text)
@@ -140,9 +129,6 @@ class LatexNames:
             if text in self.entries:
                 return self.entries[text]
             raise
-
-    def _angle(self, label: str) -> Expression:
-        return resolve_tokens(Name(self._name(f"q{label}")), self.robot)
 
     def _sum_of_angles(self, digits: str) -> tuple[Expression, ...]:
         r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""

@@ -36,7 +36,7 @@ RELATION = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class LatexPiece:
     """A part of the text, a side of an equation or an entry of a matrix."""
 
     text: str  # what stands there, each matrix as one character
@@ -62,18 +62,18 @@ class Piece:
                 for cell in row:
                     yield from cell.texts
 
-    def part(self, begin: int, end: int) -> Piece:
+    def part(self, begin: int, end: int) -> LatexPiece:
         """A part of it."""
         first = self.text.count(MATRIX_MARK, 0, begin)
         text = self.text[begin:end]
-        return Piece(text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)])
+        return LatexPiece(text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)])
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedMatrix:
     """A matrix in the text."""
 
-    rows: tuple[tuple[Piece, ...], ...]  # its entries
+    rows: tuple[tuple[LatexPiece, ...], ...]  # its entries
     is_determinant: bool = False  # whether it stands between bars, or behind ``det``
 
 
@@ -88,7 +88,7 @@ class _Environment:
     end: tuple[int, int] = (0, 0)
 
 
-def display_piece(plain: str, begin: int, end: int, typed: str, start: Location) -> Piece:
+def display_piece(plain: str, begin: int, end: int, typed: str, start: Location) -> LatexPiece:
     """A display as one piece, in which row ends and cell marks of its own are form feeds and vertical tabs."""
     root = _Environment("", (begin, begin))
     open_now = [root]
@@ -120,7 +120,7 @@ def display_piece(plain: str, begin: int, end: int, typed: str, start: Location)
     return _flattened(plain, root)
 
 
-def _flattened(plain: str, environment: _Environment) -> Piece:
+def _flattened(plain: str, environment: _Environment) -> LatexPiece:
     """What an environment holds: matrices inside are one character, row ends form feeds, cell marks vertical tabs."""
     begin, end = environment.begin[1], environment.end[0]
     letters = list(plain[begin:end])
@@ -143,7 +143,7 @@ def _flattened(plain: str, environment: _Environment) -> Piece:
             length = last - first
             letters[first - begin : last - begin] = (sign.ljust if sign == MATRIX_MARK else sign.rjust)(length)
     matrices = tuple(matrix for _, matrix in sorted(found, key=lambda pair: pair[0]))
-    piece = Piece("".join(letters), begin, matrices)
+    piece = LatexPiece("".join(letters), begin, matrices)
     return _determinants(piece) if matrices else piece
 
 
@@ -158,7 +158,7 @@ def _holds_equations(plain: str, node: _Environment) -> bool:
     return RELATION.search(inner) is not None
 
 
-def _determinants(piece: Piece) -> Piece:
+def _determinants(piece: LatexPiece) -> LatexPiece:
     r"""Bars around a matrix, and ``\det`` before it, belong to the matrix."""
     text, matrices, position = piece.text, list(piece.matrices), -1
     for index in range(len(matrices)):
@@ -179,16 +179,16 @@ def _determinants(piece: Piece) -> Piece:
         else:
             continue
         matrices[index] = PrintedMatrix(matrices[index].rows, True)
-    return Piece(text, piece.offset, tuple(matrices))
+    return LatexPiece(text, piece.offset, tuple(matrices))
 
 
-def _rows(piece: Piece) -> Iterator[tuple[Piece, ...]]:
+def _rows(piece: LatexPiece) -> Iterator[tuple[LatexPiece, ...]]:
     """The entries of a matrix; a row end behind the last row adds none."""
     for row in _split(piece, "\f"):
         if row.text.strip("\v \n\r"):
             yield tuple(_split(row, "\v"))
 
 
-def _split(piece: Piece, sign: str) -> list[Piece]:
+def _split(piece: LatexPiece, sign: str) -> list[LatexPiece]:
     ends = [i for i, letter in enumerate(piece.text) if letter == sign]
     return [piece.part(a, b) for a, b in zip((0, *(i + 1 for i in ends)), (*ends, len(piece.text)), strict=True)]

@@ -66,7 +66,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _INK.sub(lambda m: m[0] if m["kept"] else _blank(m[0]), text)
     text = _RATE.sub(_rate, text)
     if time:
-        text = _OF_TIME.sub(_of_time, text)
+        text = _OF_TIME.sub(lambda m: PRIMED.get(len(m["primes"]), "").ljust(len(m[0])), text)
     return _FONT.sub(lambda m: _blank(m[0]), text)
 
 
@@ -87,8 +87,3 @@ def _rate(match: re.Match[str]) -> str:
         return dots.ljust(len(match[0]))
     end = start + len(match["what"])
     return f"{dots.ljust(start - 1)}{{{match['what']}}}".ljust(end + 1) + " " * (len(match[0]) - end - 1)
-
-
-def _of_time(match: re.Match[str]) -> str:
-    mark = PRIMED.get(len(match["primes"]), "")
-    return mark + " " * (len(match[0]) - len(mark))

@@ -15,10 +15,10 @@ import sympy
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
 from derive.handouts.notation.text import PlainPrinter
-from derive.inverse.closed.nodes import Kind
-from derive.inverse.words.derivation import PrintedEquation, Step
-from derive.inverse.words.elementary import Line
-from derive.inverse.words.origins import Form, Origin
+from derive.inverse.closed.nodes import NodeKind
+from derive.inverse.words.derivation import PrintedEquation, PrintedStep
+from derive.inverse.words.elementary import PrintedLine
+from derive.inverse.words.origins import Origin, OriginForm
 from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.description import IDENTITY
 from derive.robot.robot import Robot
@@ -81,9 +81,11 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
     totals = {name: f" = {write(total)}" for total, name in found.sums.items()}
     for number, step in enumerate(found.steps, 1):
         lines += ["", f"{number}. {write(step.unknown)}{totals.get(step.unknown, '')}: {reason(found, step)}"]
-        lines += [f"     {_equation(e, write)}" for e in step.equations if Line(e.left, e.right) not in step.lines]
+        lines += [
+            f"     {_equation(e, write)}" for e in step.equations if PrintedLine(e.left, e.right) not in step.lines
+        ]
         lines += [f"   {formula(line, write)}" for line in step.lines]
-        if step.kind is Kind.CONIC:
+        if step.kind is NodeKind.CONIC:
             lines.append(f"   of the fourth degree in tan({write(step.unknown)}/2): at most {step.branches} values")
         if step.exists is not sympy.true:
             real = step.exists  # a relation such as Abs(D) <= 1
@@ -92,7 +94,7 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
     return lines
 
 
-def _failing(found: InverseKinematics, step: Step, write: Print) -> Iterator[str]:
+def _failing(found: InverseKinematics, step: PrintedStep, write: Print) -> Iterator[str]:
     """Where the equations of a step do not determine its unknown, and what then does."""
     if not step.fails:
         return
@@ -160,20 +162,20 @@ def headline(found: InverseKinematics) -> str:
     return count if leaves == found.count else f"{count}; {leaves} choices of signs, some of which miss the pose"
 
 
-def reason(found: InverseKinematics, step: Step) -> str:
+def reason(found: InverseKinematics, step: PrintedStep) -> str:
     """Where the equations of a step come from, in words."""
     match step.kind:
-        case Kind.GIVEN:
+        case NodeKind.GIVEN:
             return "given"
-        case Kind.SUM:
+        case NodeKind.SUM:
             return "by the angles that are known"
-        case Kind.GENERAL:
+        case NodeKind.GENERAL:
             return _general_reason(found, step)
     return _sources(found.robot, step.equations)
 
 
-def _general_reason(found: InverseKinematics, step: Step) -> str:
-    formula = next(node.formulas[0] for node in found.graph.nodes if node.kind is Kind.GENERAL).payload
+def _general_reason(found: InverseKinematics, step: PrintedStep) -> str:
+    formula = next(node.formulas[0] for node in found.graph.nodes if node.kind is NodeKind.GENERAL).payload
     hidden, others, eliminated = formula.joints
     (joint,) = step.joints
     if joint in eliminated:
@@ -211,20 +213,20 @@ def _place(robot: Robot, origin: Origin) -> tuple[str, str]:
     product = product_text(robot, origin)
     axes = f"axes {origin.first} and {origin.last}"
     match origin.form:
-        case Form.ENTRY:
+        case OriginForm.ENTRY:
             return f"of {product}", f"entry {places[0]}"
-        case Form.SQUARES:
+        case OriginForm.SQUARES:
             return f"of {product}, squared and added", f"entries {', '.join(places[:-1])} and {places[-1]}"
-        case Form.COMPONENT:
+        case OriginForm.COMPONENT:
             letter, axis = "xyz"[origin.entries[0][0] - 1], origin.last if origin.inverse else origin.first
             if origin.first == origin.last:
                 return f"of what joint {axis} adds to the position, along its axes", f"component {letter}"
             return f"of the vector between {axes}, along those of joint {axis}", f"component {letter}"
-        case Form.DISTANCE:
+        case OriginForm.DISTANCE:
             return f"between {axes}", "squared distance"
-        case Form.DIRECTIONS:
+        case OriginForm.DIRECTIONS:
             return f"of the rotation between {axes}", f"entry {places[0]}"
-        case Form.MOMENT:
+        case OriginForm.MOMENT:
             return f"of {product}", f"entry {places[0]} of the moments (Raghavan and Roth)"
 
 
@@ -240,7 +242,7 @@ def product_text(robot: Robot, origin: Origin) -> str:
     return text
 
 
-def formula(line: Line, write: Print, equals: str = " = ", or_: str = " or ", half_turn: str = " + pi") -> str:
+def formula(line: PrintedLine, write: Print, equals: str = " = ", or_: str = " or ", half_turn: str = " + pi") -> str:
     """``theta2 = atan2(+-sqrt(1 - D**2), D)``; both values where a sign stands in it twice."""
     left = write(line.symbol)
     first, *others = map(write, line.alternatives)

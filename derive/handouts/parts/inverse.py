@@ -21,11 +21,11 @@ from derive.handouts.parts.inverse_formulas import WIDEST_LEFT, FormulaWriter
 from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources, words_alone
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Table
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import MAX_JOINTS, Freedom, solve, usual_task
-from derive.inverse.words.derivation import Step
-from derive.inverse.words.elementary import Line
-from derive.inverse.words.origins import Form
+from derive.inverse.words.derivation import PrintedStep
+from derive.inverse.words.elementary import PrintedLine
+from derive.inverse.words.origins import OriginForm
 from derive.inverse.words.solutions import InverseKinematics
 from derive.model.model import Model
 from derive.model.singularities.coincidences import coincidences
@@ -126,7 +126,7 @@ class _InversePart:
     def counted(self) -> Iterator[Block]:
         """Redundancy, the conditions on the pose, the number of solutions, and the three cases."""
         _, found = self.context.text, self.found
-        given = [self._math(step.unknown) for step in found.steps if step.kind is Kind.GIVEN]
+        given = [self._math(step.unknown) for step in found.steps if step.kind is NodeKind.GIVEN]
         if given:
             yield self.context.paragraph(
                 "With %(n)s joints for %(m)s coordinates the arm is redundant of degree $R = N - M = %(r)s$, and "
@@ -243,14 +243,16 @@ class _InversePart:
             return
         factors = self.context.entries.model.singularities.factors
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
-            if step.kind not in (Kind.GIVEN, Kind.GENERAL):
+            if step.kind not in (NodeKind.GIVEN, NodeKind.GENERAL):
                 yield from self._step(step, merged, free)
-        if any(step.kind is Kind.GENERAL for step in found.steps):
+        if any(step.kind is NodeKind.GENERAL for step in found.steps):
             yield Paragraph(self._eigenvalues(), is_answer=True)
 
-    def _step(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[Block]:
+    def _step(
+        self, step: PrintedStep, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]
+    ) -> Iterator[Block]:
         _, unknown = self.context.text, self._math(step.unknown)
-        if step.kind is Kind.SUM:
+        if step.kind is NodeKind.SUM:
             words = _("%(unknown)s follows from the angles that are known:", unknown=unknown)
         else:
             source = sources(self.context, step.equations)
@@ -258,7 +260,7 @@ class _InversePart:
                 source = _("%(source)s: the law of cosines", source=source)
             words = f"{unknown}: {source}."
         yield Paragraph(words, is_answer=True)
-        equations = [e for e in step.equations if Line(e.left, e.right) not in step.lines]
+        equations = [e for e in step.equations if PrintedLine(e.left, e.right) not in step.lines]
         if equations:
             lines = [line for e in equations for line in self.writer.broken(self._pieces(e.left), e.right)]
             yield Rows(tuple(lines), is_answer=True)
@@ -268,10 +270,12 @@ class _InversePart:
         if remarks:
             yield Paragraph(remarks, is_answer=True)
 
-    def _remarks(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[str]:
+    def _remarks(
+        self, step: PrintedStep, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]
+    ) -> Iterator[str]:
         """When a step has real values, where they are one, and where it has infinitely many."""
         _, unknown = self.context.text, self._math(step.unknown)
-        if step.kind is Kind.CONIC:
+        if step.kind is NodeKind.CONIC:
             yield _(
                 "In $\\tan(%(unknown)s/2)$ this is an equation of the fourth degree: up to four values of %(symbol)s.",
                 unknown=self._tex(step.unknown),
@@ -317,7 +321,7 @@ class _InversePart:
     def _eigenvalues(self) -> str:
         """How several joints follow at once."""
         _ = self.context.text
-        node = next(node for node in self.found.graph.nodes if node.kind is Kind.GENERAL)
+        node = next(node for node in self.found.graph.nodes if node.kind is NodeKind.GENERAL)
         hidden, others, eliminated = node.formulas[0].payload.joints
 
         def _names(*joints: int) -> str:
@@ -369,13 +373,13 @@ class _InversePart:
         yield Paragraph(self._number_of_solutions(), is_answer=True)
 
 
-def _is_law_of_cosines(step: Step) -> bool:
+def _is_law_of_cosines(step: PrintedStep) -> bool:
     """Whether an equation says what the sides of a triangle make of the cosine of one of its angles."""
     if len(step.equations) != 1:
         return False
     (equation,) = step.equations
     angles = equation.left.atoms(sympy.cos, sympy.sin)
-    squared = any(origin.form in (Form.SQUARES, Form.DISTANCE) for origin in equation.origins)
+    squared = any(origin.form in (OriginForm.SQUARES, OriginForm.DISTANCE) for origin in equation.origins)
     return squared and len(angles) == 1 and len(step.joints) == 1 and bool(equation.left.is_Mul)
 
 

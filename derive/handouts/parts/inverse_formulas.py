@@ -14,7 +14,7 @@ from derive.handouts.notation.pieces import EMPTY, Box, Break, TexPiece, concate
 from derive.handouts.notation.solution_printer import SignLatexPrinter, with_names, with_signs
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Entry, LazyEntries, Rows, SheetFormula
-from derive.inverse.words.elementary import Line
+from derive.inverse.words.elementary import PrintedLine
 from derive.inverse.words.solutions import InverseKinematics
 
 WIDEST_QUOTIENT = 170.0  # widest sum above a divisor [pt], which a narrow column holds
@@ -46,7 +46,7 @@ class FormulaWriter:
         """An expression in running text."""
         return f"${self.tex(e)}$"
 
-    def formula(self, lines: Sequence[Line], task: str = "", *, is_each_asked: bool = False) -> SheetFormula:
+    def formula(self, lines: Sequence[PrintedLine], task: str = "", *, is_each_asked: bool = False) -> SheetFormula:
         """Lines of a solution as one formula."""
         rows = tuple(row for line in lines for row in self.rows(line))
         names = tuple(self.tex(line.symbol) for line in lines)
@@ -54,17 +54,17 @@ class FormulaWriter:
         entries = LazyEntries(len(lines), lambda: map(self.entry, lines))
         return SheetFormula((Rows(rows),), entries=entries, task=task, blanks=blanks if task else ())
 
-    def entry(self, line: Line) -> Entry:
+    def entry(self, line: PrintedLine) -> Entry:
         """A formula to be copied."""
         either = f" \\text{{ {self._context.text('or')} }} "
         left, _, right = formula(line, self.tex, " = ", either, " + \\pi").partition(" = ")
         return Entry(left, right, self._assignments[line])
 
     @cached_property
-    def _assignments(self) -> dict[Line, str]:
+    def _assignments(self) -> dict[PrintedLine, str]:
         return dict(zip(self._found.lines, derivation_python(self._found), strict=True))
 
-    def rows(self, line: Line) -> list[str]:
+    def rows(self, line: PrintedLine) -> list[str]:
         """A formula on as many lines as it needs; of two values written apart one below the other."""
         first, *others = line.alternatives
         rows = self.broken(self.printer.pieces(line.symbol), first)

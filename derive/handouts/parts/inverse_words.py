@@ -13,7 +13,7 @@ from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.language import Text
 from derive.inverse.words.branch_names import Word
 from derive.inverse.words.derivation import PrintedEquation
-from derive.inverse.words.origins import Form, Origin
+from derive.inverse.words.origins import Origin, OriginForm
 from derive.robot.description import IDENTITY
 
 _INVERSE = Box("-1", 11.0)
@@ -24,7 +24,7 @@ _SIDE_OF_ZERO = re.compile(r"(\w+) ([<>]) 0")
 def sources(context: Context, equations: Iterable[PrintedEquation]) -> str:
     """Which entries of which product some equations are."""
     _ = context.text
-    groups: dict[tuple[Form, str], list[Origin]] = {}
+    groups: dict[tuple[OriginForm, str], list[Origin]] = {}
     for equation in equations:
         for origin in equation.origins:
             groups.setdefault((origin.form, _product(context, origin)), []).append(origin)
@@ -34,19 +34,19 @@ def sources(context: Context, equations: Iterable[PrintedEquation]) -> str:
     return "; ".join(dict.fromkeys(phrases))
 
 
-def _phrase(context: Context, form: Form, matrix: str, origins: Sequence[Origin]) -> str:
+def _phrase(context: Context, form: OriginForm, matrix: str, origins: Sequence[Origin]) -> str:
     _ = context.text
     places = list(dict.fromkeys(entry for origin in origins for entry in origin.entries))
     entries = and_list(_, [f"$({','.join(map(str, place))})$" for place in places])
     first, last = origins[0].first, origins[0].last
     match form:
-        case Form.SQUARES:
+        case OriginForm.SQUARES:
             return _("entries %(entries)s of %(matrix)s, squared and added", entries=entries, matrix=matrix)
-        case Form.ENTRY if len(places) > 1:
+        case OriginForm.ENTRY if len(places) > 1:
             return _("entries %(entries)s of %(matrix)s", entries=entries, matrix=matrix)
-        case Form.ENTRY:
+        case OriginForm.ENTRY:
             return _("entry %(entries)s of %(matrix)s", entries=entries, matrix=matrix)
-        case Form.COMPONENT:
+        case OriginForm.COMPONENT:
             axes = and_list(_, [f"${'xyz'[place[0] - 1]}$" for place in places])
             if first == last:
                 return _(
@@ -62,16 +62,16 @@ def _phrase(context: Context, form: Form, matrix: str, origins: Sequence[Origin]
                 last=last,
                 joint=last if origins[0].inverse else first,
             )
-        case Form.DISTANCE:
+        case OriginForm.DISTANCE:
             return _("the squared distance between axes %(first)s and %(last)s", first=first, last=last)
-        case Form.DIRECTIONS:
+        case OriginForm.DIRECTIONS:
             return _(
                 "entry %(entries)s of the rotation between axes %(first)s and %(last)s",
                 entries=entries,
                 first=first,
                 last=last,
             )
-        case Form.MOMENT:
+        case OriginForm.MOMENT:
             return _(
                 "entry %(entries)s of the moments of %(matrix)s (Raghavan and Roth)", entries=entries, matrix=matrix
             )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from sympy import Expr, Float, Integer, Matrix, Poly, Rational, Symbol, ff, latex
@@ -16,6 +16,9 @@ from derive.handouts.notation.pieces import Box, concatenate
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, Steps, Table
+from derive.plans.hermite import MOST_PRINTED, basis
+from derive.plans.profile import VALUES, Profile
+from derive.plans.segments import Segment, SegmentPeaks, formula
 
 UNIT = Symbol("u")  # time since a piece began, in units of its length
 HAND_SPLINE = "spline of the hand"  # what a spline of the end effector is called among the profiles
@@ -31,66 +34,16 @@ _LONGEST_EXACT = 48  # letters of LaTeX of an exact value that stands beside its
 _DIGITS = 6
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedPiece:
-    """A formula of a joint."""
+def plan_section(
+    context: Context, segments: Sequence[SegmentPeaks], profiles: Sequence[str], curves: Sequence[Array] = ()
+) -> Section:
+    """The part.
 
-    start: Expr  # when it begins, since its segment did [s]
-    end: Expr  # when it ends [s]
-    value: Expr  # position in the time since the segment began, in the symbol ``t``
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedJoint:
-    """A joint in a segment."""
-
-    pieces: tuple[PlannedPiece, ...]  # its formulas; none where there are too many to print
-    count: int  # how many there are
-    speed: Expr  # its largest velocity with its sign, exact where that is known [rad/s or m/s]
-    acceleration: Expr  # its largest acceleration
-    torque: float | None  # its largest torque with its sign [N m or N]; None where the robot has no dynamics, as below
-    rms: float | None = None  # root of the mean of its square
-    power: float | None = None  # its largest power with its sign [W]
-    work: float | None = None  # its mechanical work [J]
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedSegment:
-    """The way from one point to the next."""
-
-    name: str  # ``rest -> A``
-    duration: Expr  # how long it takes [s]
-    joints: tuple[PlannedJoint, ...]  # what each joint does
-    work: float | None  # mechanical work of all joints [J]; None where the robot has no dynamics
-
-    @property
-    def title(self) -> str:
-        """Its name as it is printed."""
-        return self.name.replace("->", "\N{RIGHTWARDS ARROW}").replace("$", "").replace("`", "")
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedCurves:
-    """What joints do over time."""
-
-    times: Array  # [s], (k,)
-    values: tuple[Array, ...]  # positions, velocities, accelerations and, where they are known, torques, (k, n) each
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedMotion:
-    """A motion in formulas and numbers."""
-
-    segments: tuple[PlannedSegment, ...]  # one after the other
-    # Names of the profiles that occur; of those that are polynomials from rest to rest the coefficients in unit time,
-    # from the constant on, else nothing.
-    profiles: Mapping[str, Sequence[int]]
-    curves: PlannedCurves | None = None  # what is drawn; None for nothing
-
-
-def plan_section(context: Context, motion: PlannedMotion) -> Section:
-    """The part."""
-    return Section("plan", context.text("Motion plan"), tuple(_blocks(context, motion)))
+    Args:
+        profiles: Names of those that occur, or `HAND_SPLINE`.
+        curves: What is drawn: times [s], (k,), then q, qd, qdd and, where they are known, torques, (k, n) each.
+    """
+    return Section("plan", context.text("Motion plan"), tuple(_blocks(context, segments, profiles, curves)))
 
 
 def plan_sheet(context: Context, title: str, digest: str, sections: tuple[Section, ...]) -> Document:
@@ -108,105 +61,100 @@ def plan_sheet(context: Context, title: str, digest: str, sections: tuple[Sectio
     )
 
 
-def _blocks(context: Context, motion: PlannedMotion) -> Iterator[Block]:
+def _blocks(
+    context: Context, segments: Sequence[SegmentPeaks], profiles: Sequence[str], curves: Sequence[Array]
+) -> Iterator[Block]:
     _ = context.text
-    total = sum((segment.duration for segment in motion.segments), Integer(0))
+    total = _exact(context, sum((peaks.segment.duration for peaks in segments), Integer(0)))
     yield Paragraph(
-        _(
-            "Duration $%(time)s$ s. Largest velocities and accelerations, with their signs, in rad and m:",
-            time=_exact(context, total),
-        )
+        _("Duration $%(time)s$ s. Largest velocities and accelerations, with their signs, in rad and m:", time=total)
     )
-    yield _speeds(context, motion)
-    if any(segment.work is not None for segment in motion.segments):
+    yield _speeds(context, segments)
+    if any(peaks.loads for peaks in segments):
         yield Paragraph(_("Largest torques [N m] and forces [N], and the work of all joints [J]:"))
-        yield _torques(context, motion)
-    if any(joint.rms is not None for segment in motion.segments for joint in segment.joints):
+        yield _torques(context, segments)
         words = _("Of each joint the root mean square of the torque or force, the largest power, and the work:")
         yield Paragraph(words)
-        yield _powers(context, motion)
-    if motion.curves is not None:
-        yield Figure(_plots(context, motion, motion.curves), _("What the joints do over time."))
+        yield _powers(context, segments)
+    if curves:
+        yield Figure(_plots(context, segments, *curves), _("What the joints do over time."))
     others = _other_profiles(context)
-    for profile, coefficients in motion.profiles.items():
-        if coefficients:
-            title = _("How the polynomial of degree %(degree)s is found", degree=len(coefficients) - 1)
-            yield Steps(title, (*_derivation(context, coefficients),))
-        elif profile in others:
-            yield others[profile]
-    yield Steps(_("Formulas of the joints"), (*_formulas(context, motion),))
+    for name in profiles:
+        if name in others:
+            yield others[name]
+        elif name in VALUES:
+            k = VALUES[Profile(name)]
+            title = _("How the polynomial of degree %(degree)s is found", degree=2 * k - 1)
+            yield Steps(title, (*_derivation(context, k),))
+    yield Steps(_("Formulas of the joints"), (*_formulas(context, segments),))
 
 
-def _speeds(context: Context, motion: PlannedMotion) -> Block:
+def _title(segment: Segment) -> str:
+    """Its name as it is printed."""
+    return segment.name.replace("->", "\N{RIGHTWARDS ARROW}").replace("$", "").replace("`", "")
+
+
+def _speeds(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
     _ = context.text
     header = (_("segment"), "$T$ [s]", _("joint"), _("velocity"), _("acceleration"))
     rows = []
-    for segment in motion.segments:
-        cells = (segment.title, f"${_exact(context, segment.duration)}$")
-        for variable, joint in zip(context.robot.joints, segment.joints, strict=True):
-            if joint.speed != 0 or joint.acceleration != 0:
+    for peaks in segments:
+        cells = (_title(peaks.segment), f"${_exact(context, peaks.segment.duration)}$")
+        for variable, *of_joint in zip(context.robot.joints, peaks.speeds, peaks.accelerations, strict=True):
+            if any(peak.value != 0 for peak in of_joint):
                 symbol = context.notation.glyph(variable.variable).box.tex
-                values = (f"${_exact_and_decimal(context, value)}$" for value in (joint.speed, joint.acceleration))
-                rows.append((*cells, f"${symbol}$", *values))
+                rows.append((*cells, f"${symbol}$", *(f"${_exact_and_decimal(context, p.value)}$" for p in of_joint)))
                 cells = ("", "")
         if cells[0]:
             rows.append((*cells, "", _("none moves"), ""))
     return Table(header, tuple(rows), long=len(rows) > 30)
 
 
-def _torques(context: Context, motion: PlannedMotion) -> Block:
+def _torques(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
     _ = context.text
     symbols = (f"${context.symbols.torque(i).tex}$" for i in range(1, context.robot.n + 1))
-    rows = tuple(
-        (
-            segment.title,
-            *(f"${_decimal(context, joint.torque or 0.0)}$" for joint in segment.joints),
-            f"${_decimal(context, segment.work or 0.0)}$",
-        )
-        for segment in motion.segments
-    )
+    numbers = ((peaks.segment, (*(load.peak for load in peaks.loads), peaks.work)) for peaks in segments)
+    rows = tuple((_title(segment), *(f"${_decimal(context, x)}$" for x in row)) for segment, row in numbers)
     return Table((_("segment"), *symbols, _("work")), rows, long=len(rows) > 30)
 
 
-def _powers(context: Context, motion: PlannedMotion) -> Block:
+def _powers(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
     _ = context.text
     rows = []
-    for segment in motion.segments:
-        title = segment.title
-        for i, joint in enumerate(segment.joints, 1):
+    for peaks in segments:
+        title = _title(peaks.segment)
+        for i, load in enumerate(peaks.loads, 1):
             symbol = context.symbols.torque(i).tex
-            numbers = (f"${_decimal(context, number or 0.0)}$" for number in (joint.rms, joint.power, joint.work))
-            rows.append((title, f"${symbol}$", *numbers))
+            rows.append(
+                (title, f"${symbol}$", *(f"${_decimal(context, x)}$" for x in (load.rms, load.power, load.work)))
+            )
             title = ""
     header = (_("segment"), "", _("root mean square"), _("power [W]"), _("work [J]"))
     return Table(header, tuple(rows), long=len(rows) > 30)
 
 
-def _plots(context: Context, motion: PlannedMotion, curves: PlannedCurves) -> Drawing:
+def _plots(context: Context, segments: Sequence[SegmentPeaks], times: Array, *curves: Array) -> Drawing:
     """Panels of positions, velocities, accelerations and torques, of angles and of slides beside each other."""
     joints = context.robot.joints
     kinds = [[j for j, joint in enumerate(joints) if joint.is_revolute is kind] for kind in (True, False)]
     rows = []
-    for values, (letter, *units) in zip(curves.values, _QUANTITIES, strict=False):
+    for values, (letter, *units) in zip(curves, _QUANTITIES, strict=False):
         panels = (
             Panel(f"{letter}\\,[{unit}]", tuple((j, values[:, j]) for j in kind))
             for kind, unit in zip(kinds, units, strict=True)
             if kind
         )
         rows.append(tuple(panels))
-    ends = np.cumsum([float(segment.duration) for segment in motion.segments])
+    ends = np.cumsum([float(peaks.segment.duration) for peaks in segments])
     names = tuple(context.notation.glyph(joint.variable).box.tex for joint in joints)
     write = LatexPrinter(replace(context.notation, decimals=True)).latex
-    figure = Panels(
-        curves.times, tuple(rows), tuple(map(float, ends[:-1])), names, lambda x: write(Rational(f"{x:.6g}"))
-    )
+    figure = Panels(times, tuple(rows), tuple(map(float, ends[:-1])), names, lambda x: write(Rational(f"{x:.6g}")))
     return figure.drawing(context.text("What the joints do over time."))
 
 
-def _derivation(context: Context, coefficients: Sequence[int]) -> Iterator[Block]:
-    """From rest to rest in unit time: conditions at the ends, their linear system, and its solution."""
+def _derivation(context: Context, k: int) -> Iterator[Block]:
+    """From rest to rest in unit time: k conditions at each end, their linear system, and its solution."""
     _ = context.text
-    k = len(coefficients) // 2
     yield Paragraph(
         _(
             "With $u = (t - t_0)/T$ a joint that goes from rest to rest is at $q = q_0 + (q_1 - q_0)\\,s(u)$, "
@@ -223,7 +171,7 @@ def _derivation(context: Context, coefficients: Sequence[int]) -> Iterator[Block
     right = Matrix([1] + [0] * (k - 1))
     product = "".join(latex(part, mat_str="bmatrix", mat_delim="") for part in (system, unknowns))
     yield Rows((",\\quad ".join(lower), f"{product} = {latex(right, mat_str='bmatrix', mat_delim='')}"))
-    s = Poly.from_list(list(reversed(coefficients)), UNIT)
+    s = Poly.from_list(list(reversed(basis(k)[k])), UNIT)
     lines = [
         f"{letter} = {latex(poly.as_expr(), order='rev-lex')}"
         for letter, poly in zip(_DERIVATIVES, (s, s.diff(UNIT), s.diff(UNIT).diff(UNIT)), strict=False)
@@ -270,26 +218,28 @@ def _other_profiles(context: Context) -> dict[str, Steps]:
     }
 
 
-def _formulas(context: Context, motion: PlannedMotion) -> Iterator[Block]:
+def _formulas(context: Context, segments: Sequence[SegmentPeaks]) -> Iterator[Block]:
     _ = context.text
     yield Paragraph(_("In the time $t$ since the segment began [s]:"))
-    for segment in motion.segments:
-        yield Paragraph(f"{segment.title}, $0 \\le t \\le {_exact(context, segment.duration)}$")
+    for segment in (peaks.segment for peaks in segments):
+        yield Paragraph(f"{_title(segment)}, $0 \\le t \\le {_exact(context, segment.duration)}$")
         equations, counts = [], set()
-        for joint, found in zip(context.robot.joints, segment.joints, strict=True):
+        for joint, pieces in zip(context.robot.joints, segment.joints, strict=True):
+            if len(pieces) > MOST_PRINTED:
+                counts.add(len(pieces))
+                continue
             symbol = context.notation.glyph(joint.variable).box
-            for piece in found.pieces:
-                left = symbol if len(found.pieces) == 1 else concatenate(symbol, _span(context, piece))
-                equations.append(Equation(left, tuple(context.printer.pieces(_rational(piece.value)))))
-            counts |= set() if found.pieces else {found.count}
+            for piece in pieces:
+                span = [_exact(context, time - segment.start) for time in (piece.start, piece.end)]
+                left = symbol if len(pieces) == 1 else concatenate(symbol, _span(*span))
+                equations.append(Equation(left, tuple(context.printer.pieces(_rational(formula(piece, segment))))))
         if equations:
             yield Rows(tuple(equation_lines(equations)))
         for count in sorted(counts):
             yield Paragraph(_("The other joints: %(count)s polynomials each, between places on the way.", count=count))
 
 
-def _span(context: Context, piece: PlannedPiece) -> Box:
-    start, end = (_exact(context, value) for value in (piece.start, piece.end))
+def _span(start: str, end: str) -> Box:
     return Box(f"\\,\\big|_{{{start} \\le t \\le {end}}}", 12.0 + 4.5 * len(start + end))
 
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.general.rigid_motion import BESIDE, beside
 from derive.inverse.numeric.chain import Array, Entries, NumericChain, Problem
 from derive.inverse.numeric.newton import Status, fit, follow, polish, solve
@@ -165,7 +165,7 @@ class InverseSolver:
         rows = [[poses[:, i, j] for j in range(4)] for i in range(3)]
         zero = np.zeros(len(poses))
         nearby = None if near is None else [zero + value for value in near]
-        run = Run(self.graph, self.field, rows, [given[:, k] for k in range(self._given)], nearby)
+        run = GraphWalk(self.graph, self.field, rows, [given[:, k] for k in range(self._given)], nearby)
         no = zero.astype(bool)
         candidates, statuses, doubts, frees = [], [], [], []
         for leaf in run.leaves():
@@ -197,10 +197,12 @@ class InverseSolver:
             q[pose, row],
             Problem(self.chain, poses[pose], self.entries, self._free).residual(q[pose, row]),
         )
+        # 1. Leaves that exist and do not close: Newton's method.
         rough = np.flatnonzero((residual > POLICY.rounding) & (status[pose, row] > 0))
         part = Problem(self.chain, poses[pose[rough]], self.entries, self._free)
         refined[rough], residual[rough] = polish(part, refined[rough])
         residual[status[pose, row] < 0] = math.inf
+        # 2. Poses without any solution, and leaves in doubt: damped steps from all leaves.
         solved = np.zeros(len(poses), dtype=bool)
         solved[pose[residual <= REPRODUCED]] = True
         settled[pose, row] |= free[pose, row] & (residual <= POLICY.rounding)
@@ -265,6 +267,7 @@ class InverseSolver:
                 distance = np.abs(apart - turns)
                 near = distance.max(axis=-1) < np.where(edge, POLICY.double, POLICY.same)
                 status[both & near, later] = Status.NONE
+                # Of two postures that differ by joints about one axis only the settled one is listed.
                 two = both & ~near & ((distance > POLICY.double).sum(axis=-1) <= 2)  # joints that turn about one axis
                 for one, other in ((before, later), (later, before)):
                     elsewhere = two & settled[:, one] & rescued[:, other]
@@ -293,6 +296,7 @@ class InverseSolver:
 
 def starts(joints: int) -> Array:
     """Configurations that fill the joint space evenly, in half turns and units of length (Roberts's sequence)."""
+    # The root of x^(n+1) = x + 1, by iteration: its powers fill the cube evenly (Roberts 2018).
     ratio = 2.0
     for _ in range(60):
         ratio = (1.0 + ratio) ** (1.0 / (joints + 1))

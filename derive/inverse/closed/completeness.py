@@ -20,9 +20,9 @@ import numpy.typing as npt
 from derive.algebra.residues import Residue, ResidueDomain
 from derive.inverse.closed.fields import ComplexField, PrimeField
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.unknowns import InverseDomain
-from derive.inverse.closed.walk import Leaf, Run, pose_of
+from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.robot.evaluate import to_float
@@ -40,7 +40,7 @@ def counted(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping[str, 
     # joint variables are counted from where their cells have no constants: an angle has no value modulo a prime
     graph, original = replace(graph, shifts=(ZERO,) * graph.robot.n), graph
     count = 0
-    if all(node.kind is not Kind.CONIC for node in graph.nodes):
+    if all(node.kind is not NodeKind.CONIC for node in graph.nodes):
         count = _modulo_prime(graph, sampled, numbers)
     count = count or _over_complex(graph, numbers)
     return replace(original, count=count, complete=count > 0)
@@ -54,7 +54,7 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
     frame = forward_kinematics(chain)
     pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
     given = [_half_angle(sampled, residues, joint, field) for joint in graph.given]
-    run = Run(graph, field, pose, given)
+    run = GraphWalk(graph, field, pose, given)
     leaves = list(run.leaves())
     everything = np.ones((_SAMPLES, 1), dtype=bool)
     for leaf in leaves:
@@ -88,10 +88,10 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     angles = rng.uniform(-3, 3, (graph.robot.n, _COMPLEX)) + 1j * rng.uniform(-0.4, 0.4, (graph.robot.n, _COMPLEX))
     rows = zip(graph.robot.joints, angles, strict=True)
     joints = [(np.cos(q), np.sin(q)) if joint.is_revolute else (q,) for joint, q in rows]
-    start: Run[Any, Any] = Run(graph, field, [])
+    start: GraphWalk[Any, Any] = GraphWalk(graph, field, [])
     frame = pose_of(start, joints)
     pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
-    run: Run[Any, Any] = Run(graph, field, pose, [angles[k] for k in graph.given])
+    run: GraphWalk[Any, Any] = GraphWalk(graph, field, pose, [angles[k] for k in graph.given])
     solutions: list[list[npt.NDArray[np.complex128]]] = [[] for _ in range(_COMPLEX)]
     size = max(float(np.max(np.abs(x))) for row in pose for x in row)
     for leaf in run.leaves():

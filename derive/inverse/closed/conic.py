@@ -49,13 +49,16 @@ def _total(terms: Sequence[N]) -> N:
 
 def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:
     """The two lines a c + b s + d = 0 of the pair in the pencil that is farthest from the others."""
+    # S = [[a, b, d], [b, c, e], [d, e, g]], less x times the circle's diag(1, 1, -1).
     half = f.number(Fraction(1, 2))
     a, c, g = unit[0], unit[2], unit[5]
     b, d, e = half * unit[1], half * unit[3], half * unit[4]
     third = f.number(Fraction(1, 3)) * (a + c - g)  # without a square term in the cubic
     a, c, g = a - third, c - third, g + third
+    # det(S + x G) = -x^3 - linear x + determinant: second and third invariant of S about G.
     linear = a * c - b * b - a * g + d * d - c * g + e * e
     determinant = a * (c * g - e * e) - b * (b * g - d * e) + d * (b * e - c * d)
+    # S + x G has rank 2: a pair of lines.
     x = _far_root(f, linear, determinant)
     a, c, g = a + x, c + x, g - x
     # the adjugate of a pair of lines is minus the square of their common point
@@ -64,6 +67,7 @@ def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:
         (d * e - b * g, a * g - d * d, b * d - a * e),
         (b * e - c * d, b * d - a * e, a * c - b * b),
     )
+    # The longest column of the adjugate, divided by its root: the lines' common point (u, v, w).
     place, row = -adjugate[0][0], adjugate[0]
     for i in (1, 2):
         less = f.merges(place + adjugate[i][i], f.number(0))
@@ -72,6 +76,7 @@ def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:
     root = f.sqrt(place)
     known = f.merges(place, f.number(0))
     u, v, w = (f.select(known, f.number(0), f.divide(-k, root)) for k in row)
+    # S + x G plus the cross matrix of that point has rank 1: rows and columns are the two lines (Richter-Gebert, 11).
     product = ((a, b - w, d + v), (b + w, c, e - u), (d - v, e + u, g))
     return _largest(f, product), _largest(f, tuple(zip(*product, strict=True)))
 
@@ -95,6 +100,7 @@ def _far_root(f: Field[N, M], linear: N, constant: N) -> N:
     """
     negative = f.merges(constant, f.number(0))
     size = f.select(negative, -constant, constant)
+    # size^(1/4 + 1/16 + 1/64 + 1/256) by square roots, nearly the cubic root.
     x, power = f.number(1), size
     for _ in range(4):
         power = f.sqrt(f.sqrt(power))
@@ -102,6 +108,7 @@ def _far_root(f: Field[N, M], linear: N, constant: N) -> N:
     x = x + f.sqrt(-linear)
     for _ in range(CUBIC_STEPS):
         square = x * x
+        # Halley: x - f f'/(f'^2 - f f''/2) with f'' = 6 x.
         value, slope = x * (square + linear) - size, 3 * square + linear
         bottom = slope * slope - 3 * (x * value)
         still = f.merges(bottom, f.number(0))
@@ -112,6 +119,7 @@ def _far_root(f: Field[N, M], linear: N, constant: N) -> N:
 def _on_line(f: Field[N, M], line: Vector[N], unit: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
     """The two points of the circle on a line, moved onto the conic."""
     a, b, d = line
+    # The foot of the line from the centre, -d (a, b)/square, and half the chord to either side.
     square = a * a + b * b
     radicand = square - d * d
     exists, double = f.has_root(radicand, square), f.merges(radicand, square)
@@ -133,6 +141,7 @@ def _polished(f: Field[N, M], cosine: N, sine: N, unit: Sequence[N]) -> tuple[N,
         value = _value(cosine, sine, unit)
         cc, cs, ss, c, s, _ = unit
         by_cosine, by_sine = 2 * (cc * cosine) + cs * sine + c, cs * cosine + 2 * (ss * sine) + s
+        # Derivative along the circle; damped, so that double points, where it vanishes, stay.
         slope = by_sine * cosine - by_cosine * sine
         step = f.divide(value * slope, slope * slope + flat)
         cosine, sine = f.unit(cosine + step * sine, sine - step * cosine)

@@ -17,7 +17,7 @@ from fractions import Fraction
 from typing import Any, Generic, Protocol, Self, TypeVar
 
 from derive.algebra.ring import Polynomial
-from derive.inverse.closed.nodes import Equation, Exponents, Formula, Kind
+from derive.inverse.closed.nodes import Exponents, NodeEquation, NodeFormula, NodeKind
 from derive.mechanics.vectors import Scalar
 from derive.robot.expression import Expression
 
@@ -90,7 +90,7 @@ class Field(Protocol[N, M]):
     def conic(self, coefficients: Sequence[N]) -> Sequence[tuple[N, N, M, M, M]]:
         """The four common points of the unit circle and a conic."""
 
-    def general(self, formula: Formula, values: Mapping[str, N]) -> Sequence[tuple[tuple[tuple[N, ...], ...], M]]:
+    def general(self, formula: NodeFormula, values: Mapping[str, N]) -> Sequence[tuple[tuple[tuple[N, ...], ...], M]]:
         """The values of a general node."""
 
 
@@ -112,46 +112,49 @@ class Solver(Generic[N, M]):
     evaluate: Callable[[Polynomial], N]  # the number of a coefficient
     reach: N  # the size of the arm, which the size of every coefficient is a power of
 
-    def degenerate(self, formula: Formula, factor: float = 1.0) -> M:
+    def degenerate(self, formula: NodeFormula, factor: float = 1.0) -> M:
         """Whether a formula does not determine its unknown here."""
         first = formula.equations[0]
         second = formula.equations[-1]
-        if formula.kind is Kind.TYPE_3 and len(formula.degenerate) == 2:
+        # Cosine and sine from an equation each: lost where either divisor is zero.
+        if formula.kind is NodeKind.TYPE_3 and len(formula.degenerate) == 2:
             pairs = zip(formula.degenerate, (first, second), strict=True)
             zeros = [self._is_zero(p, factor, own) for p, own in pairs]
             return zeros[0] | zeros[1]
+        # The determinant is A^2 + B^2: a square, so compared with the square of the usual threshold.
         if _are_turned(formula):
             a, b, d, e = map(self.evaluate, (*first.linear[:2], *second.linear[:2]))
             return self.field.is_zero(a * e - b * d, self._scale(first, second, factor=factor * factor * TURNED))
+        # Else the unknown is lost where all leading coefficients vanish together.
         mask = self.field.truth(bool(formula.degenerate))
         for p in formula.degenerate:
             mask = mask & self._is_zero(p, factor, *((first,) if second is first else (first, second)))
         return mask
 
-    def solve(self, formula: Formula) -> list[Branch[N, M]]:
+    def solve(self, formula: NodeFormula) -> list[Branch[N, M]]:
         """The values of the unknown, where the formula is not degenerate; any numbers elsewhere."""
         match formula.kind:
-            case Kind.TYPE_1:
+            case NodeKind.TYPE_1:
                 return self._length(formula.equations[0])
-            case Kind.QUADRATIC:
+            case NodeKind.QUADRATIC:
                 return self._two_lengths(formula.equations[0])
-            case Kind.TYPE_2:
+            case NodeKind.TYPE_2:
                 return self._angles(formula.equations[0])
-            case Kind.TYPE_3:
+            case NodeKind.TYPE_3:
                 return self._one_angle(*formula.equations)
-            case Kind.CONIC:
+            case NodeKind.CONIC:
                 equation = formula.equations[0]
                 coefficients = [self.evaluate(equation.coefficient(*exponents)) for exponents in CONIC_TERMS]
                 found = self.field.conic(coefficients)
                 return [Branch((c, s), exists, double, doubt) for c, s, exists, double, doubt in found]
         raise ValueError(f"no elementary type: {formula.kind}")
 
-    def _is_zero(self, p: Polynomial, factor: float, *equations: Equation) -> M:
+    def _is_zero(self, p: Polynomial, factor: float, *equations: NodeEquation) -> M:
         if p.is_constant:
             return self.field.truth(not p)
         return self.field.is_zero(self.evaluate(p), self._scale(*equations, factor=factor))
 
-    def _scale(self, *equations: Equation, factor: float = 1.0) -> N:
+    def _scale(self, *equations: NodeEquation, factor: float = 1.0) -> N:
         """The size of the coefficients of an equation, or of the products of those of two, times a factor."""
         total = Fraction(factor)
         for equation in equations:
@@ -161,12 +164,12 @@ class Solver(Generic[N, M]):
             scale = scale * self.reach
         return scale
 
-    def _length(self, equation: Equation) -> list[Branch[N, M]]:
+    def _length(self, equation: NodeEquation) -> list[Branch[N, M]]:
         a, b = (self.evaluate(equation.coefficient(k)) for k in (1, 0))
         no = self.field.truth(False)
         return [Branch((self.field.divide(-b, a),), self.field.truth(True), no, no)]
 
-    def _two_lengths(self, equation: Equation) -> list[Branch[N, M]]:
+    def _two_lengths(self, equation: NodeEquation) -> list[Branch[N, M]]:
         """r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none."""
         f = self.field
         a, b, c = (self.evaluate(equation.coefficient(k)) for k in (2, 1, 0))
@@ -179,30 +182,35 @@ class Solver(Generic[N, M]):
     def _both(self, radicand: N, size: N, value: Callable[[int, N], tuple[N, ...]]) -> list[Branch[N, M]]:
         """The branches of a square root, the second one only where it can be told from the first."""
         f = self.field
+        # Negative by rounding alone counts as zero: the pose is on the boundary, where both roots are one.
         exists, double = f.has_root(radicand, size), f.merges(radicand, size)
         root = f.select(double, f.number(0), f.sqrt(radicand))
         boundary = exists & double
         above, below = (size * f.number(Fraction(factor)) for factor in (DOUBLE, MISSING))
+        # Near enough to zero for rounding to decide, from either side.
         small = f.merges(radicand, above)
         doubt = small if f.never(small) else small & f.has_root(radicand, below)
         second = exists & ~double
         return [Branch(value(1, root), exists, boundary, doubt), Branch(value(-1, root), second, boundary, doubt)]
 
-    def _angles(self, equation: Equation) -> list[Branch[N, M]]:
+    def _angles(self, equation: NodeEquation) -> list[Branch[N, M]]:
         f = self.field
         (has_a, has_b, has_c), (a, b, c) = map(bool, equation.linear), map(self.evaluate, equation.linear)
         if not has_c:
             square = a * a + b * b
             root = f.sqrt(square)
+            # A c + B s = 0: theta = atan2(-A, B) and its opposite, without a radicand that could vanish.
             cosine, sine = f.divide(-b, root), f.divide(a, root)
             both = [(cosine, sine), (-cosine, -sine)]
             exists, no = f.has_root(square, square), f.truth(False)
             return [Branch(pair, exists, no, no) for pair in both]
         if not has_a or not has_b:
+            # One of cosine and sine is known, the other is a root of 1 - x^2.
             known = f.divide(c, b if has_b else a)
             radicand, size = self._square_of_other(equation.linear[1 if has_b else 0], equation.linear[2], known)
             return self._both(radicand, size, lambda e, r: (e * r, known) if has_b else (known, e * r))
         square = a * a + b * b
+        # Along the vector (A, B) by C, across it by +-sqrt(A^2 + B^2 - C^2).
         along = f.divide(c, square)
 
         def _turned(e: int, root: N) -> tuple[N, ...]:
@@ -219,13 +227,14 @@ class Solver(Generic[N, M]):
         """
         f, one = self.field, self.field.number(1)
         for sign in (1, -1):
+            # 1 - x^2 = (1 - x)(1 + x), and B (1 +- x) = B +- C without cancellation.
             exact = factor + sign * right
             if not right.is_constant and _is_sum_of_squares(exact):
                 near = f.divide(self.evaluate(exact), self.evaluate(factor))
                 return near * (one - sign * known), near * f.number(Fraction(1, 2)) + f.number(FOLDED)
         return one - known * known, one
 
-    def _one_angle(self, first: Equation, second: Equation) -> list[Branch[N, M]]:
+    def _one_angle(self, first: NodeEquation, second: NodeEquation) -> list[Branch[N, M]]:
         f = self.field
         a, b, c = map(self.evaluate, first.linear)
         d, e, g = map(self.evaluate, second.linear)
@@ -235,6 +244,7 @@ class Solver(Generic[N, M]):
             cosine, sine = f.divide(g, d), f.divide(c, b)
         else:
             determinant = a * e - b * d
+            # Cramer's rule.
             cosine = f.divide(c * e - b * g, determinant)
             sine = f.divide(a * g - c * d, determinant)
         no = f.truth(False)
@@ -252,9 +262,9 @@ def _is_sum_of_squares(p: Polynomial) -> bool:
     return even and len({coefficient > 0 for _, coefficient in terms}) == 1
 
 
-def _are_turned(formula: Formula) -> bool:
+def _are_turned(formula: NodeFormula) -> bool:
     """Whether of two equations A c + B s = C the second has the coefficients of the first, turned by a right angle."""
-    if formula.kind is not Kind.TYPE_3 or len(formula.degenerate) != 1 or formula.degenerate[0].is_constant:
+    if formula.kind is not NodeKind.TYPE_3 or len(formula.degenerate) != 1 or formula.degenerate[0].is_constant:
         return False
     (a, b, _), (d, e, _) = (equation.linear for equation in formula.equations)
     return (d == -b and e == a) or (d == b and e == -a)

@@ -108,6 +108,7 @@ class Evidence:
             base = [(1, 0)] * self.poses
             links = [self._turned(g, 0, base)]
             for k in range(1, len(group) + 1):
+                # phi_k of link k is the sum of the joint angles before it, by the addition theorems.
                 base = [self._added(pair, self._angle()) for pair in base]
                 links.append(self._turned(g, k, base))
             self.turns.append(links)
@@ -128,6 +129,7 @@ class Evidence:
         for place, change in enumerate(self.changes):
             if change.group == group and change.links >> link & 1:
                 span = slice(self._starts[place], self._starts[place + 1])
+                # The links of the change turn by one more angle at every node, the others stand.
                 d, e = (np.array([node[k] for node in self._nodes], dtype=np.int64) for k in (0, 1))
                 c[:, span], s[:, span] = (
                     (c[:, span] * d % p - s[:, span] * e % p) % p,
@@ -165,6 +167,7 @@ class Evidence:
         """Cosine and sine of a joint's variable in every sample."""
         g = next(k for k, group in enumerate(self.domain.groups) if joint in group)
         place = self.domain.groups[g].index(joint)
+        # A joint's angle is phi_{k+1} - phi_k; an opposed axis counts it the other way.
         (c, s), (d, e) = self.turns[g][place], self.turns[g][place + 1]
         p = self.prime
         return (c * d % p + s * e % p) % p, self.domain.directions[joint] * ((c * e % p - s * d % p) % p)
@@ -193,6 +196,7 @@ class Evidence:
 
     def _elsewhere(self) -> Atoms[Residue]:
         """Random numbers in place of W, zero, one or equal where those of W always are."""
+        # W leaves the reachable poses: entries that were equal or opposite stay so, all others become independent.
         known: dict[tuple[int, ...], Residue] = {}
 
         def _drawn(power: int, value: Residue) -> Residue:
@@ -213,6 +217,7 @@ class Evidence:
         change, p = self.changes[place], self.prime
         rows, others = (table.reshape(len(table), self.poses, self._width) for table in (reached, anywhere))
         span = slice(self._starts[place], self._starts[place + 1])
+        # A polynomial of second degree on the circle: interpolated in 1, c, s, c^2, c s, checked at one more place.
         values = np.concatenate([rows[:, :, :1], rows[:, :, span]], axis=2)
         if change.group >= 0:
             points = [(1, 0), *self._nodes]
@@ -224,8 +229,10 @@ class Evidence:
         size = len(degree_of)
         inverse = _inverse([row[:size] for row in basis[:size]], p)
         fitted = _product(values[:, :, :size], inverse, p)
+        # What the last node contradicts is of a higher degree, and no elementary equation.
         check = _product(fitted, np.array(basis[size], dtype=np.int64)[:, None], p)[:, :, 0]
         degrees = np.where(np.any(fitted != 0, axis=1), degree_of, 0).max(axis=1)
+        # Dependence is judged away from the reachable poses, on which equations may vanish identically.
         depends = np.any(others[:, :, span] != others[:, :, :1], axis=(1, 2))
         return Effect(depends, np.where(np.all(check == values[:, :, size], axis=1), degrees, 3), fitted)
 
@@ -261,6 +268,7 @@ class Evidence:
 
     def untold(self, given: frozenset[tuple[int, int]]) -> list[tuple[int, int]]:
         """Entries of T that are neither given, nor equal to one that is, nor always 0, 1 or -1."""
+        # Equal residues at all poses stand for equal polynomials: such an entry is told with the other.
         keys = {place: tuple(map(int, self._plain(value))) for place, value in self._entries().items()}
         told = {key for (i, j), key in keys.items() if (i + 1, j + 1) in given}
         told |= {tuple((self.prime - x) % self.prime for x in key) for key in told}

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from derive.algebra.residues import Residue, ResidueDomain
 from derive.inverse.closed.conic import line_points
-from derive.inverse.closed.nodes import Formula
+from derive.inverse.closed.nodes import NodeFormula
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, substitute
 
@@ -86,7 +86,7 @@ class FloatField:
         with np.errstate(divide="ignore", invalid="ignore"):
             return line_points(self, coefficients)
 
-    def general(self, formula: Formula, values: Mapping[str, Floats]) -> Sequence[Any]:
+    def general(self, formula: NodeFormula, values: Mapping[str, Floats]) -> Sequence[Any]:
         """The values of a general node: its payload solves it."""
         found: Sequence[Any] = formula.payload.solve(self, values)
         return found
@@ -118,6 +118,7 @@ class ComplexField(FloatField):
     def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
         """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle."""
         cc, cs, ss, c, s, one = np.broadcast_arrays(*coefficients)
+        # c = (1 - t^2)/(1 + t^2), s = 2 t/(1 + t^2), times (1 + t^2)^2: coefficients of t^0 to t^4.
         ascending = [cc + c + one, 2 * (cs + s), 2 * (one - cc) + 4 * ss, 2 * (s - cs), cc - c + one]
         found = []
         for t, w in quartic_roots(np.stack(ascending, axis=-1)):
@@ -176,6 +177,7 @@ class PrimeField:
 
     def cosine_sine(self, angle: Residue) -> tuple[Residue, Residue]:
         """A point of the unit circle, with the number as tangent of half the angle."""
+        # Modulo a prime angles have no sine: (1 - t^2, 2 t)/(1 + t^2) runs through the circle's points instead.
         square = angle * angle
         scale = self._power(1 + square, self.prime - 2)
         return (1 - square) * scale, 2 * angle * scale
@@ -192,7 +194,7 @@ class PrimeField:
         """Not needed: graphs with quartics are counted over the complex numbers."""
         raise NotImplementedError
 
-    def general(self, formula: Formula, values: Mapping[str, Residue]) -> Sequence[Any]:
+    def general(self, formula: NodeFormula, values: Mapping[str, Residue]) -> Sequence[Any]:
         """Not needed: graphs with general nodes have a count of their own."""
         raise NotImplementedError
 
@@ -212,6 +214,7 @@ def quartic_roots(ascending: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
     Before, t is replaced by (t + k)/(1 - k t): the angle is counted from another zero, at which no root is near
     infinity.
     """
+    # Of three zeros of the angle the one at which the leading coefficient is largest at the worst pose.
     best = None
     for k in (0.0, 0.577, -1.33):
         moved = _turned_quartic(ascending, k)
@@ -222,11 +225,13 @@ def quartic_roots(ascending: npt.NDArray[Any]) -> list[tuple[Floats, Floats]]:
     assert best is not None
     _, k, moved = best
     lead = np.where(moved[..., 4:] == 0, 1e-300, moved[..., 4:])
+    # The companion matrix of the monic quartic: its eigenvalues are the roots.
     companion = np.zeros((*moved.shape[:-1], 4, 4), dtype=moved.dtype)
     companion[..., np.arange(1, 4), np.arange(3)] = 1
     companion[..., :, 3] = -moved[..., :4] / lead
     roots = np.linalg.eigvals(companion).astype(np.complex128)
     for _ in range(2):
+        # Two Newton steps, value and derivative by Horner's rule; no step near a double root, where they diverge.
         value, slope = np.zeros_like(roots), np.zeros_like(roots)
         for j in range(4, -1, -1):
             slope = slope * roots + value
@@ -240,6 +245,7 @@ def _turned_quartic(ascending: npt.NDArray[Any], k: float) -> npt.NDArray[Any]:
     """The quartic in t where the old unknown is (t + k)/(1 - k t)."""
     total = np.zeros_like(ascending)
     for j in range(5):
+        # (t + k)^j (1 - k t)^(4 - j), as products of polynomials.
         powers = np.array([1.0])
         for factor in [[k, 1.0]] * j + [[1.0, -k]] * (4 - j):
             powers = np.convolve(powers, factor)

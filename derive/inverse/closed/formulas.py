@@ -20,11 +20,11 @@ from derive.algebra.ring import Polynomial
 from derive.inverse.closed.conditions import conditions
 from derive.inverse.closed.evidence import Evidence
 from derive.inverse.closed.graph import Node, SolutionGraph
-from derive.inverse.closed.nodes import Equation, Exponents, Formula, Kind, Source, Unknown
+from derive.inverse.closed.nodes import Exponents, NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
 from derive.inverse.closed.pairs import without_angle, without_length
 from derive.inverse.closed.pool import Links, Pool, dimension
 from derive.inverse.closed.pose import Pose
-from derive.inverse.closed.search import Choice, Search, Step
+from derive.inverse.closed.search import Choice, Search, SearchStep
 from derive.inverse.closed.unknowns import ENTRIES, InverseDomain, State, baked, shifted, with_numbers
 from derive.inverse.closed.walk import Plan, horner
 from derive.inverse.general.choice import general_formula
@@ -56,12 +56,13 @@ class CoincidenceError(Exception):
     """An equation that is as short as it seems for the numbers of the parameters alone, not for all of them."""
 
 
-class Derivation:
+class GraphDerivation:
     """Writes the nodes of one arm."""
 
     def __init__(self, robot: Robot, task: Task, given: Sequence[int] = (), *, deep: bool = False) -> None:
         allowed = frozenset(place for row in task for place in ROWS[row])
         self.task, self.given = task, tuple(given)
+        # Whose rotation is not told: matrices reach to the end effector then, whose position is.
         turned = [(i, j) in allowed for i in (1, 2, 3) for j in (1, 2, 3)]
         numbers = self.numbers = baked(robot)
         zeros = {name: value for name, value in numbers.items() if value == ZERO}
@@ -127,14 +128,15 @@ class Derivation:
     def graph_by_pairs(self) -> SolutionGraph | None:
         """The graph whose first node comes from two equations with two unknowns; None where there is none."""
         steps, state = self.search.advance()
-        found: list[tuple[tuple[int, int], int, Unknown, Formula, State]] = []
+        found: list[tuple[tuple[int, int], int, Unknown, NodeFormula, State]] = []
         for (group, parts), numbers in self.search.pairs(state):
             after = state.joined(group, *parts) if group >= 0 else State(state.groups, state.slides | {parts[0]})
             for unknown in self.domain.between(group, parts)[:1]:
                 for formula in self._eliminations(unknown, numbers, state):
+                    # Fewest branches first, then fewest terms; the rest of the joints must follow one by one.
                     rank = (formula.branches, sum(len(p) for p in formula.equations[0].terms.values()))
                     found.append((rank, len(found), unknown, formula, after))
-        rests: dict[State, list[Step] | None] = {}
+        rests: dict[State, list[SearchStep] | None] = {}
         for _, _, unknown, formula, after in sorted(found, key=lambda row: row[:2]):
             if after not in rests:
                 rests[after] = self.search.way(after)
@@ -146,9 +148,10 @@ class Derivation:
                 return self._ended(rest, after)
         return None
 
-    def _eliminations(self, unknown: Unknown, numbers: Sequence[int], state: State) -> Iterator[Formula]:
+    def _eliminations(self, unknown: Unknown, numbers: Sequence[int], state: State) -> Iterator[NodeFormula]:
         """Formulas for one unknown from pairs of equations with the same second one."""
         ring = self.domain.ring
+        # Equations by the one other unknown that they hold; that one is eliminated from two of them.
         alike: dict[tuple[str, ...], list[tuple[int, Polynomial]]] = {}
         seen: set[str] = set()
         for number in numbers[:_READ]:
@@ -178,19 +181,21 @@ class Derivation:
                 if 1 <= degree <= 2 and all(
                     self.domain.is_known(name, state) for p in terms.values() for name in _names(p)
                 ):
-                    kinds = (Kind.TYPE_2, Kind.CONIC) if unknown.is_angle else (Kind.TYPE_1, Kind.QUADRATIC)
-                    yield Formula(kinds[degree - 1], (self._paired(terms, i, j),))
+                    kinds = (
+                        (NodeKind.TYPE_2, NodeKind.CONIC) if unknown.is_angle else (NodeKind.TYPE_1, NodeKind.QUADRATIC)
+                    )
+                    yield NodeFormula(kinds[degree - 1], (self._paired(terms, i, j),))
 
-    def _paired(self, terms: Mapping[Exponents, Polynomial], i: int, j: int) -> Equation:
+    def _paired(self, terms: Mapping[Exponents, Polynomial], i: int, j: int) -> NodeEquation:
         """An equation from two."""
         sources = [
-            Source(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
+            Provenance(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
             for cut, entry in (self.evidence.equations[k] for k in (i, j))
         ]
         dimensions = [dimension(self.evidence.equations[k][1]) for k in (i, j)]
         factor = _tidy_factor(terms)
         tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
-        return Equation(tidy, 2 * sum(dimensions), replace(sources[0], also=sources[1]), abs(factor))
+        return NodeEquation(tidy, 2 * sum(dimensions), replace(sources[0], also=sources[1]), abs(factor))
 
     def _terms(self, p: Polynomial, places: Sequence[int]) -> dict[Exponents, Polynomial]:
         """An equation by powers of its unknown, without what vanishes wherever the arm reaches."""
@@ -202,9 +207,9 @@ class Derivation:
         self.nodes.clear()
         self.homes.clear()
         for joint in self.given:
-            self._append((self.domain.unknown(joint),), (Formula(Kind.GIVEN),))
+            self._append((self.domain.unknown(joint),), (NodeFormula(NodeKind.GIVEN),))
 
-    def _follow(self, way: Sequence[Step], state: State) -> State:
+    def _follow(self, way: Sequence[SearchStep], state: State) -> State:
         """Nodes for the steps of a way."""
         for step in way:
             formulas, unknown = self._formulas(step, state)
@@ -213,7 +218,7 @@ class Derivation:
             state = joined or State(state.groups, state.slides | {step.parts[0]})
         return state
 
-    def _ended(self, way: Sequence[Step], state: State) -> SolutionGraph:
+    def _ended(self, way: Sequence[SearchStep], state: State) -> SolutionGraph:
         """The graph after its last steps."""
         self._follow(way, state)
         for joint in range(self.robot.n):
@@ -234,9 +239,9 @@ class Derivation:
         self.nodes.clear()
         self.homes.clear()
         for unknown in given:
-            self._append((unknown,), (Formula(Kind.GIVEN),))
+            self._append((unknown,), (NodeFormula(NodeKind.GIVEN),))
         free = tuple(map(self.domain.unknown, formula.order))
-        node = Node(len(given), free, (Formula(Kind.GENERAL, payload=formula),), tuple(range(len(given))))
+        node = Node(len(given), free, (NodeFormula(NodeKind.GENERAL, payload=formula),), tuple(range(len(given))))
         self.nodes.append(replace(node, branches=formula.branches))
         count = formula.solution.count
         return replace(self._finished(), count=count, complete=count > 0)
@@ -248,15 +253,15 @@ class Derivation:
         order = np.argsort(self.search.lengths, kind="stable")
         numbers = [int(k) for k in order if self.evidence.allowed[k]][:_CONDITIONS]
         cuts = ((k, *self.evidence.equations[k]) for k in numbers)
-        pool = [(self.polynomial(k), Source(cut.first + 1, cut.last + 1, entry)) for k, cut, entry in cuts]
+        pool = [(self.polynomial(k), Provenance(cut.first + 1, cut.last + 1, entry)) for k, cut, entry in cuts]
         homes = {name: (own.is_angle, index) for own, index in self.homes.items() for name in own.generators}
 
-        def _length(row: tuple[Polynomial, Source]) -> tuple[int, int]:
+        def _length(row: tuple[Polynomial, Provenance]) -> tuple[int, int]:
             """Terms and slides; and how late in the graph its joints are found."""
             found = [homes[name] for name in _names(row[0]) if name in homes]
             return len(row[0].raw) + sum(not turns for turns, _ in found), max((k for _, k in found), default=-1)
 
-        whole = [(p, Source(1, self.robot.n, entry)) for entry, p in self.pose.constant.items()]
+        whole = [(p, Provenance(1, self.robot.n, entry)) for entry, p in self.pose.constant.items()]
         pool = [*whole, *sorted(pool, key=_length)]
         complete = replace(graph, definitions=tuple(self.pose.definitions.items()))
         found = conditions(complete, missing, pool, self.evidence, self.constants, self.numbers)
@@ -290,7 +295,7 @@ class Derivation:
 
     # -- nodes
 
-    def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[Formula, ...]) -> int:
+    def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[NodeFormula, ...]) -> int:
         """A new node, after the sums of angles that it needs."""
         owners: dict[str, Unknown] = {}
         needed = {name for formula in formulas for name in _names_of_formula(formula)}
@@ -308,12 +313,13 @@ class Derivation:
         """The node of an angle that follows from known ones, a new one if need be."""
         if unknown not in self.homes:
             parts = self._parts(unknown)
-            self._append((unknown,), (Formula(Kind.SUM, parts=parts),))
+            self._append((unknown,), (NodeFormula(NodeKind.SUM, parts=parts),))
         return self.homes[unknown]
 
     def _parts(self, unknown: Unknown) -> tuple[tuple[Unknown, int], ...]:
         """An angle as the shortest signed sum of angles that have nodes."""
         g, start, goal = self.domain.ends(unknown)
+        # Angles of a group are edges between links: a sum is the shortest path, breadth first.
         alike = [other for other in self.homes if other.is_angle and self.domain.ends(other)[0] == g]
         edges = [(other, *self.domain.ends(other)[1:]) for other in alike]
         ways: dict[int, tuple[tuple[Unknown, int], ...]] = {start: ()}
@@ -330,9 +336,10 @@ class Derivation:
 
     # -- formulas
 
-    def _formulas(self, step: Step, state: State) -> tuple[tuple[Formula, ...], Unknown]:
+    def _formulas(self, step: SearchStep, state: State) -> tuple[tuple[NodeFormula, ...], Unknown]:
         """The formulas of a step, the best one first, and the unknown in which they are written."""
         best = step.best
+        # Of equally good choices the one that is shortest in exact polynomials, not only modulo a prime.
         alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
         written = [
             (
@@ -357,14 +364,14 @@ class Derivation:
                     found.append(formula)
         return tuple(found), unknown
 
-    def _formula(self, choice: Choice, state: State, unknown: Unknown) -> Formula | None:
+    def _formula(self, choice: Choice, state: State, unknown: Unknown) -> NodeFormula | None:
         """A choice in exact polynomials; None where it needs what is not known after all."""
         equations = [self.equation(k, state, unknown) for k in choice.equations]
         if any(equation is None for equation in equations):
             return None
-        return Formula(choice.kind, tuple(equation for equation in equations if equation is not None))
+        return NodeFormula(choice.kind, tuple(equation for equation in equations if equation is not None))
 
-    def _equation(self, number: int, state: State, unknown: Unknown) -> Equation | None:
+    def _equation(self, number: int, state: State, unknown: Unknown) -> NodeEquation | None:
         cut, entry = self.evidence.equations[number]
         p = self.domain.rewritten(self.polynomial(number), state, unknown)
         terms = self._terms(p, [self.domain.ring.index[name] for name in unknown.generators])
@@ -372,17 +379,17 @@ class Derivation:
         known = all(self.domain.is_known(name, state) for name in used)
         if not known or not any(any(exponents) for exponents in terms):
             return None
-        source = Source(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
+        source = Provenance(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
         factor = _tidy_factor(terms)
         tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
-        return Equation(tidy, dimension(entry), source, abs(factor))
+        return NodeEquation(tidy, dimension(entry), source, abs(factor))
 
     def _polynomial(self, number: int) -> Polynomial:
         cut, entry = self.evidence.equations[number]
         inside, around = self.pool.sides(cut)
         return inside.entry(entry) - around.entry(entry)
 
-    def _cost(self, formula: Formula) -> int:
+    def _cost(self, formula: NodeFormula) -> int:
         """Operations of the coefficients, and of sums of angles that have no node yet."""
         operations = sum(_operations(horner(p)) for e in formula.equations for p in e.terms.values())
         used = _names_of_formula(formula)
@@ -391,7 +398,7 @@ class Derivation:
         return operations + 6 * len(missing) + 6 * mixed
 
 
-def _rank(formula: Formula, unknown: Unknown) -> tuple[int, int]:
+def _rank(formula: NodeFormula, unknown: Unknown) -> tuple[int, int]:
     """Which of equally long formulas is the better one: of few joints; of the position, which seldom fails."""
     return len(unknown.joints), sum(equation.dimension == 0 for equation in formula.equations)
 
@@ -415,5 +422,5 @@ def _names(p: Polynomial) -> set[str]:
     return {name for name, degree in zip(p.ring.names, p.degrees(), strict=True) if degree}
 
 
-def _names_of_formula(formula: Formula) -> set[str]:
+def _names_of_formula(formula: NodeFormula) -> set[str]:
     return {name for equation in formula.equations for p in equation.terms.values() for name in _names(p)}

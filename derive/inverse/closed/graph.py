@@ -11,7 +11,7 @@ from functools import cached_property
 from math import prod
 
 from derive.algebra.ring import Polynomial
-from derive.inverse.closed.nodes import Equation, Formula, Kind, Unknown
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Unknown
 from derive.inverse.closed.unknowns import InverseDomain
 from derive.robot.expression import Expression
 from derive.robot.options.inverse import FREEDOMS, ROWS, Task
@@ -27,7 +27,7 @@ class Node:
     index: int  # its place in the graph
     unknowns: tuple[Unknown, ...]  # what it solves for; more than one for general nodes alone
     # The chosen one first, then others of equal meaning for poses where its leading coefficients vanish.
-    formulas: tuple[Formula, ...]
+    formulas: tuple[NodeFormula, ...]
     needs: tuple[int, ...] = ()  # indices of the nodes whose unknowns occur in its formulas
     branches: int = 1  # how many values it has at most for one combination of values of what it needs
 
@@ -37,7 +37,7 @@ class Node:
         return self.unknowns[0]
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> NodeKind:
         """The elementary type of the chosen formula."""
         return self.formulas[0].kind
 
@@ -59,7 +59,7 @@ class SolutionGraph:
     # What is subtracted from the unknown of a joint to have its variable: a constant angle or length.
     shifts: tuple[Expression, ...]
     # Polynomials of pose (and of nodes) that vanish at every reachable pose, for fewer than six joints.
-    conditions: tuple[Equation, ...] = ()
+    conditions: tuple[NodeEquation, ...] = ()
     count: int = 0  # number of complex solutions of a generic reachable pose; 0 where it is not known
     complete: bool = False  # whether that number is certain
     # Whether it is certain, too, that no pose has more of them that stand alone (`solve.Freedom.fills`).

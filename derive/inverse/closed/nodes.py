@@ -15,7 +15,7 @@ from typing import Any
 from derive.algebra.ring import Polynomial
 
 
-class Kind(StrEnum):
+class NodeKind(StrEnum):
     """How a node is solved; the types are those of Khalil and Dombre, 2002, chapter 4."""
 
     GIVEN = "given"  # the joint is an argument
@@ -30,13 +30,13 @@ class Kind(StrEnum):
 
 # How many values an unknown has for given coefficients.
 BRANCHES = {
-    Kind.GIVEN: 1,
-    Kind.SUM: 1,
-    Kind.TYPE_1: 1,
-    Kind.TYPE_2: 2,
-    Kind.TYPE_3: 1,
-    Kind.QUADRATIC: 2,
-    Kind.CONIC: 4,
+    NodeKind.GIVEN: 1,
+    NodeKind.SUM: 1,
+    NodeKind.TYPE_1: 1,
+    NodeKind.TYPE_2: 2,
+    NodeKind.TYPE_3: 1,
+    NodeKind.QUADRATIC: 2,
+    NodeKind.CONIC: 4,
 }
 
 
@@ -58,7 +58,7 @@ Exponents = tuple[int, ...]  # of cosine and sine, or of the length, of the unkn
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class Provenance:
     """Where an equation comes from: M = A_first ... A_last between joint frames, and the rest of the chain around T.
 
     With the pose W without base and tool, M = (Z_1 ... )^-1 W (... Z_n)^-1. The entries are named as `pool` names them.
@@ -70,16 +70,16 @@ class Source:
     outer_left: bool = False  # whether M begins behind the offset of its first joint
     outer_right: bool = False  # whether M ends before the offset of its last joint
     # Another equation, with which an unknown was eliminated from this one (`derive.inverse.closed.pairs`).
-    also: Source | None = None
+    also: Provenance | None = None
 
 
 @dataclass(frozen=True)
-class Equation:
+class NodeEquation:
     """``sum of coefficient * c^i s^j = 0`` (or ``coefficient * r^i``) with coefficients of what is known."""
 
     terms: Mapping[Exponents, Polynomial]  # exponents of the unknown -> coefficient, none of them the zero polynomial
     dimension: int  # the power of length that it has: 0 for entries of rotations, 1 for positions, 2 for squares
-    source: Source  # where it comes from
+    source: Provenance  # where it comes from
     # What it is multiplied by, against the entries that it comes from: the size of its coefficients, with lengths
     # counted by the reach of the arm.
     size: Fraction = Fraction(1)
@@ -96,27 +96,27 @@ class Equation:
 
 
 @dataclass(frozen=True)
-class Formula:
+class NodeFormula:
     """One way to solve a node."""
 
-    kind: Kind  # the elementary type
-    equations: tuple[Equation, ...] = ()  # one, or two for type 3; none for sums and given joints
-    parts: tuple[tuple[Unknown, int], ...] = ()  # the angles whose sum is taken, each with its sign (`Kind.SUM` alone)
+    kind: NodeKind  # the elementary type
+    equations: tuple[NodeEquation, ...] = ()  # one, or two for type 3; none for sums and given joints
+    parts: tuple[tuple[Unknown, int], ...] = ()  # of a sum: the angles that are added, each with its sign
     payload: Any = None  # what a general node needs besides; see `derive.inverse.general.search`
 
     @property
     def branches(self) -> int:
         """How many values it gives."""
-        return int(self.payload.branches) if self.kind is Kind.GENERAL else BRANCHES[self.kind]
+        return int(self.payload.branches) if self.kind is NodeKind.GENERAL else BRANCHES[self.kind]
 
     @cached_property
     def existence(self) -> Polynomial | None:
         """The polynomial that a real solution needs to be at least 0; None where there is always one."""
         match self.kind:
-            case Kind.TYPE_2:
+            case NodeKind.TYPE_2:
                 a, b, c = self.equations[0].linear
                 return a * a + b * b - c * c if c else None
-            case Kind.QUADRATIC:
+            case NodeKind.QUADRATIC:
                 a, b, c = (self.equations[0].coefficient(k) for k in (2, 1, 0))
                 return b * b - 4 * (a * c)
         return None
@@ -125,18 +125,18 @@ class Formula:
     def degenerate(self) -> tuple[Polynomial, ...]:
         """The polynomials at whose common zeros the formula does not determine its unknown; none: it always does."""
         match self.kind:
-            case Kind.TYPE_1:
+            case NodeKind.TYPE_1:
                 found: tuple[Polynomial, ...] = (self.equations[0].coefficient(1),)
-            case Kind.QUADRATIC:
+            case NodeKind.QUADRATIC:
                 found = (self.equations[0].coefficient(2),)
-            case Kind.TYPE_2:
+            case NodeKind.TYPE_2:
                 found = self.equations[0].linear[:2]
-            case Kind.TYPE_3:
+            case NodeKind.TYPE_3:
                 (a, b, _), (d, e, _) = (equation.linear for equation in self.equations)
                 found = (a, e) if not b and not d else (b, d) if not a and not e else (a * e - b * d,)
-            case Kind.CONIC:
+            case NodeKind.CONIC:
                 found = tuple(p for exponents, p in self.equations[0].terms.items() if any(exponents))
             case _:
                 return ()
         kept = tuple(p for p in found if p)
-        return () if self.kind is not Kind.TYPE_3 and any(p.is_constant for p in kept) else kept
+        return () if self.kind is not NodeKind.TYPE_3 and any(p.is_constant for p in kept) else kept

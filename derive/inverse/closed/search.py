@@ -18,7 +18,7 @@ import numpy as np
 
 from derive.algebra.residues import Array
 from derive.inverse.closed.evidence import Change, Evidence
-from derive.inverse.closed.nodes import BRANCHES, Kind
+from derive.inverse.closed.nodes import BRANCHES, NodeKind
 from derive.inverse.closed.unknowns import State
 
 CONSIDERED = 16  # equations of a step that are looked at, the shortest ones
@@ -29,13 +29,13 @@ UNLIKE = 6  # what it costs a pair of equations that they stand in different mat
 class Choice:
     """A formula in the rough: the equations by their numbers."""
 
-    kind: Kind  # the elementary type
+    kind: NodeKind  # the elementary type
     equations: tuple[int, ...]  # numbers of one or two equations
     cost: tuple[int, int]  # what the search adds up besides branches: kind, then length
 
 
 @dataclass(frozen=True)
-class Step:
+class SearchStep:
     """One unknown, and what determines it."""
 
     group: int  # the group, -1 for a slide
@@ -49,7 +49,7 @@ class Step:
         return self.choices[0]
 
 
-RANK = {Kind.QUADRATIC: 3, Kind.CONIC: 30}  # how unwelcome a type is at equal numbers of branches
+RANK = {NodeKind.QUADRATIC: 3, NodeKind.CONIC: 30}  # how unwelcome a type is at equal numbers of branches
 POWERS = {1: 0, 2: 1, 4: 2}  # logarithms of branch numbers, which add up
 
 
@@ -60,6 +60,7 @@ class Search:
         self.evidence = evidence
         robot, groups = evidence.robot, evidence.domain.groups
         self._slides = frozenset(i for i, joint in enumerate(robot.joints) if not joint.is_revolute)
+        # Every link of a group by itself; a given joint joins the links before and behind it.
         start = State(tuple(tuple(1 << k for k in range(len(g) + 1)) for g in groups), self._slides & set(given))
         for joint in given:
             for g, group in enumerate(groups):
@@ -70,13 +71,14 @@ class Search:
         self.start = start
         self._depends = {change: effect.depends for change, effect in evidence.effects.items()}
 
-    def way(self, start: State | None = None) -> list[Step] | None:
+    def way(self, start: State | None = None) -> list[SearchStep] | None:
         """The steps of the best way; None where one-joint steps do not lead to the end.
 
         Args:
             start: What is known already; None for the joints that are given.
         """
-        heap: list[tuple[tuple[int, ...], tuple[tuple[int, ...], ...], int, int, State, list[Step]]] = []
+        # Dijkstra's shortest path over states: costs are (quartics, logarithm of branches, kinds), then base to tip.
+        heap: list[tuple[tuple[int, ...], tuple[tuple[int, ...], ...], int, int, State, list[SearchStep]]] = []
         serial = 0
         heapq.heappush(heap, ((0, 0, 0), (), 0, serial, start or self.start, []))
         done: set[State] = set()
@@ -90,15 +92,16 @@ class Search:
             for step, after in self.steps(state):
                 if after not in done:
                     best, serial = step.best, serial + 1
-                    own = (int(best.kind is Kind.CONIC), POWERS[BRANCHES[best.kind]], best.cost[0])
+                    # Numbers of branches multiply along a way, so their logarithms are added.
+                    own = (int(best.kind is NodeKind.CONIC), POWERS[BRANCHES[best.kind]], best.cost[0])
                     total = tuple(a + b for a, b in zip(cost, own, strict=True))
                     way = (*order, self._place(step))
                     heapq.heappush(heap, (total, way, length + best.cost[1], serial, after, [*steps, step]))
         return None
 
-    def advance(self) -> tuple[list[Step], State]:
+    def advance(self) -> tuple[list[SearchStep], State]:
         """Steps as far as one-joint steps lead, and what is known then."""
-        state, steps, moved = self.start, list[Step](), True
+        state, steps, moved = self.start, list[SearchStep](), True
         while moved:
             moved = False
             for step, after in sorted(self.steps(state), key=lambda pair: (pair[0].best.cost, self._place(pair[0])))[
@@ -128,6 +131,7 @@ class Search:
         for g, parts in enumerate(state.groups):
             if len(parts) > 1:
                 own = [self.depends(g, part) for part in parts]
+                # Angles between parts count: an equation that changes with k parts of a group has k - 1 of them.
                 count = sum(vector.astype(np.int64) for vector in own)
                 unknown += np.maximum(count - 1, 0)
                 moved += [(g, part, vector) for part, vector in zip(parts, own, strict=True)]
@@ -137,7 +141,7 @@ class Search:
             moved.append((-1, joint, vector))
         return moved, unknown
 
-    def _place(self, step: Step) -> tuple[int, ...]:
+    def _place(self, step: SearchStep) -> tuple[int, ...]:
         """Where a step stands from base to tip: its first joint, then how many it spans."""
         if step.group < 0:
             return (step.parts[0], 0)
@@ -145,9 +149,10 @@ class Search:
         a, b = ((part & -part).bit_length() - 1 for part in step.parts)
         return (group[min(a, b)], max(a, b) - min(a, b))
 
-    def steps(self, state: State) -> Iterator[tuple[Step, State]]:
+    def steps(self, state: State) -> Iterator[tuple[SearchStep, State]]:
         """What can be found next."""
         moved, unknown = self._unknowns(state)
+        # An equation between two parts and with nothing else unknown determines the angle between them.
         usable = (unknown == 1) & self.evidence.allowed
         for (g, a, one), (h, b, other) in combinations(moved, 2):
             if g == h >= 0:
@@ -170,6 +175,7 @@ class Search:
         """The change in which some links of a group turn, or the others against them."""
         if group < 0:
             return Change(-1, part)
+        # Only differences of angles matter: turning a set of links is turning all others back.
         everything = (2 << len(self.evidence.domain.groups[group])) - 1
         return Change(group, everything ^ part if part & 1 else part)
 
@@ -187,7 +193,7 @@ class Search:
         own = np.array([evidence.complexity(k) for k in range(len(evidence.equations))], dtype=np.int64)
         return 8 * touched + own
 
-    def others(self, step: Step, first: Choice, special: Evidence) -> Iterator[Choice]:
+    def others(self, step: SearchStep, first: Choice, special: Evidence) -> Iterator[Choice]:
         """Choices for poses at which the first one fails, the one that helps at most of them first.
 
         Where two equations are not enough any more one may be: there the joint has two values.
@@ -196,17 +202,19 @@ class Search:
         table = special.effects[change].coefficients
         degrees = self.evidence.effects[change].degrees
         linear = np.array([k for k in step.equations if degrees[k] == 1], dtype=np.int64)
+        # Greedy covering: of the poses that are left the choice that helps at most of them, the shortest of equals.
         open_ = np.flatnonzero(self._fails(table, first))
-        single = first.kind is Kind.TYPE_2
+        single = first.kind is NodeKind.TYPE_2
         while open_.size and linear.size:
             own = table[linear][:, open_]
             if step.group < 0:
-                helps, kind = own[:, :, 1] != 0, Kind.TYPE_1
+                helps, kind = own[:, :, 1] != 0, NodeKind.TYPE_1
             elif single:
-                helps, kind = np.any(own[:, :, 1:3] != 0, axis=2), Kind.TYPE_2
+                helps, kind = np.any(own[:, :, 1:3] != 0, axis=2), NodeKind.TYPE_2
             else:
+                # Pairs with a determinant A E - B D that is not zero.
                 products = own[:, None, :, 1] * own[None, :, :, 2] % p
-                helps, kind = products != products.transpose(1, 0, 2), Kind.TYPE_3
+                helps, kind = products != products.transpose(1, 0, 2), NodeKind.TYPE_3
             count = helps.sum(axis=-1)
             if not count.max():
                 if single or step.group < 0:
@@ -214,7 +222,7 @@ class Search:
                 single = True
                 continue
             lengths = self.lengths[linear]
-            if kind is Kind.TYPE_3:
+            if kind is NodeKind.TYPE_3:
                 lengths = lengths[:, None] + lengths[None]
             best = np.unravel_index(np.lexsort((lengths.ravel(), -count.ravel()))[0], count.shape)
             yield Choice(kind, tuple(int(linear[k]) for k in sorted(best)), (1, int(lengths[best])))
@@ -223,17 +231,22 @@ class Search:
     def _fails(self, table: Array, choice: Choice) -> Array:
         """At which poses a choice does not determine its unknown."""
         own = [table[k] for k in choice.equations]
-        if choice.kind is Kind.TYPE_3:
+        if choice.kind is NodeKind.TYPE_3:
             (a, b), p = own, self.evidence.prime
             parallel: Array = a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p
             return parallel
-        places = {Kind.TYPE_1: (1,), Kind.QUADRATIC: (2,), Kind.TYPE_2: (1, 2), Kind.CONIC: (1, 2, 3, 4)}[choice.kind]
+        places = {
+            NodeKind.TYPE_1: (1,),
+            NodeKind.QUADRATIC: (2,),
+            NodeKind.TYPE_2: (1, 2),
+            NodeKind.CONIC: (1, 2, 3, 4),
+        }[choice.kind]
         fails: Array = np.all(own[0][:, list(places)] == 0, axis=1)
         return fails
 
     # -- one step
 
-    def _step(self, group: int, parts: tuple[int, int], found: Array) -> Step | None:
+    def _step(self, group: int, parts: tuple[int, int], found: Array) -> SearchStep | None:
         """The ways to find one unknown from some equations, None where there are none."""
         effect = self.evidence.effects[self.change(group, parts[1])]
         order = [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
@@ -244,30 +257,33 @@ class Search:
             choices = self._pairs(effect.coefficients, linear) + self._singles(effect.coefficients, linear)
             conics = [k for k in order if degrees[k] == 2]
             if not choices and conics:
-                choices = [Choice(Kind.CONIC, (k,), (RANK[Kind.CONIC], int(self.lengths[k]))) for k in conics[:4]]
+                choices = [
+                    Choice(NodeKind.CONIC, (k,), (RANK[NodeKind.CONIC], int(self.lengths[k]))) for k in conics[:4]
+                ]
         if not choices:
             return None
         choices.sort(key=lambda choice: (BRANCHES[choice.kind], *choice.cost))
-        return Step(group, parts, tuple(choices), tuple(order))
+        return SearchStep(group, parts, tuple(choices), tuple(order))
 
     def _lengths(self, coefficients: Array, order: Sequence[int], degrees: Array) -> list[Choice]:
         """Ways to find a slide: without a division where there is one."""
         constant = [k for k in order if degrees[k] == 1 and self._constant(coefficients[k, :, 1])][:CONSIDERED]
-        choices = [Choice(Kind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
+        choices = [Choice(NodeKind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
         for k in order[:CONSIDERED]:
             if degrees[k] == 1 and k not in constant:
-                choices.append(Choice(Kind.TYPE_1, (k,), (1, int(self.lengths[k]))))
+                choices.append(Choice(NodeKind.TYPE_1, (k,), (1, int(self.lengths[k]))))
             elif degrees[k] == 2:
-                choices.append(Choice(Kind.QUADRATIC, (k,), (RANK[Kind.QUADRATIC], int(self.lengths[k]))))
+                choices.append(Choice(NodeKind.QUADRATIC, (k,), (RANK[NodeKind.QUADRATIC], int(self.lengths[k]))))
         return choices
 
     def _singles(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
         """Equations A c + B s = C by themselves: best C = 0, an atan2 alone; then those that never degenerate."""
         p, choices = self.evidence.prime, []
         for k in linear[:CONSIDERED]:
+            # Where A^2 + B^2 is the same at all poses the equation never degenerates.
             square = (coefficients[k, :, 1] ** 2 % p + coefficients[k, :, 2] ** 2 % p) % p
             rank = 2 if not np.any(coefficients[k, :, 0]) else 3 if self._constant(square) else 5
-            choices.append(Choice(Kind.TYPE_2, (k,), (rank, int(self.lengths[k]))))
+            choices.append(Choice(NodeKind.TYPE_2, (k,), (rank, int(self.lengths[k]))))
         return choices
 
     def _pairs(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
@@ -281,9 +297,11 @@ class Search:
         p, numbers = self.evidence.prime, np.array(linear)
         cosines, sines = coefficients[numbers, :, 1], coefficients[numbers, :, 2]
         products = cosines[:, None] * sines[None] % p
+        # A E - B D of every pair, for each pose.
         determinants = (products - products.transpose(1, 0, 2)) % p
         cuts = np.array([self._cuts[k] for k in linear])
         length = self.lengths[numbers][:, None] + self.lengths[numbers][None] + UNLIKE * (cuts[:, None] != cuts[None])
+        # A D + B E = 0 with A^2 + B^2 = D^2 + E^2: the second is the first turned by a right angle.
         inner = (cosines[:, None] * cosines[None] % p + sines[:, None] * sines[None] % p) % p
         squares = np.diagonal(inner).T
         nonzero = np.triu(np.all(determinants != 0, axis=2))
@@ -294,7 +312,7 @@ class Search:
             rows, columns = np.nonzero(mask)
             for k in np.argsort(length[rows, columns], kind="stable")[:CONSIDERED]:
                 i, j = rows[k], columns[k]
-                choices.append(Choice(Kind.TYPE_3, (linear[i], linear[j]), (rank, int(length[i, j]))))
+                choices.append(Choice(NodeKind.TYPE_3, (linear[i], linear[j]), (rank, int(length[i, j]))))
         return choices
 
     @cached_property

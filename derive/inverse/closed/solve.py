@@ -13,7 +13,7 @@ import numpy as np
 from derive.algebra.residues import Residue, ResidueDomain, echelon
 from derive.errors import QuantityError, listed
 from derive.inverse.closed.completeness import counted
-from derive.inverse.closed.formulas import CoincidenceError, Derivation
+from derive.inverse.closed.formulas import CoincidenceError, GraphDerivation
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.pool import Links, Pool, identity_atoms
 from derive.inverse.closed.unknowns import InverseDomain, baked, shifted, with_numbers
@@ -80,14 +80,18 @@ def usual_task(robot: Robot) -> Task:
 
 def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missing: int) -> SolutionGraph:
     """The graph of an arm by the simplest way that leads anywhere, with its conditions and count."""
-    for way, deep in ((Derivation.graph, False), (Derivation.graph, True), (Derivation.graph_by_pairs, False)):
+    for way, deep in (
+        (GraphDerivation.graph, False),
+        (GraphDerivation.graph, True),
+        (GraphDerivation.graph_by_pairs, False),
+    ):
         for choice in choices:
-            derivation = Derivation(robot, task, choice, deep=deep)
+            derivation = GraphDerivation(robot, task, choice, deep=deep)
             graph = way(derivation)
             if graph is not None:
                 graph = derivation.with_conditions(graph, missing)
                 return counted(graph, derivation.sampled, derivation.numbers)
-    general = Derivation(robot, task, choices[0]).general_graph()
+    general = GraphDerivation(robot, task, choices[0]).general_graph()
     if general is not None:
         return general
     reason = "no order of the joints in which each follows by itself from the pose and the joints before it"
@@ -114,6 +118,7 @@ class Freedom:
         columns = list(zip(*jacobian(chain), strict=True))
         rows = []
         for i, j in (place for row in task for place in ROWS[row]):
+            # Velocity of an entry of T by each joint: that of the origin, or omega x the column of R.
             moved = [v[i - 1] if j == 4 else cross(v[3:], column(rotation, j - 1))[i - 1] for v in columns]
             rows.append([int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in moved])
         self._table, self._prime = np.array(rows, dtype=np.int64), residues.prime
@@ -155,6 +160,7 @@ class Freedom:
         # pose, because none of its motions is one of the group of the others. Where other arms reach, poses may meet.
         if len(twists) <= 2 or len(self._generated(twists)) == len(twists):
             return True
+        # A first or last joint outside of the group of the others has one value at each pose: it may be left out.
         for one, rest in ((twists[0], twists[1:]), (twists[-1], twists[:-1])):
             group = self._generated(rest)
             if len(self._basis([*group, one])) > len(group) and self._stand_alone(rest):
@@ -166,6 +172,7 @@ class Freedom:
         basis, before = self._basis(twists), 0
         while before < len(basis):
             before = len(basis)
+            # Closed under Lie brackets.
             basis = self._basis([*basis, *(self._bracket(a, b) for a, b in combinations(basis, 2))])
         return basis
 

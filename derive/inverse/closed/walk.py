@@ -19,7 +19,7 @@ from typing import Generic
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.elementary_solver import ILL, Branch, Field, M, N, Solver
 from derive.inverse.closed.graph import Node, SolutionGraph
-from derive.inverse.closed.nodes import Formula, Kind, Unknown
+from derive.inverse.closed.nodes import NodeFormula, NodeKind, Unknown
 from derive.inverse.closed.unknowns import turned
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
@@ -54,7 +54,7 @@ class Leaf(Generic[N, M]):
     doubt: M  # whether rounding decides if it exists: if it does not, it is to be looked for nearby
 
 
-class Run(Generic[N, M]):
+class GraphWalk(Generic[N, M]):
     """One walk over a graph.
 
     Args:
@@ -81,11 +81,13 @@ class Run(Generic[N, M]):
         for node in self.graph.nodes:
             self._visit(node)
         graph, homes = self.graph, [self.graph.joint_node(i) for i in range(self.graph.robot.n)]
+        # Branches that only formulas for special poses have come last.
         usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
         every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
         for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):
             chosen = dict(zip(graph.choices, branches, strict=True))
             values = [self._value(node, chosen) for node in graph.nodes]
+            # A leaf is a product of choices: it exists where all its nodes do.
             exists, boundary = self.field.truth(True), self.field.truth(False)
             ill = doubt = boundary
             for value in values:
@@ -129,7 +131,8 @@ class Run(Generic[N, M]):
         for branches in product(*(range(self.graph.nodes[axis].branches) for axis in axes)):
             chosen = dict(zip(axes, branches, strict=True))
             values = self._solve(node, self._scope(node, chosen))
-            if node.kind is Kind.SUM:
+            if node.kind is NodeKind.SUM:
+                # A sum of angles is free where one of them is.
                 free = no
                 for need in node.needs:
                     free = free | self._value(self.graph.nodes[need], chosen).free
@@ -157,12 +160,13 @@ class Run(Generic[N, M]):
         """The values of a node for one combination of branches."""
         f, yes, no = self.field, self.field.truth(True), self.field.truth(False)
         unknown, first = node.unknown, node.formulas[0]
-        if node.kind is Kind.GENERAL:
+        if node.kind is NodeKind.GENERAL:
             return [Value(numbers, exists, no, no, yes, no) for numbers, exists in f.general(first, scope)]
-        if node.kind is Kind.GIVEN:
+        if node.kind is NodeKind.GIVEN:
             return [Value((self._of_variable(unknown.joints[0], self.given),), yes, no, no, no, no)]
-        if node.kind is Kind.SUM:
+        if node.kind is NodeKind.SUM:
             return [Value((self._sum(first, scope),), yes, no, no, no, no)]
+        # Elementary: the formulas in turn, each where those before do not determine the unknown.
         solver = Solver(f, lambda p: self.evaluate(p, scope), self.reach)
         values: list[Value[N, M]] = []
         open_ = yes
@@ -171,13 +175,15 @@ class Run(Generic[N, M]):
             usable = open_ & ~lost
             if not values:
                 values = self._merge(node, values, usable, solver.solve(formula))
-                ill = yes if formula.kind is Kind.CONIC else solver.degenerate(formula, ILL)
+                # Leading coefficients that nearly vanish cost digits; a quartic always may.
+                ill = yes if formula.kind is NodeKind.CONIC else solver.degenerate(formula, ILL)
                 values = [replace(value, ill=ill | value.doubt, doubt=lost | value.doubt) for value in values]
             elif not f.never(usable):
                 values = self._merge(node, values, usable, solver.solve(formula))
             open_ = open_ & lost
             if f.never(open_):
                 return values
+        # Where no formula serves the unknown is free, and stays where the caller has it.
         rest = self._of_variable(unknown.joints[0], self.near) if len(unknown.joints) == 1 else self._rest(unknown)
         free = Branch(rest, yes, no, no)
         return [replace(value, free=open_) for value in self._merge(node, values, open_, [free])]
@@ -216,7 +222,7 @@ class Run(Generic[N, M]):
             total = turned(total, self._of_variable(joint, self.near), sign)
         return total
 
-    def _sum(self, formula: Formula, scope: Mapping[str, N]) -> tuple[N, ...]:
+    def _sum(self, formula: NodeFormula, scope: Mapping[str, N]) -> tuple[N, ...]:
         total: tuple[N, ...] = ()
         for part, sign in formula.parts:
             cosine, sine = (scope[name] for name in part.generators)
@@ -248,7 +254,7 @@ class Run(Generic[N, M]):
 class Posture(Generic[N, M]):
     """An arm at one of its solutions, as scalars of the mechanics (a `derive.mechanics.chain.Domain`)."""
 
-    def __init__(self, run: Run[N, M], joints: Sequence[Sequence[N]]) -> None:
+    def __init__(self, run: GraphWalk[N, M], joints: Sequence[Sequence[N]]) -> None:
         self._run, self._joints = run, joints
 
     def number(self, value: int | Fraction) -> N:
@@ -277,7 +283,7 @@ class Posture(Generic[N, M]):
         return (length if joint.sign > 0 else -length) + self.constant(joint.d)
 
 
-def pose_of(run: Run[N, M], joints: Sequence[Sequence[N]]) -> Frame[N]:
+def pose_of(run: GraphWalk[N, M], joints: Sequence[Sequence[N]]) -> Frame[N]:
     """The pose of an arm at one of its solutions."""
     return forward_kinematics(build_chain(run.graph.robot, Posture(run, joints)))
 
@@ -292,6 +298,7 @@ def horner(p: Polynomial) -> Plan:
 
 
 def _horner_plan(terms: Mapping[tuple[int, ...], Fraction]) -> Plan:
+    # The generator in most terms; in equal numbers the first one, for one order on every machine.
     counts: dict[int, int] = {}
     for exponents in terms:
         for i, e in enumerate(exponents):
@@ -300,6 +307,7 @@ def _horner_plan(terms: Mapping[tuple[int, ...], Fraction]) -> Plan:
     if not counts:
         return next(iter(terms.values()), Fraction(0))
     best = max(counts, key=lambda i: (counts[i], -i))
+    # p = x q + r with r free of x.
     inside = {(*x[:best], x[best] - 1, *x[best + 1 :]): k for x, k in terms.items() if x[best]}
     outside = {x: k for x, k in terms.items() if not x[best]}
     return best, _horner_plan(inside), _horner_plan(outside) if outside else Fraction(0)

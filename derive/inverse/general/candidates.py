@@ -36,18 +36,23 @@ def candidates(problem: EigenProblem, pose: Array, real: float = POLICY.real) ->
     loop, hidden = problem.loop, problem.elimination.hidden
     size = 1.0 + np.abs(values) ** 2
     hides = problem.position(turn[:, None], values.real)
+    # Double roots come as pairs with small imaginary parts, so nearly real eigenvalues are candidates, too.
     near = (np.abs(values.imag) <= real * size) & (loop.revolute[hidden] | (np.abs(hides) < POLICY.far))
     near &= np.isfinite(values)
     place, which = np.nonzero(near)
+    # Neighbours on the circle of angles: where two coincide their eigenvectors span a space and may be mixed.
     line = np.sort(np.where(near, np.arctan(values.real), np.nan), axis=1)
     doubtful: Array = singular | np.any(np.diff(line, axis=1) < POLICY.shared, axis=1)
     joints = np.full((len(place), loop.n), np.nan)
     v = vectors[place, :, which]
     joints[:, hidden] = hides[place, which]
+    # An eigenvector is known but for a complex factor: divided by its largest entry it is real.
     largest = np.take_along_axis(v, np.abs(v).argmax(axis=1)[:, None], axis=1)
     v = (v / np.where(largest == 0, 1.0, largest)).real.reshape(len(v), *problem.shape)
     for axis, joint in enumerate(problem.others):
         length = problem.shape[axis]
+        # v is a product of one vector for each joint: every line along its axis is a multiple of that vector;
+        # the longest one has lost fewest digits.
         lines = np.moveaxis(v, 1 + axis, -1).reshape(len(v), math.prod(problem.shape) // length, length)
         line = np.take_along_axis(lines, (lines**2).sum(axis=-1).argmax(axis=1)[:, None, None], axis=1)[:, 0]
         joints[:, joint] = _position(line, loop.revolute[joint])
@@ -59,6 +64,7 @@ def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidate
     way, loop = problem.elimination.finish, problem.loop
     if loop.tip:
         return _last_joint(problem, found, pose)
+    # The joints that are known are locked: a chain of the three eliminated ones is left.
     motions = [
         None if joint in way.order[:3] else motion_by(loop.revolute[joint], found.joints[:, joint])
         for joint in range(loop.n)
@@ -74,6 +80,7 @@ def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidate
 def _last_joint(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
     """The one eliminated joint of an arm whose end's position is wanted, from linear equations."""
     way, loop = problem.elimination.finish, problem.loop
+    # The known joints put into the multilinear forms one after the other: numbers are left on the right.
     right = way.unknown_part(loop, pose_features(pose))[found.place]
     for joint in way.unknowns:
         value = found.joints[:, joint]
@@ -95,27 +102,34 @@ def _three_joints(loop: Loop, way: Closure, pose: Array) -> Array:
     """
     c, b, a = way.order
     sign, carried = -way.direction, loop.carried(c)
+    # Z_a C Z_b C' Z_c = motion: what the three joints have to do between their outer gaps.
     motion = loop.product(loop.inverse(loop.gaps[0]), pose, loop.inverse(loop.gaps[-1]))
     motion = motion if sign > 0 else loop.inverse(motion)
     parts, near, far = middle_part(loop, way)
+    # Axis c where the pose has it, in the frame of joint a.
     seen = carried.action(motion) @ carried.start
+    # What turning (sliding) about a leaves alone: heights, distances (directions). Linear in (1, cos b, sin b).
     kept = list(carried.heights if loop.revolute[a] else carried.along)
     forms = np.broadcast_to(np.swapaxes(parts[..., 1:, kept], -1, -2), (len(pose), len(kept), 2))
     middle = _middle_joint(loop.revolute[b], forms, seen[:, kept] - parts[..., 0, kept])
     result = np.empty((len(middle), len(pose), 3))
     for value, row in zip(middle, result, strict=True):
+        # With b known: axis c as it is with joint a at zero.
         before = near @ motion_by(loop.revolute[b], sign * value) @ far
         reference = carried.action(before) @ carried.start
         x, y = list(carried.crosswise), [k + 1 for k in carried.crosswise]
         if loop.revolute[a]:
+            # Seen along axis a the two differ by a turn: the angle of least squares over all planar pairs.
             crosswise = reference[:, x] * seen[:, y] - reference[:, y] * seen[:, x]
             along = reference[:, x] * seen[:, x] + reference[:, y] * seen[:, y]
             first = np.arctan2(crosswise.sum(axis=1), along.sum(axis=1))
         else:
             moved = list(carried.shifted)
+            # Along a slide they differ in proportion to its length: again by least squares.
             rate = (loop.joint_actions(carried, a, 1)[1] @ reference[..., None])[:, moved, 0]
             difference = (seen - reference)[:, moved]
             first = (rate * difference).sum(axis=1) / np.maximum((rate * rate).sum(axis=1), 1e-300)
+        # What is left is Z_c alone.
         last = rigid_inverse(motion_by(loop.revolute[a], first) @ before) @ motion
         turned = np.arctan2(last[:, 1, 0] - last[:, 0, 1], last[:, 0, 0] + last[:, 1, 1])
         final = turned if loop.revolute[c] else last[:, 2, 3]
@@ -125,6 +139,7 @@ def _three_joints(loop: Loop, way: Closure, pose: Array) -> Array:
 
 def _middle_joint(turns: bool, forms: Array, wanted: Array) -> list[Array]:
     """The joint from equations X c + Y s = Z or X d + Y d^2 = Z; two values where all are multiples of one."""
+    # By singular values: rank 2 determines cosine and sine, rank 1 leaves X c + Y s = Z with two solutions.
     left, sizes, right = np.linalg.svd(forms, full_matrices=False)
     known = (np.swapaxes(left, -1, -2) @ wanted[..., None])[..., 0] / np.maximum(sizes, 1e-100)
     if not len(sizes) or sizes[:, 1].max() > 1e-7 * max(1.0, sizes[:, 0].max()):
@@ -132,6 +147,7 @@ def _middle_joint(turns: bool, forms: Array, wanted: Array) -> list[Array]:
         return [np.arctan2(second, first) if turns else first]
     x, y, z = right[:, 0, 0], right[:, 0, 1], known[:, 0]
     if turns:
+        # (x, y) is a unit vector: cos(b - middle) = z.
         middle, off = np.arctan2(y, x), np.arccos(np.clip(z, -1.0, 1.0))
         return [middle + off, middle - off]
     root = np.sqrt(np.maximum(x * x + 4.0 * y * z, 0.0))

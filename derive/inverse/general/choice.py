@@ -46,10 +46,12 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
     for way in ways:
         groups.setdefault(way.unknowns, []).append(way)
     for unknowns, group in groups.items():
+        # Of the ways around with the same unknowns the one from which the eliminated joints follow best.
         finish = max(group, key=lambda way: float(f"{_determined(loop, way):.3g}"))  # equal ones differ by rounding
         for hidden in unknowns:
             straight = tuple(joint for joint in unknowns if _is_straight(loop, pose, group, joint))
             reductions = [_reduction(loop, way, hidden, straight) for way in group]
+            # Ways on which the hidden joint is next to the eliminated ones have rows of lower degree.
             reductions.sort(key=lambda each: each.closure.aligned != hidden)
             choices = [(each,) for each in reductions] + ([tuple(reductions)] if len(reductions) > 1 else [])
             others = [joint for joint in unknowns if joint != hidden]
@@ -99,6 +101,7 @@ def _reduction(loop: Loop, way: Closure, hidden: int, straight: tuple[int, ...])
     if way.aligned != hidden:
         return Reduction(way, m, 0, m if hidden in straight else 0)
     _, first, second = loop.joint_actions(loop.carried(way.dropped), hidden, way.direction)
+    # Ranks of the parts tell how many combinations are free of the hidden joint, and of which z = exp(i q) is gone.
     constant = m + products - _rank(np.concatenate([part, first, second], axis=1))
     top = first - 1j * second if loop.revolute[hidden] else second
     linear = m + products - _rank(np.concatenate([part, top], axis=1)) - constant
@@ -115,6 +118,7 @@ def _rows(loop: Loop, pose: Array, elimination: Elimination) -> tuple[int, int, 
     kept: list[int] = []
     stacked = np.zeros((0, columns))
     for part in trial.matrices(trial.forms(pose), turn):
+        # M at one place t: rows of low degree are preferred, for each adds fewer eigenvalues.
         values = (part[0] * 0.83 ** np.arange(part.shape[2])[:, None]).sum(axis=1)
         size = np.linalg.norm(values, axis=1, keepdims=True)
         stacked = np.concatenate([stacked, values / np.where(size > POLICY.rank, size, np.inf)])
@@ -126,6 +130,7 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
     """The eliminations that find all solutions of an arm, compared at random poses."""
     draw = np.random.default_rng(7)
     span = np.where(chain.revolute, math.pi, chain.reach)
+    # Poses of random configurations, so that it is known which solutions there are.
     q = draw.uniform(-span, span, (POLICY.trials, chain.n))
     poses, values = chain.pose_and_jacobian(q)[0], q[:, list(given)] if given else None
     loop, free = free_loop(chain, given, None if values is None else values[:1], entries)
@@ -138,6 +143,7 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
         for option in options[: POLICY.options]:
             with np.errstate(over="ignore", invalid="ignore"):  # joints that are nowhere near a solution
                 found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
+            # Certain: close before Newton's method; then few doubts, small eigenvalue problems, exact candidates.
             doubts = int(found.doubtful.sum()) > POLICY.trials // 10
             inexact = sum(found.error > bound for bound in _INEXACT)
             results.append((found.certain, (doubts, option.eigenvalues, len(option.reductions), inexact), option))

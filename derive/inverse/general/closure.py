@@ -99,6 +99,7 @@ class Loop:
 
     def rotated(self, start: int, pose: Array) -> tuple[Loop, Array]:
         """The same loop read from another joint on, with the pose among its gaps."""
+        # The loop closes over the pose, C_n T^-1 C_0, which becomes one of its gaps.
         around = self.product(self.gaps[-1], self.inverse(pose), self.gaps[0])
         unit = np.eye(4, dtype=int).astype(around.dtype)
         gaps = (unit, *self.gaps[start + 1 : -1], around, *self.gaps[1:start], unit)
@@ -109,10 +110,12 @@ class Loop:
         """(3, 15, 15): the action of Z_joint^sign is the sum of these times 1, c, s (or 1, d, d^2)."""
         kind = self.gaps[0].dtype
         if self.revolute[joint]:
+            # An action is affine in (c, s): its parts are sums and differences of its values at quarter turns.
             points = np.array([[1, 0], [-1, 0], [0, sign], [0, -sign]]).astype(kind)
             actions = carried.action(joint_motion(True, points[:, 0], points[:, 1]))
             parts = [actions[0] + actions[1], actions[0] - actions[1], actions[2] - actions[3]]
         else:
+            # Quadratic in d: by its values at 0, 1 and -1.
             actions = carried.action(joint_motion(False, np.array([0, sign, -sign]).astype(kind)))
             parts = [2 * actions[0], actions[1] - actions[2], actions[1] + actions[2] - 2 * actions[0]]
         half: Any = (self.prime + 1) // 2 if self.prime else 0.5
@@ -172,6 +175,7 @@ class Closure:
         carried = loop.carried(self.dropped)
         forms = carried.start.astype(loop.gaps[0].dtype)[:, None]
         for place in range(self.eliminated):
+            # The numbers are carried backwards over the gap, then over the joint, whose (1, c, s) become a new axis.
             back = self.action(loop, loop.inverse(self.gap(loop, place)))
             motion = loop.joint_actions(carried, self.order[place + 1], -self.direction)
             turned = loop.settle(motion @ loop.product(back, forms)[..., None, :, :])
@@ -189,6 +193,7 @@ class Closure:
         Returns:
             (poses, numbers, 3, 3, ...) with an axis for each unknown joint, in their order.
         """
+        # The other way around the loop, from the dropped joint over all unknown ones and over the pose.
         carried, count = loop.carried(self.dropped), len(features)
         start, end, size = 1 + self.eliminated, self.joints - 1, len(carried.start)
         forms = np.broadcast_to(carried.start.astype(features.dtype)[:, None], (count, size, 1))
@@ -199,6 +204,7 @@ class Closure:
                 break
             turned = loop.settle(loop.joint_actions(carried, self.order[place], self.direction) @ forms[:, None])
             forms = np.moveaxis(turned, 1, 2).reshape(count, size, -1)
+        # Axes from the order in which the joints were met to that of the arm.
         places = np.argsort(self.order[start:])
         result: Array = forms.reshape(count, size, *[3] * (self.joints - start)).transpose(0, 1, *(2 + places))
         return result
@@ -211,6 +217,7 @@ class Closure:
         if self.direction < 0:
             ends = loop.inverse(ends[1]), loop.inverse(ends[0])
         else:
+            # Towards the hand the loop is closed over T^-1.
             features = inverse_features(features)
         between = loop.settle(loop.carried(self.dropped).linear(features))
         return loop.product(self.action(loop, ends[0]), between, self.action(loop, ends[1]), forms)

@@ -85,6 +85,7 @@ def _random_pose(loop: Loop, given: Sequence[int], seed: int) -> tuple[Loop, Arr
     draw, prime = random.Random(seed + 1), loop.prime
     motions = []
     for turns in loop.revolute:
+        # A rational point of the circle: cosine and sine of the angle whose half has the tangent t.
         t = draw.randrange(2, prime - 1)
         scale = pow(1 + t * t, -1, prime)
         pair = [np.array(x % prime, dtype=object) for x in ((1 - t * t) * scale, 2 * t * scale)]
@@ -126,6 +127,7 @@ class _System:
         stacked = []
         for way in closures(loop):
             if way.unknowns == elimination.unknowns:
+                # All ways around the loop with the same unknowns, not only those that the elimination takes.
                 part = way.eliminated_part(loop)
                 left = self._left_null(part.reshape(*part.shape[-2:]))
                 forms = way.unknown_part(loop, pose_features(pose))[0]
@@ -151,6 +153,7 @@ class _System:
             return rows.reshape(count, 3, -1)
         own = self._powers(self.multiplied)
         factors = HALF if self.loop.revolute[self.multiplied] else POWERS[:, :own, : own + 1]
+        # Twice the factors, for those of half angles are halves.
         whole = np.vectorize(int, otypes=[object])(2 * factors)
         before = math.prod(self._powers(other) for other in self.others[: self.others.index(self.multiplied)])
         split = rows.reshape(count, 3, before, own, rows.size // (3 * own * count * before))
@@ -162,14 +165,17 @@ class _System:
         """(3, rows, columns): coefficients of powers of the half-angle tangent, or of the length."""
         fixed, one, two = rows[:, 0], rows[:, 1], rows[:, 2]
         if self.loop.revolute[self.hidden]:
+            # (1 + t^2) (1, c, s) = (1 + t^2, 1 - t^2, 2 t).
             fixed, one, two = fixed + one, 2 * two, fixed - one
         return self.loop.settle(np.stack([fixed, one, two]))
 
     def count(self) -> int:
         """The number of solutions, 0 where it is not decided."""
         columns, prime = self.coefficients.shape[2], self.prime
+        # Random combinations of all rows: one more than there are columns.
         mixer = [[self.draw.randrange(prime) for _ in range(self.coefficients.shape[1])] for _ in range(columns + 1)]
         mixed = self.loop.settle(np.array(mixer, dtype=object) @ self.coefficients)
+        # n - 1 of them and a random row: the last minors of these are a null vector v(t) of the n - 1.
         bordered = np.concatenate([mixed[:, : columns - 1], np.zeros((3, 1, columns), dtype=object)], axis=1)
         bordered[0, -1] = [self.draw.randrange(prime) for _ in range(columns)]
         vector = self._last_minors(bordered)
@@ -187,11 +193,13 @@ class _System:
     def _last_minors(self, matrix: Array) -> list[Any]:
         """Minors of all rows but the last, with signs: polynomials from their values at enough points."""
         size, prime = matrix.shape[1], self.prime
+        # Minors of n - 1 rows of degree 2 have degree 2 n - 2 at most: so many values determine them.
         points = list(range(1, 2 * size))
         values: list[list[int]] = [[] for _ in range(size)]
         unit = nmod_mat(size, 1, [0] * (size - 1) + [1], prime)
         for t in points:
             at = _flint(self.loop.settle(matrix[0] + t * matrix[1] + t * t * matrix[2]), prime)
+            # Cofactors of the last row are det M times the last column of its inverse.
             determinant = at.det()
             solved = at.solve(unit) if determinant != 0 else None
             for j in range(size):
@@ -207,6 +215,7 @@ class _System:
 
     def _solutions(self, g: Any, vector: list[Any]) -> int:
         """The number of roots of g at which the null vector is a vector of products."""
+        # Each root once; where the whole vector vanishes at one the null space is larger, and nothing is decided.
         g = g // g.gcd(g.derivative())
         zero = g
         for entry in vector:
@@ -216,6 +225,7 @@ class _System:
         entries = dict(zip(product(*map(range, self.shape)), (entry % g for entry in vector), strict=True))
         for relation in self._relations(entries):
             g = g.gcd(relation % g)
+        # Roots at which another joint is at infinity, where this is zero, are no solutions.
         size = self._size(entries)
         infinite = g.gcd(size % g)
         while infinite.degree() > 0:
@@ -232,6 +242,7 @@ class _System:
                 for key in keys
                 if not key[axis]
             ]
+            # Rank 1: all lines along an axis are parallel, 2 x 2 minors vanish.
             for line, other in pairwise(lines):
                 for j in range(1, len(line)):
                     yield line[0] * other[j] - line[j] * other[0]

@@ -121,6 +121,7 @@ class Equations:
     def of(cls, loop: Loop, reduction: Reduction, hidden: int) -> Equations:
         """The numbers of an arm."""
         m = reduction.equations
+        # Combinations in which the products of the eliminated joints cancel (Raghavan and Roth 1993).
         left = left_null(reduction.closure.eliminated_part(loop), m)
         none = np.zeros((*left.shape[:-2], 0, m))
         unit = np.broadcast_to(np.eye(m), (*left.shape[:-2], m, m))
@@ -129,13 +130,17 @@ class Equations:
         if reduction.closure.aligned != hidden:
             return cls(reduction, left, none, unit, none)
         closure = reduction.closure
+        # The equations are A + c P + s Q in the hidden joint: w P = w Q = 0 leaves rows of degree 0 in t.
         _, first, second = loop.joint_actions(loop.carried(closure.dropped), hidden, closure.direction)
         moved, moved_twice = left @ first, left @ second
         turns = loop.revolute[hidden]
         constant = left_null(np.concatenate([moved, moved_twice], axis=-1), reduction.constant)
+        # c P + s Q = z (P - iQ)/2 + conj: rows w with w (P - iQ) = 0 are of the first degree after times 1 + i t;
+        # orthogonal to those of degree 0, so that none counts twice.
         top = moved - 1j * moved_twice if turns else moved_twice
         free = left_null(np.concatenate([top, _adjoint(constant)], axis=-1), reduction.linear)
         taken = np.concatenate([constant, free.real, free.imag] if turns else [constant, free], axis=-2)
+        # What is orthogonal to both is of degree 2 and fills up to as many rows as there are equations.
         rest = left_null(_adjoint(taken), m - taken.shape[-2])
         return cls(reduction, left, constant, free, rest)
 
@@ -150,6 +155,7 @@ class Equations:
             (poses, rows of the degree, degree + 1, products) for each degree.
         """
         fixed, one, two = forms[:, :, 0], forms[:, :, 1], forms[:, :, 2]
+        # A slide is substituted projectively, so that its infinity is turned away from t = infinity:
         if not turns:  # d = (s + c t)/(c - s t)
             c, s = np.cos(0.5 * turn)[:, None, None], np.sin(0.5 * turn)[:, None, None]
             first = np.stack([self.linear @ part for part in (c * fixed + s * one, c * one - s * fixed)], axis=2)
@@ -157,6 +163,7 @@ class Equations:
             ends = c * c * fixed + c * s * one + s * s * two, s * s * fixed - c * s * one + c * c * two
             second = np.stack([self.rest @ part for part in (ends[0], middle, ends[1])], axis=2)
             return (self.constant @ fixed)[:, :, None], first, second
+        # cos and sin of the angle less the turn, then (1 + t^2) (c, s) = (1 - t^2, 2 t).
         c, s = np.cos(turn)[:, None, None], np.sin(turn)[:, None, None]
         one, two = one * c + two * s, two * c - one * s
         still, turned = self.linear @ fixed, self.linear @ one
@@ -185,6 +192,7 @@ class EigenProblem:
         factor = 1 if elimination.multiplied is None else 2
         counts = zip(elimination.rows, elimination.available(loop), strict=True)
         mixers = tuple(_mixer(kept, factor * count) for kept, count in counts)
+        # The coefficients are linear in the 35 features of a pose: one table for all poses of an arm.
         problem = cls(loop, elimination, equations, mixers)
         if any(gap.ndim > 2 for gap in loop.gaps):
             return problem
@@ -218,10 +226,12 @@ class EigenProblem:
     def _of_features(self, equations: Equations, features: Array) -> Array:
         elimination = self.elimination
         part = equations.reduction.closure.unknown_part(self.loop, features)
+        # Eliminate, then leave out squares of slides that occur in no equation: no column of M for them.
         part = (equations.combinations @ part.reshape(*part.shape[:2], -1)).reshape(len(part), -1, *part.shape[2:])
         for joint in elimination.straight:
             if joint != elimination.hidden:
                 part = part.take([0, 1], axis=2 + elimination.unknowns.index(joint))
+        # The hidden joint first; the products of the others become the columns of M.
         part = np.moveaxis(part, 2 + elimination.unknowns.index(elimination.hidden), 2)
         return part.reshape(*part.shape[:3], -1)
 
@@ -258,6 +268,7 @@ class EigenProblem:
             return rows
         own = self.powers(joint)
         before = math.prod(self.powers(other) for other in self.others[: self.others.index(joint)])
+        # Axes: pose, row, power of t, joints before, the multiplied joint, joints after.
         split = rows.reshape(n, count, powers, before, own, rows.shape[3] // (own * before))
         factors = HALF if self.loop.revolute[joint] else POWERS[:, :own, : own + 1]
         product: Array = np.einsum("nrpxay,kae->nrkpxey", split, factors)
@@ -279,6 +290,7 @@ class EigenProblem:
             turn = np.full(count, 0.3 * turns + 2.0 * math.pi * k / POLICY.turns)
             rows = self.matrices(forms, turn)
             rows = tuple(part / _norm(part) for part in rows)  # type: ignore[assignment]
+            # M is inverted at t = infinity: of several turns the one is kept at which it is farthest from singular.
             leading = np.concatenate([part[:, :, -1] for part in rows], axis=1)
             inverse, size = _inverse(leading)
             if not best:
@@ -288,6 +300,7 @@ class EigenProblem:
             for old, new in zip(best, (size, turn, inverse, *rows), strict=True):
                 old[better] = new[better]
         size, turn, inverse, _, first, second = best
+        # A polynomial eigenvalue problem made linear (Manocha and Canny 1994, section V); v follows from H v = x.
         values, vectors = np.linalg.eig(_companion(first, second, inverse))
         n1, n2 = first.shape[1], second.shape[1]
         shift = inverse.shape[-1] - n1 - n2
@@ -297,9 +310,11 @@ class EigenProblem:
 def _companion(first: Array, second: Array, inverse: Array) -> Array:
     """The matrix whose eigenvalues are t, x = H v with the leading rows H: (x1, x2, t x2), by degree of rows."""
     n1, n2 = first.shape[1], second.shape[1]
+    # Rows of degree 0 hold at every t: x has no component along them, and their columns are left out.
     columns = inverse[:, :, inverse.shape[-1] - n1 - n2 :]
     low, lowest, middle = first[:, :, 0] @ columns, second[:, :, 0] @ columns, second[:, :, 1] @ columns
     result = np.zeros((len(first), n1 + 2 * n2, n1 + 2 * n2))
+    # t x1 = -L0 x,  t x2 = (t x2),  t (t x2) = -Q0 x - Q1 (t x2) with t x1 put in.
     result[:, :n1, : n1 + n2] = -low
     result[:, n1 : n1 + n2, n1 + n2 :] = np.eye(n2)
     result[:, n1 + n2 :, : n1 + n2] = middle[:, :, :n1] @ low - lowest

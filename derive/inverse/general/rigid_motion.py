@@ -44,6 +44,7 @@ solutions that are alone are found at a singular pose from those of the poses wh
 def pose_features(frame: Array) -> Array:
     """The numbers 1, R, t, R^T t, t.t, t x R, (t.t) R - 2 t (R^T t)^T of a rigid motion x -> R x + t."""
     rotation, shift = frame[..., :3, :3], frame[..., :3, 3]
+    # R^T t, t.t, and row by row t x R.
     projected = (shift[..., None, :] @ rotation)[..., 0, :]
     square = (shift * shift).sum(axis=-1, keepdims=True)
     y, z = [1, 2, 0], [2, 0, 1]
@@ -72,6 +73,7 @@ def axis_action(features: Array) -> Array:
     one, shift, projected, square = features[..., 0], features[..., 10:13], features[..., 13:16], features[..., 16]
     rotation, crossed, mirrored = _matrices(features)
     result = np.zeros((*features.shape[:-1], 15, 15), dtype=features.dtype)
+    # l, p, p x l and (p.p) l - 2 (p.l) p turn with R; 1, p.p and p.l are taken over.
     for start in (1, 4, 9, 12):
         result[..., start : start + 3, start : start + 3] = rotation
     for place in (0, 7, 8):
@@ -87,6 +89,7 @@ def frame_action(features: Array) -> Array:
     """How a rigid motion maps the fifteen numbers of a frame that may slide along its z axis."""
     rotation, crossed, _ = _matrices(features)
     result = np.zeros((*features.shape[:-1], 15, 15), dtype=features.dtype)
+    # x, y, z and p x z turn with R; 1, p.x and p.y are taken over, and the shift adds t.x and t.y.
     for start in (1, 4, 7, 12):
         result[..., start : start + 3, start : start + 3] = rotation
     for place in (0, 10, 11):

@@ -57,6 +57,7 @@ class GeneralSolution:
         Returns:
             (poses, k, n), those that exist first and NaN after them; k is the largest number of solutions met.
         """
+        # By eliminations; then from poses a little beside; where still none is found by damped steps from anywhere.
         q, open_ = self._eliminated(chain, poses, given)
         chosen = None if given is None else given[open_]
         for which in range(len(BESIDE)):
@@ -86,6 +87,7 @@ class GeneralSolution:
         place, branch = np.nonzero(np.isfinite(found[..., 0]))
         goal = Problem(chain, poses[place], self.entries, np.isin(np.arange(chain.n), self.given, invert=True))
         q, residual = _newton(goal, found[place, branch], POLICY.approach)
+        # A solution stands alone where the Jacobian has full column rank; others are of a self-motion.
         alone = np.linalg.svd(goal.errors(q)[1], compute_uv=False)[..., -1] > POLICY.alone
         good = alone & (residual <= POLICY.residual)
         return _table(place[good], q[good], len(poses))
@@ -127,6 +129,7 @@ class GeneralSolution:
         doubtful |= numbers == 0
         # where a start was lucky M is inexact, and others may have had no luck
         doubtful[place[np.where(good, first >= POLICY.rough, first < POLICY.near)]] = True
+        # Complex solutions come in conjugate pairs: an odd number of real ones says that one is missing.
         if goal.free.sum() == FULL[self.entries]:
             doubtful |= numbers % 2 == 1
         return Attempt(distinct, doubtful, certain, float(np.quantile(first[good], 0.9)) if good.any() else math.inf)
@@ -147,6 +150,7 @@ class GeneralSolution:
         found = candidates(problem, pose, real)
         values = finished(problem, found, pose)
         q = np.empty((len(values.place), chain.n))
+        # From the loop's order, sense and unit of length to those of the arm.
         own = np.roll(values.joints, elimination.start, axis=1)[:, : len(free)]
         q[:, free] = own * chain.sign[free] * np.where(chain.revolute[free], 1.0, unit)
         if given is not None:
@@ -218,6 +222,7 @@ def _newton(problem: Problem, q: Array, steps: int) -> tuple[Array, Array]:
     unit = np.eye(slope.shape[-1])
     for _ in range(steps):
         at = np.swapaxes(slope, -1, -2)
+        # Levenberg and Marquardt: (J^T J + w 1) step = -J^T e, with less damping the smaller the error is.
         weight = np.maximum(damping, 1e-13 + 1e-2 * np.minimum(cost, 1.0))
         step = -np.linalg.solve(at @ slope + weight[:, None, None] * unit, at @ error[..., None])[..., 0]
         tried = problem.moved(q, step)
@@ -256,6 +261,7 @@ def _placed(table: Array, rows: Array, new: Array) -> Array:
 def _distinct(table: Array, chain: NumericChain, given: tuple[int, ...]) -> Array:
     """Angles in (-pi, pi], but for those of joints that are given; each solution once, NaN after them."""
     turning = chain.revolute & ~np.isin(np.arange(chain.n), given)
+    # Into (-pi, pi], then the largest difference of a joint, the short way around.
     turned = np.where(turning, table - 2.0 * math.pi * np.ceil((table - math.pi) / (2.0 * math.pi)), table)
     apart = np.abs(turned[:, :, None] - turned[:, None])
     apart = np.where(chain.revolute, np.minimum(apart, 2.0 * math.pi - apart), apart / chain.reach)
@@ -269,7 +275,7 @@ def _distinct(table: Array, chain: NumericChain, given: tuple[int, ...]) -> Arra
 
 @dataclass(frozen=True, eq=False)
 class GeneralFormula:
-    """What a general node solves (`derive.inverse.closed.nodes.Formula.payload`): all joints that are not given."""
+    """What a general node solves (`derive.inverse.closed.nodes.NodeFormula.payload`): all joints that are not given."""
 
     robot: Robot  # the arm, its joint variables the unknowns of the graph
     solution: GeneralSolution  # its eliminations

@@ -83,6 +83,7 @@ class NumericChain:
             axes.append(self.sign[i] * axis)
             places.append(place)
         pose = pose @ self.tool
+        # dR/dq = [z]x R and dp/dq = z x (p - o); of a slide 0 and z (Siciliano et al., section 3.1.3).
         z, o = np.stack(axes, axis=-2), np.stack(places, axis=-2)
         turning = self.revolute[:, None]
         rotation = _cross_matrix(z * turning) @ pose[..., None, :3, :3]

@@ -68,6 +68,7 @@ def polish(problem: Problem, q: Array, steps: int = POLICY.polish) -> tuple[Arra
     error, slope = problem.errors(q)
     best = np.linalg.norm(error, axis=-1)
     for _ in range(steps):
+        # Gauss and Newton by the pseudoinverse: the shortest step where the Jacobian loses rank.
         step = -np.einsum("...ij,...j->...i", np.linalg.pinv(slope, rcond=POLICY.rank), error)
         candidate = problem.moved(q, step)
         new_error, new_slope = problem.errors(candidate)
@@ -95,6 +96,7 @@ def fit(problem: Problem, q: Array, steps: int = POLICY.steps) -> tuple[Array, A
         if not moving.size:
             break
         part = problem if problem.poses.ndim == 2 else replace(problem, poses=problem.poses[moving])
+        # (J^T J + damping 1) step = -J^T e for all starts that have not arrived.
         at = np.swapaxes(slope[moving], -1, -2)
         normal = at @ slope[moving] + damping[moving, None, None] * unit
         step = -np.linalg.solve(normal, at @ error[moving, :, None])[..., 0]
@@ -103,6 +105,7 @@ def fit(problem: Problem, q: Array, steps: int = POLICY.steps) -> tuple[Array, A
         new_cost = (new_error**2).sum(axis=-1)
         better = new_cost < cost[moving]
         resting[moving] = np.where(better, 0, resting[moving] + 1)
+        # Less damping after a success; after failures in a row more, faster and faster.
         damping[moving] = np.clip(damping[moving] * np.where(better, 0.15, 2.0 ** resting[moving]), 1e-13, 1e6)
         kept = moving[better]
         q[kept], error[kept], slope[kept], cost[kept] = (
@@ -212,6 +215,7 @@ def _brought_near(problem: Problem, q: Array, near: Array) -> tuple[Array, Statu
     moving = np.zeros(problem.chain.n, dtype=bool)
     while problem.free.any():
         _, slope = problem.errors(q)
+        # Joints with a share in the null space of J may move while the pose stays; tried with a real step.
         null = _null_space(slope)
         share = np.linalg.norm(null, axis=1) if null.size else np.zeros(slope.shape[-1])
         tried = np.flatnonzero(problem.free)[share > 0.1 * share.max(initial=1e-3)]
@@ -290,6 +294,7 @@ class _Found:
         values = np.linalg.svd(slope, compute_uv=False)
         full = slope.shape[0] >= slope.shape[1]
         smallest = float(values.min(initial=1.0)) if full else 0.0
+        # Full column rank: the solution is isolated, and known to rounding over the smallest singular value.
         regular = smallest > POLICY.rank * max(1.0, values.max(initial=0.0))
         status, free, apart = Status.EXACT, np.zeros(len(q), dtype=bool), max(POLICY.apart, 1e-13 / max(smallest, 1e-8))
         if not regular:

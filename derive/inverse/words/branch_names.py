@@ -127,6 +127,7 @@ class Shape:
         if not self.shoulder:
             return None
         first, second = arm.axes[:2]
+        # The side of axis 1 on which the wrist is: the offset along axis 2, seen outwards.
         reach = self._centre(arm) - arm.points[0]
         outwards = reach - (reach @ first) * first
         left = _cross(first, outwards) @ second
@@ -143,6 +144,7 @@ class Shape:
             hand = arm.points[following]
         else:
             hand = self._centre(arm)
+        # In the plane across the elbow's axis: is the elbow above the line from shoulder to hand?
         line, bend = (v - (v @ axis) * axis for v in (hand - shoulder, elbow - shoulder))
         side = float(_cross(line, bend) @ axis)
         if self._planar:  # as an arm is drawn that reaches to the right

@@ -18,8 +18,8 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind as Generator
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.graph import Node, SolutionGraph
-from derive.inverse.closed.nodes import Equation, Formula, Kind, Source, Unknown
-from derive.inverse.words.elementary import Line, Linear, Scribe, Solved, is_negative, minus_signs, usual
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
+from derive.inverse.words.elementary import Linear, PrintedLine, Scribe, Solved, is_negative, minus_signs, usual
 from derive.inverse.words.origins import Origin, origin
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr
@@ -52,13 +52,13 @@ class PrintedEquation:
 
 
 @dataclass(frozen=True)
-class Step:
+class PrintedStep:
     """How one unknown is found."""
 
     unknown: Expr  # a joint variable, or a sum of them
-    kind: Kind  # the elementary type
+    kind: NodeKind  # the elementary type
     equations: tuple[PrintedEquation, ...]  # what is solved
-    lines: tuple[Line, ...]  # the formulas, the unknown last; none where there is no formula
+    lines: tuple[PrintedLine, ...]  # the formulas, the unknown last; none where there is no formula
     branches: int  # how many values it has for given ones before
     exists: Expr  # when it has any; SymPy's true where always
     fails: tuple[Expr, ...]  # what vanishes where these equations do not determine it; empty where they always do
@@ -68,7 +68,7 @@ class Step:
     joints: tuple[int, ...]  # the joints of the unknown, from 0
 
 
-class Derivation:
+class PrintedDerivation:
     """The lines of one graph, step by step.
 
     Attributes:
@@ -97,7 +97,7 @@ class Derivation:
         for name, p in graph.definitions:
             image = self._composed(p)
             if name in within:
-                self._scribe.lines.append(Line(sympy.Symbol(within[name]), self._write(image)))
+                self._scribe.lines.append(PrintedLine(sympy.Symbol(within[name]), self._write(image)))
                 image = self._domain.ring.generator(within[name])
             self._images[name] = image
         self.definitions = tuple(self._scribe.lines)
@@ -161,14 +161,14 @@ class Derivation:
                 letters = ((f"{stem}{labels}",) if added else ()) + ("alpha", "phi", "psi")
                 yield self._symbol(unknown), sympy.Symbol(self._scribe.name(letters, labels))
 
-    def _steps(self, node: Node) -> Iterator[Step]:
+    def _steps(self, node: Node) -> Iterator[PrintedStep]:
         formula = node.formulas[0]
         for unknown in node.unknowns:
             symbol = self._named(unknown)
             first = len(self._scribe.lines)
             solved: Solved | None = None
             equations: tuple[PrintedEquation, ...] = ()
-            if formula.kind is Kind.SUM:
+            if formula.kind is NodeKind.SUM:
                 solved = Solved(sympy.Add(*(sign * self._named(part) for part, sign in formula.parts)))
             elif formula.equations and unknown is node.unknown:
                 printed = [self._equation(unknown, equation) for equation in formula.equations]
@@ -176,28 +176,28 @@ class Derivation:
                 equations = tuple(equation for equation, _ in printed)
                 solved = self._solved(formula.kind, symbol, self._label(unknown), [values for _, values in printed])
             if solved is not None:
-                self._scribe.lines.append(Line(symbol, solved.value))
+                self._scribe.lines.append(PrintedLine(symbol, solved.value))
                 self._scribe.sums.update({total: name for total, name in self.sums.items() if name == symbol})
             lines = tuple(self._scribe.lines[first:])
             fails, free = self._free(node.formulas[:1]), self._free(node.formulas)
             others = node.formulas[1:] if fails and len(self._lost(formula)) == 1 else ()
             instead = tuple(tuple(self._equation(unknown, e)[0] for e in other.equations) for other in others)
             exists = solved.exists if solved else sympy.true
-            yield Step(
+            yield PrintedStep(
                 symbol, formula.kind, equations, lines, node.branches, exists, fails, instead, free, unknown.joints
             )
 
-    def _solved(self, kind: Kind, symbol: Expr, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
+    def _solved(self, kind: NodeKind, symbol: Expr, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
         match kind:
-            case Kind.TYPE_2:
+            case NodeKind.TYPE_2:
                 return self._scribe.one_equation(label, _three(values[0]))
-            case Kind.TYPE_3:
+            case NodeKind.TYPE_3:
                 return Solved(self._scribe.two_equations(symbol, label, _three(values[0]), _three(values[1])))
-            case Kind.TYPE_1 | Kind.QUADRATIC:
+            case NodeKind.TYPE_1 | NodeKind.QUADRATIC:
                 return self._scribe.length(label, _three(values[0]))
         return None
 
-    def _free(self, formulas: Sequence[Formula]) -> tuple[Expr, ...]:
+    def _free(self, formulas: Sequence[NodeFormula]) -> tuple[Expr, ...]:
         """What vanishes where no formula determines its unknown; nothing where one always does."""
         found: dict[Expr, None] = {}
         for formula in formulas:
@@ -211,15 +211,15 @@ class Derivation:
             return ()
         return tuple(sorted(found, key=lambda e: (e.count_ops(), str(e))))
 
-    def _lost(self, formula: Formula) -> list[tuple[Polynomial, ...]]:
+    def _lost(self, formula: NodeFormula) -> list[tuple[Polynomial, ...]]:
         """The polynomials at whose common zeros a formula does not determine its unknown, in several ways to say it.
 
         Where of two equations one is the other turned by a right angle, these are the coefficients of one, or what
         stands on the right of both, which then vanish too.
         """
-        if formula.kind is Kind.TYPE_2:  # 0 = C is no equation for the unknown only where C vanishes, too
+        if formula.kind is NodeKind.TYPE_2:  # 0 = C is no equation for the unknown only where C vanishes, too
             return [tuple(p for p in formula.equations[0].linear if p)]
-        if formula.kind is not Kind.TYPE_3:
+        if formula.kind is not NodeKind.TYPE_3:
             return [formula.degenerate]
         (a, b, c), (d, e, g) = (equation.linear for equation in formula.equations)
         if not b or not a or not ((e == a and d == -b) or (e == -a and d == b)):
@@ -255,7 +255,7 @@ class Derivation:
         signed = zip(unknown.joints, unknown.signs, strict=True)
         return add(*(multiply(Number(Fraction(sign)), self._graph.shifts[j]) for j, sign in signed))
 
-    def _equation(self, unknown: Unknown, equation: Equation) -> tuple[PrintedEquation, tuple[Polynomial, ...]]:
+    def _equation(self, unknown: Unknown, equation: NodeEquation) -> tuple[PrintedEquation, tuple[Polynomial, ...]]:
         """An equation in the variable itself, and its coefficients: of cosine, sine and 1, or of r^2, r and 1.
 
         The last one stands on the right of an equation of an angle.
@@ -311,7 +311,7 @@ class Derivation:
         generators = zip(self._domain.generators, exponents, strict=True)
         return any(exponent and g.name in self._pose_names for g, exponent in generators)
 
-    def _origins(self, source: Source) -> tuple[Origin, ...]:
+    def _origins(self, source: Provenance) -> tuple[Origin, ...]:
         sources = (source, source.also) if source.also else (source,)
         graph = self._graph
         return tuple(origin(self._robot, each, to_end=graph.to_end, from_base=graph.from_base) for each in sources)
@@ -323,7 +323,9 @@ class Derivation:
         c, s = self._domain.cosine_sine(angle)
         return self._write(a * c + b * s)
 
-    def _second_degree(self, equation: Equation, cosine: Expr, sine: Expr, turn: tuple[Polynomial, Polynomial]) -> Expr:
+    def _second_degree(
+        self, equation: NodeEquation, cosine: Expr, sine: Expr, turn: tuple[Polynomial, Polynomial]
+    ) -> Expr:
         """A polynomial in cosine and sine, turned back by the shift."""
         c, s = (self._write(p) for p in turn)
         of = (c * cosine - s * sine, s * cosine + c * sine)
@@ -332,7 +334,7 @@ class Derivation:
         )
         return sympy.Add(*terms)
 
-    def _condition(self, equation: Equation) -> PrintedEquation:
+    def _condition(self, equation: NodeEquation) -> PrintedEquation:
         """``r33 = -1``, ``r12 = r21``: what holds nothing of the pose stands on the right, or one of two terms."""
         p = self._composed(equation.coefficient(*(0,) * len(next(iter(equation.terms)))))
         whole = self._positive(p)

@@ -28,7 +28,7 @@ class Sign(sympy.Symbol):  # type: ignore[misc]
 
 
 @dataclass(frozen=True)
-class Line:
+class PrintedLine:
     """One line of a solution: ``symbol = value``."""
 
     symbol: Expr  # a named quantity, a joint variable, a sum of them, or the sine or cosine of one
@@ -67,7 +67,7 @@ class Scribe:
     write: Write  # writes a polynomial
     taken: set[str]  # names that are in use: those of the robot, of the pose, and what has been named
     moves: Callable[[Polynomial], bool]  # whether a polynomial holds more than parameters
-    lines: list[Line] = field(default_factory=list)  # the lines so far
+    lines: list[PrintedLine] = field(default_factory=list)  # the lines so far
     sums: dict[Expr, Expr] = field(default_factory=dict)  # names of the sums of angles that have been found
 
     def name(self, letters: Iterable[str], label: str = "") -> str:
@@ -88,7 +88,7 @@ class Scribe:
         if operations(value) <= longest:
             return value
         symbol = sympy.Symbol(self.name(letters, label))
-        self.lines.append(Line(symbol, value))
+        self.lines.append(PrintedLine(symbol, value))
         return symbol
 
     def ratio(self, above: Polynomial, below: Polynomial) -> Expr:
@@ -121,6 +121,7 @@ class Scribe:
         """
         a, minus_b, c = self.simplest((equation[0], -equation[1], equation[2]))
         sign = self.sign(label)
+        # A cos + B sin = 0: atan2(+-A, -+B).
         if not c:
             return Solved(_atan2(sign * self.write(a), sign * self.write(minus_b)))
         if not a or not minus_b:
@@ -128,6 +129,7 @@ class Scribe:
             root = sign * sympy.sqrt(1 - known**2)
             return Solved(_atan2(root, known) if a else _atan2(known, root), sympy.Abs(known) <= 1)
         a, minus_b, common = self._common(a, minus_b)
+        # A cos + B sin = K: the angle of (-B, A) less atan2(K, +-sqrt(A^2 + B^2 - K^2)) (Craig, section 4.7).
         along = self.named(self.ratio(c, common), ("K", "k", "L"), label)
         square, (y, x) = self.write(a * a + minus_b * minus_b), (self.write(a), self.write(minus_b))
         if operations(square) > LONGEST_ARGUMENTS:
@@ -163,6 +165,7 @@ class Scribe:
             return self._quotients(unknown, label, (g, e), (c, a))
         if not a and not e:
             return self._quotients(unknown, label, (c, b), (g, d))
+        # Cramer's rule; a divisor that is a sum of squares drops out of the atan2.
         determinant = a * e - b * d
         above = (a * g - c * d, c * e - b * g)
         if (e == a and d == -b) or (e == -a and d == b):
@@ -199,7 +202,7 @@ class Scribe:
             return _atan2(*values)
         if exact:
             names = (sympy.sin(unknown), sympy.cos(unknown))
-            self.lines += [Line(name, value) for name, value in zip(names, values, strict=True)]
+            self.lines += [PrintedLine(name, value) for name, value in zip(names, values, strict=True)]
             return sympy.atan2(*names, evaluate=False)
         else:
             values = [

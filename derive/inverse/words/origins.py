@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from derive.algebra.angles import decompose
-from derive.inverse.closed.nodes import Source
+from derive.inverse.closed.nodes import Provenance
 from derive.robot.description import Convention, Joint
 from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
 
 
-class Form(StrEnum):
+class OriginForm(StrEnum):
     """What is made of the entries."""
 
     ENTRY = "entry"  # one entry of the product
@@ -33,7 +33,7 @@ class Form(StrEnum):
 class Origin:
     """Where an equation comes from."""
 
-    form: Form  # what is made of the entries
+    form: OriginForm  # what is made of the entries
     first: int  # first matrix of the product A_first ... A_last, or the first of two axes, from 1
     last: int  # the last one; one less than the first where nothing is left of it
     entries: tuple[tuple[int, ...], ...]  # rows and columns, from 1; of a component its number alone
@@ -43,7 +43,7 @@ class Origin:
     has_tool: bool = False  # whether it ends with the tool
 
 
-def origin(robot: Robot, source: Source, *, to_end: bool, from_base: bool = False) -> Origin:
+def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = False) -> Origin:
     """The origin of an equation."""
     name, places = source.entry, tuple(map(int, re.findall(r"\d", source.entry)))
     in_world = from_base and source.first == 1
@@ -51,7 +51,7 @@ def origin(robot: Robot, source: Source, *, to_end: bool, from_base: bool = Fals
         case "R":
             found = _rotation(robot, source, places, to_end, in_world)
         case "m" | "k":
-            found = Origin(Form.MOMENT, source.first, source.last, (places,))
+            found = Origin(OriginForm.MOMENT, source.first, source.last, (places,))
         case "p":
             found = _position(robot, source, places, to_end, in_world)
         case _:
@@ -59,7 +59,7 @@ def origin(robot: Robot, source: Source, *, to_end: bool, from_base: bool = Fals
     return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)
 
 
-def _rotation(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
+def _rotation(robot: Robot, source: Provenance, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
     row, column = places
     standard = robot.convention is Convention.STANDARD
     if standard and not (to_end and source.last == robot.n):
@@ -67,11 +67,11 @@ def _rotation(robot: Robot, source: Source, places: tuple[int, ...], to_end: boo
     elif not standard and not in_world:
         row = _turned(robot.joints[source.first - 1].alpha, row)
     if row and column:
-        return Origin(Form.ENTRY, source.first, source.last, ((row, column),))
-    return Origin(Form.DIRECTIONS, source.first, source.last, (places,))
+        return Origin(OriginForm.ENTRY, source.first, source.last, ((row, column),))
+    return Origin(OriginForm.DIRECTIONS, source.first, source.last, (places,))
 
 
-def _position(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
+def _position(robot: Robot, source: Provenance, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
     """Of the position at which M ends, seen from where it begins."""
     first, standard = source.first, robot.convention is Convention.STANDARD
     last = _end(robot, source, to_end, along=places == (3,))
@@ -84,12 +84,12 @@ def _position(robot: Robot, source: Source, places: tuple[int, ...], to_end: boo
         exact &= start.a == ZERO or (not squares and source.entry != "p.xy")
         rows = tuple(_turned(start.alpha, row) for row in rows)
     if not exact or not all(rows) or last is None:
-        form = Form.COMPONENT if places else Form.DISTANCE
+        form = OriginForm.COMPONENT if places else OriginForm.DISTANCE
         return Origin(form, first, source.last, (places,))
-    return Origin(Form.ENTRY if places else Form.SQUARES, first, last, tuple((row, 4) for row in rows))
+    return Origin(OriginForm.ENTRY if places else OriginForm.SQUARES, first, last, tuple((row, 4) for row in rows))
 
 
-def _end(robot: Robot, source: Source, to_end: bool, *, along: bool) -> int | None:
+def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int | None:
     """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added.
 
     Along the axis of a single joint its own length a adds nothing.
@@ -111,7 +111,7 @@ def _end(robot: Robot, source: Source, to_end: bool, *, along: bool) -> int | No
     return last
 
 
-def _back(robot: Robot, source: Source, places: tuple[int, ...], in_world: bool) -> Origin:
+def _back(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: bool) -> Origin:
     """Of the position at which M begins, seen from where it ends."""
     first, last, standard = source.first, source.last, robot.convention is Convention.STANDARD
     begin, end = robot.joints[first - 1], robot.joints[last - 1]
@@ -123,8 +123,10 @@ def _back(robot: Robot, source: Source, places: tuple[int, ...], in_world: bool)
     else:
         exact = not cuts_off and (begin.a == ZERO or in_world)
     if not exact or not all(rows):
-        return Origin(Form.COMPONENT if places else Form.DISTANCE, first, last, (places,), inverse=True)
-    return Origin(Form.ENTRY if places else Form.SQUARES, first, last, tuple((row, 4) for row in rows), inverse=True)
+        return Origin(OriginForm.COMPONENT if places else OriginForm.DISTANCE, first, last, (places,), inverse=True)
+    return Origin(
+        OriginForm.ENTRY if places else OriginForm.SQUARES, first, last, tuple((row, 4) for row in rows), inverse=True
+    )
 
 
 def _adds_nothing(joint: Joint) -> bool:

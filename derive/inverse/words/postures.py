@@ -18,12 +18,11 @@ import numpy as np
 
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.words.branch_names import Shape, Vector, branch_names, placed
 from derive.mechanics.chain import Chain, build_chain
-from derive.mechanics.floats import FloatDomain
+from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.forward_kinematics import forward_kinematics
-from derive.robot.description import Joint
 from derive.robot.evaluate import Values, parameter_values, to_float
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
@@ -81,7 +80,7 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
         [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
         for row, place in zip(end.rotation, end.position, strict=True)
     ]
-    run: Run[Any, Any] = Run(graph, FloatField(known), rows, [q[k] for k in graph.given])
+    run: GraphWalk[Any, Any] = GraphWalk(graph, FloatField(known), rows, [q[k] for k in graph.given])
     branches = []
     with np.errstate(all="ignore"):  # where a branch does not exist its numbers are any
         for leaf in run.leaves():
@@ -108,16 +107,7 @@ def _names(robot: Robot, known: Values, q: Vector, branches: Sequence[Vector]) -
 def _chain(robot: Robot, known: Values, q: Vector) -> Chain[Any]:
     """The arm at many configurations."""
     bare = replace(robot, links=(), gravity=None)
-    return build_chain(bare, _Arrays(bare, list(q), known))
-
-
-class _Arrays(FloatDomain):
-    """The joint variables are arrays of floats, one entry for each configuration."""
-
-    def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosines and sines of the angles of a revolute joint."""
-        value = joint.sign * self.q[index] + self.constant(joint.theta)
-        return np.cos(value), np.sin(value)
+    return build_chain(bare, ArrayDomain(bare, list(q), known))
 
 
 def _up(robot: Robot) -> Vector | None:

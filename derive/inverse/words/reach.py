@@ -21,11 +21,11 @@ import mpmath
 import numpy as np
 import sympy
 
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import Freedom
 from derive.inverse.numeric.chain import Array
 from derive.inverse.numeric.in_numbers import Numbers, array_value, parameter_numbers
-from derive.inverse.words.elementary import Line, is_negative
+from derive.inverse.words.elementary import PrintedLine, is_negative
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.point import DIGITS, value_of, written
 from derive.lecture.sympy_conversion import Expr
@@ -67,7 +67,7 @@ class Reach:
     inverse: InverseKinematics  # the inverse kinematics that it is read off: of the position, for arms of few joints
     bounds: tuple[Bound, ...]  # what has to hold, all of it
     # Lines that say what the bounds are about: ``wx = px - d6*r13``, and distances with their signs.
-    names: tuple[Line, ...]
+    names: tuple[PrintedLine, ...]
     # Unknowns that are real under conditions that depend on the orientation, or on other joints.
     others: tuple[Expr, ...]
     is_flat: bool  # whether the end effector stays in a plane
@@ -151,22 +151,22 @@ class _Reading:
         bounds, others = [], []
         for node, step in zip(self._nodes, self._found.steps, strict=True):
             formula = node.formulas[0]
-            if formula.kind in (Kind.CONIC, Kind.GENERAL):
+            if formula.kind in (NodeKind.CONIC, NodeKind.GENERAL):
                 others.append(step.unknown)
-            if formula.kind is Kind.QUADRATIC:
+            if formula.kind is NodeKind.QUADRATIC:
                 a, b, c = (self._written(formula.equations[0].coefficient(k)) for k in (2, 1, 0))
                 sides = (sympy.expand(b**2 - 4 * a * c), sympy.S.Zero)
-            elif formula.kind is Kind.TYPE_2:
+            elif formula.kind is NodeKind.TYPE_2:
                 a, b, right = (self._written(p) for p in formula.equations[0].linear)
                 sides = (sympy.expand(a**2 + b**2), right)
             else:
                 continue
-            if sides[1] != 0 or formula.kind is Kind.QUADRATIC:
+            if sides[1] != 0 or formula.kind is NodeKind.QUADRATIC:
                 bound = self._bound(step.unknown, *map(self._without_turns, sides))
                 bounds += [] if bound is None else [bound]
                 if bound is None and self._moves(sides):
                     others.append(step.unknown)
-            if formula.kind is Kind.TYPE_2 and len(node.unknown.joints) == 1:
+            if formula.kind is NodeKind.TYPE_2 and len(node.unknown.joints) == 1:
                 self._remember(node.unknown.joints[0], a, b, right, node.unknown.generators)
         bounds = self._outwards(bounds)
         used = set[Expr]().union(*(bound.quantity.free_symbols for bound in bounds))
@@ -204,13 +204,14 @@ class _Reading:
         name = next(name for name in ("rho", "u", *(f"rho_{k}" for k in range(9))) if name not in letters)
         u, sign = sympy.Symbol(name), self._sign(joint)
         scale = abs(first[0])
+        # (first, second) turned back by the angle: d/scale across the arm, u along it.
         put_in = {
             first[1]: (right / scale * cosine - u * sine) * scale / first[0],
             second[1]: (right / scale * sine + u * cosine) * scale / second[0],
         }
         square = sympy.expand(first[1] ** 2 + second[1] ** 2 - (right / scale) ** 2)
         self._turned.append((put_in, cosine, sine))
-        self._names.append(Line(u, sign * sympy.sqrt(square)))
+        self._names.append(PrintedLine(u, sign * sympy.sqrt(square)))
         self._places.add(u)
         self._pose.add(u)
         self._signed.append(u)
@@ -266,6 +267,7 @@ class _Reading:
 
     def _squares(self, e: Expr) -> tuple[Expr, Expr, Expr]:
         """(quantity, rest, scale) of an expression scale*(quantity + rest); squares are completed."""
+        # x^2 + b x = (x + b/2)^2 - b^2/4 for every coordinate with a plain square.
         places = sorted(self._places & e.free_symbols, key=str)
         p = sympy.Poly(e, *places)
         squares = [p.coeff_monomial(x**2) for x in places]
@@ -296,6 +298,7 @@ class _Reading:
         if not (middle.free_symbols | square.free_symbols):
             return middle - sympy.sqrt(square), middle + sympy.sqrt(square)
         factors = sympy.factor_list(square / 4)
+        # middle -+ 2 x sqrt(y) = (x -+ sqrt(y))^2 + rest: of all square divisors x^2 the one with the shortest rest.
         ways: list[tuple[int, int, Expr, Expr, Expr]] = []
         for powers in product(*(range(power // 2 + 1) for _, power in factors[1])):
             x = sympy.Mul(*(base**k for (base, _), k in zip(factors[1], powers, strict=True)))

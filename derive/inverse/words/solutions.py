@@ -17,12 +17,12 @@ from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
 from derive.inverse.words.branch_names import Vector
-from derive.inverse.words.derivation import Derivation, PrintedEquation, Step
-from derive.inverse.words.elementary import Line, Sign
+from derive.inverse.words.derivation import PrintedDerivation, PrintedEquation, PrintedStep
+from derive.inverse.words.elementary import PrintedLine, Sign
 from derive.inverse.words.postures import postures
 from derive.lecture.matrices import aligned_latex
 from derive.lecture.point import DIGITS, value_of, written
@@ -46,7 +46,7 @@ class Solution:
 
     name: str  # ``shoulder right, elbow up``; ``#3`` where words do not tell the third one from others
     signs: Mapping[Sign, int]  # the choices that lead to it
-    lines: tuple[Line, ...]  # the formulas with these choices, in order
+    lines: tuple[PrintedLine, ...]  # the formulas with these choices, in order
     joints: Mapping[Expr, Expr]  # the joint variables, in what the lines name
 
     @cached_property
@@ -113,7 +113,7 @@ class InverseKinematics:
         self.graph, self.robot = graph, robot
         self._origin = (robot, style, *asked)
         self._variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
-        self._derivation = Derivation(graph, robot, style)
+        self._derivation = PrintedDerivation(graph, robot, style)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """It is derived again, once in each process: FLINT's polynomials cannot be pickled."""
@@ -139,12 +139,12 @@ class InverseKinematics:
         )
 
     @property
-    def lines(self) -> tuple[Line, ...]:
+    def lines(self) -> tuple[PrintedLine, ...]:
         """All formulas in order."""
         return (*self.definitions, *(line for step in self.steps for line in step.lines))
 
     @cached_property
-    def named_lines(self) -> tuple[Line, ...]:
+    def named_lines(self) -> tuple[PrintedLine, ...]:
         """The same with the names of sums of angles, ``cos(q23)``, from where these are found."""
         given = {self._variables[k] for k in self.graph.given}
         known: dict[Expr, Expr] = {
@@ -155,7 +155,7 @@ class InverseKinematics:
         for line in self.lines:
             calls = [(call, _from_known(call.args[0], known)) for call in line.value.atoms(sympy.sin, sympy.cos)]
             put_in = {call: call.func(angle) for call, angle in calls if angle is not None}
-            found.append(Line(line.symbol, line.value.xreplace(put_in)))
+            found.append(PrintedLine(line.symbol, line.value.xreplace(put_in)))
             if line.symbol in self._variables or line.symbol in totals:
                 known[totals.get(line.symbol, line.symbol)] = line.symbol
         return tuple(found)
@@ -181,12 +181,12 @@ class InverseKinematics:
         return self._derivation.written(p)
 
     @property
-    def definitions(self) -> tuple[Line, ...]:
+    def definitions(self) -> tuple[PrintedLine, ...]:
         """Names for what base, tool and the offsets at both ends of the arm make of the pose: the wrist centre."""
         return self._derivation.definitions
 
     @property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> tuple[PrintedStep, ...]:
         """How each unknown is found, in order."""
         return self._derivation.steps
 
@@ -223,7 +223,7 @@ class InverseKinematics:
     @property
     def is_explicit(self) -> bool:
         """Whether every step is a formula; a quartic or an eigenvalue problem is none."""
-        return self.graph.is_closed and all(step.lines or step.kind is Kind.GIVEN for step in self.steps)
+        return self.graph.is_closed and all(step.lines or step.kind is NodeKind.GIVEN for step in self.steps)
 
     @cached_property
     def solutions(self) -> tuple[Solution, ...]:
@@ -253,7 +253,7 @@ class InverseKinematics:
         for choice in product((1, -1), repeat=len(signs)):
             chosen = dict(zip(signs, choice, strict=True))
             put_in = {sign: sympy.Integer(e) for sign, e in chosen.items()}
-            own = tuple(Line(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
+            own = tuple(PrintedLine(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
             values = {line.symbol: line.value for line in own}
             joints = {q: values[q] for q in self._variables if q in values}
             yield Solution("", chosen, own, joints)

@@ -72,6 +72,7 @@ class ColumnSolver:
         zero = self.domain.ring.zero
         rows = [[column.get(key, zero) for column in (*columns, right)] for key in keys]
         rows.sort(key=lambda row: sum(map(len, row)))
+        # As many independent rows as columns, the shortest ones; then Cramer's rule over polynomials.
         chosen = self._independent_rows(rows, len(basis))
         matrix = [row[:-1] for row in chosen]
         scale = _determinant(self.domain.ring.one, matrix)
@@ -79,6 +80,7 @@ class ColumnSolver:
             _determinant(self.domain.ring.one, [[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen])
             for k in range(len(basis))
         ]
+        # Proof: the solution holds in all other rows, as an identity of polynomials in the geometry.
         for row in rows:
             products = (top * entry for top, entry in zip(tops, row[:-1], strict=True))
             if scale * row[-1] != sum(products, self.domain.ring.zero):
@@ -135,7 +137,7 @@ REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
 PRISMATIC_PARTS = ("m", "mx", "my", "mz")
 
 # Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent.
-MAX_TERMS = 20_000
+MAX_PROOF_TERMS = 20_000
 _FEWEST_SAMPLES = 6  # configurations at first; more where something seems dependent that is not
 
 
@@ -170,6 +172,7 @@ def base_set(robot: Robot) -> BaseSet:
     if not numbers or not any(relation.terms for relation in found.relations):
         return found
     symbolic = _base_set(robot, {})
+    # A relation in symbols is preferred where it says the same and no denominator vanishes for the numbers.
     same = symbolic.parameters == found.parameters and symbolic.proven
     if not same or symbolic.domain is None:
         return found
@@ -194,7 +197,7 @@ def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
 
 
 def _proven(geometry: Robot, candidates: Sequence[Parameter], friction: Sequence[Parameter], samples: int) -> BaseSet:
-    domain = PolynomialDomain(with_unit_rotors(geometry), rates=False, max_terms=MAX_TERMS)
+    domain = PolynomialDomain(with_unit_rotors(geometry), rates=False, max_terms=MAX_PROOF_TERMS)
     residues, pivots, reduced = _independent(domain, candidates, samples)
     solver = ColumnSolver(domain, residues)
     relations: list[Relation] = []
@@ -220,12 +223,14 @@ def _independent(
     units: UnitDynamics[Residue] = UnitDynamics(build_chain(domain.robot, residues), ends=False)
     pairs = [(a, b) for a in range(n) for b in range(a, n)]
     place = {pair: k for k, pair in enumerate(pairs)}
+    # Entries of B (upper triangle) and g at every sample, one column for each parameter.
     matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)
     for j, parameter in enumerate(candidates):
         for pair, value in units.inertia(parameter).items():
             matrix[:, place[pair], j] = value.values[:, 0]
         for i, value in enumerate(units.gravity(parameter)):
             matrix[:, len(place) + i, j] = value.values[:, 0]
+    # Gauss and Jordan modulo the prime: pivots are the first independent columns from the left.
     pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
     return residues, pivots, reduced
 
@@ -262,6 +267,7 @@ def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
 
     joints = []
     for joint in robot.joints:
+        # B's rank does not depend on where joint variables are counted from.
         theta, d = (ZERO, _put(joint.d)) if joint.is_revolute else (_put(joint.theta), ZERO)
         joints.append(replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None))
     motors = (link.motor and Motor(ratio=_put(link.motor.ratio)) for link in robot.links)

@@ -48,6 +48,7 @@ class ExactDomain:
 
     def cosine_sine(self, angle: Expression) -> tuple[Exact, Exact]:
         """Cosine and sine of a constant angle, rational where it is a multiple of pi/2."""
+        # Quarter turns exactly, so that planar arms stay rational.
         value = arb(self.constant(angle))
         quarters = value * 2 / arb.pi()
         whole = round(float(quarters))
@@ -102,6 +103,7 @@ def as_fraction(value: Exact) -> Fraction:
     """A scalar as a rational number; of a ball its middle."""
     if isinstance(value, fmpq):
         return Fraction(int(value.p), int(value.q))
+    # The middle of a ball is a dyadic rational.
     mantissa, exponent = value.mid().man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
@@ -115,6 +117,7 @@ def null_space(rows: Sequence[Sequence[Exact]], width: int) -> dict[int, list[Ex
         candidates = [k for k in range(at, len(matrix)) if not is_zero(matrix[k][column])]
         if not candidates:
             continue
+        # Largest pivot: balls lose fewest bits.
         best = max(candidates, key=lambda k: abs(float(matrix[k][column])))
         matrix[at], matrix[best] = matrix[best], matrix[at]
         pivot = matrix[at][column]
@@ -124,6 +127,7 @@ def null_space(rows: Sequence[Sequence[Exact]], width: int) -> dict[int, list[Ex
                 factor = row[column]
                 matrix[k] = [entry - factor * own for entry, own in zip(row, matrix[at], strict=True)]
         pivots.append(column)
+    # One vector for each column without a pivot: 1 there, and minus its entries at the pivots.
     basis = {}
     for free in (column for column in range(width) if column not in pivots):
         vector: list[Exact] = [fmpq(int(column == free)) for column in range(width)]

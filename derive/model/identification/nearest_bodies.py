@@ -64,6 +64,7 @@ def pseudo_inertias(parameters: Array) -> Array:
     Args:
         parameters: (n, 10, ...) in the order of `LINK_PARTS`.
     """
+    # S = tr(I)/2 1 - I, the second moments of a body of inertia tensor I (Wensing, Kim and Slotine 2018).
     m, hx, hy, hz, xx, yy, zz, xy, xz, yz = np.moveaxis(parameters, 1, 0)
     rows = [
         [(yy + zz - xx) / 2, -xy, -xz, hx],
@@ -82,6 +83,7 @@ def in_own_units(parameters: Sequence[Exact], basis: Sequence[Direction], size: 
     along = columns.T.reshape(len(numbers), WIDTH, -1) if len(basis) else np.zeros((len(numbers), WIDTH, 0))
     given, heaviest = pseudo_inertias(numbers), float(np.abs(numbers[:, 0]).max())
     units = np.array([_units(body, heaviest or 1.0, size) for body in given])
+    # A congruence U P U^T: it keeps a pseudo-inertia semidefinite.
     moved = np.moveaxis(pseudo_inertias(along), 3, 1)
     changes = np.einsum("nab,nkbc,ndc->nkad", units, moved, units)
     own = packed(np.einsum("nab,nbc,ndc->nad", units, given, units))
@@ -94,6 +96,7 @@ def _units(body: Array, heaviest: float, size: float) -> Array:
     least_mass, least_radius = (HEAVIEST, LARGEST) if given else (LIGHT, SHORT)
     mass = max(given, least_mass * heaviest)
     center = body[:3, 3] / given if given == mass else np.zeros(3)
+    # Trace of the second moments about the centre of mass: mass times squared radius of gyration.
     spread = float(np.abs(np.linalg.eigvalsh(body[:3, :3] - given * np.outer(center, center))).sum())
     mass = max(mass, spread / size**2)
     radius = max(sqrt(spread / mass), least_radius * size)
@@ -134,6 +137,7 @@ def most_room(bodies: Bodies) -> Room:
         Limit(Cone.SEMIDEFINITE, body, np.column_stack([slope, -weight * UNIT]))
         for body, slope, weight in zip(bodies.given, slopes, weights, strict=True)
     ]
+    # Variables: steps along the directions, then the room r; maximise r with P_i - w_i r 1 >= 0, r <= MARGIN.
     room = np.eye(width + 1)[width]
     limits.append(Limit(Cone.NOT_NEGATIVE, np.array([MARGIN]), -room[None]))
     found = least(-room, limits)
@@ -149,6 +153,7 @@ def targets(bodies: Bodies, room: Room) -> Array:
     if room.value > MARGIN / 2:
         return room.weights * room.value / 2
     slopes, (n, _, width) = _slopes(bodies), bodies.along.shape
+    # One room for each body: the sum of all is made largest.
     rooms = np.eye(n + width)[width:]
     limits = [
         Limit(Cone.SEMIDEFINITE, body, np.column_stack([slope, -weight * np.outer(UNIT, own[width:])]))
@@ -197,6 +202,7 @@ def _masses(bodies: Bodies, more: int) -> list[Limit]:
 def needed(bodies: Bodies, target: Array) -> list[int]:
     """The links that change where the sum of changes is least."""
     slopes, (n, _, width) = _slopes(bodies), bodies.along.shape
+    # Least sum of lengths |P_i - given_i| <= s_i: most links stay exactly as they are.
     sizes = np.eye(n + width)[width:]
     limits = [
         _beyond(body, np.column_stack([slope, np.zeros((10, n))]), t)
@@ -215,6 +221,7 @@ def nearest(bodies: Bodies, target: Array) -> Array:
     """How far along each direction the nearest bodies are."""
     slopes = _slopes(bodies)
     limits = [_beyond(*each) for each in zip(bodies.given, slopes, target, strict=True)] + _masses(bodies, 0)
+    # Least squares of all changes, |A x|^2 with A the stacked directions.
     every = slopes.reshape(-1, slopes.shape[2])
     found: Array = least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies)
     return found

@@ -54,6 +54,7 @@ def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Param
         motor = robot.links[i - 1].motor or Motor()
         ratio, inertia = domain.constant(motor.ratio), domain.constant(motor.inertia)
         ratio = ratio if robot.joints[i - 1].sign > 0 else -ratio
+        # (w.u + k qd)^2 split as `absorbed_rotors` says: armature, link i, link i-1.
         armatures[Parameter(i, "Ia")] = (ratio * ratio - ratio) * inertia
         turning = axial_tensor(ratio * inertia, (z, z, chain.one))
         bodies[i - 1] = bodies[i - 1] + Body(z, chain.null, turning)

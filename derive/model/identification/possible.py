@@ -121,6 +121,7 @@ def possible(robot: Robot) -> Possible:
         if float(least_eigenvalues(in_own_units(parameters, (), size)).min()) >= EXISTING:
             return Possible(robot, ())
         every = directions(robot, chain, domain)
+        # A semidefinite program in each link's own units: room, targets, which links change, and how little.
         basis = _without_mass(parameters, every)
         bodies = in_own_units(parameters, basis, size)
         room = most_room(bodies)
@@ -215,6 +216,7 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
         found = f"link {i + 1}: torques leave it no mass, but a first moment"
         raise DeriveError(found, remedy="correct masses and inertias")
     mass = _kept(link.mass, body.mass, domain)
+    # From the joint frame to the link's: first moment about its origin, tensor about its centre (Steiner).
     m = domain.constant(mass)
     moment = add(body.first_moment, scale(-body.mass, end.position))
     moments = multiply(turned, moment)

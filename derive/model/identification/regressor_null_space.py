@@ -60,6 +60,7 @@ def _moved_inward(chain: Chain[Exact]) -> list[Direction]:
     found = []
     zero = [chain.zero] * WIDTH
     for i, joint in enumerate(chain.joints):
+        # Mass, m z and the second moment along z look the same from link i-1 however joint i turns.
         units = [("m",), ("mz",), ("Ixx", "Iyy")] if joint.revolute else [(part,) for part in LINK_PARTS[4:]]
         for unit in units:
             own = [chain.one if part in unit else chain.zero for part in LINK_PARTS]

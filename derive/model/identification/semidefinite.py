@@ -68,6 +68,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    # Clarabel's form: least x^T Q x / 2 + c.x with A x + s = b, s in the cones, so A = -slope and b = constant.
     matrix = sparse.csc_matrix(-np.vstack([limit.slope for limit in limits]))
     square = sparse.csc_matrix(np.zeros((len(linear), len(linear))) if quadratic is None else np.triu(quadratic))
     constant = np.concatenate([limit.constant for limit in limits])

@@ -53,6 +53,7 @@ class UnitDynamics(Generic[S]):
             moved = self._rotor_velocities(i)
         elif parameter.of_link:
             moved, entry = self._link(i)[0], partial(_body_entry, part)
+        # B_ab is bilinear in what joints a and b do to the body; a reversed joint changes the sign.
         pairs = ((a, b) for a in range(len(moved)) for b in range(a, len(moved)))
         found = {(a, b): entry(moved[a], moved[b]) for a, b in pairs}
         return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}

@@ -125,6 +125,7 @@ def find_witness(
         The witness, or None where rounding them does not give one.
     """
     parameters = [value for body in chain.bodies for value in parameters_of(body)]
+    # Functions that torques notice: orthogonal to all changes of bodies, zero where links never move.
     seen = list(null_space([*basis, *_still(chain)], len(parameters)).values())
     columns = np.array([_in_units([float(entry) for entry in vector], units) for vector in seen]).T
     lengths = np.linalg.norm(columns, axis=0)
@@ -136,6 +137,7 @@ def find_witness(
         nearest = start / lengths
         most = np.abs(nearest).max()
         places = [digits + max(0, ceil(log10(length * most))) for length in lengths]
+        # Rounded to few decimals in units of each function, then everything is checked exactly.
         weights = [fmpq(round(float(x / most) * 10**p)) / fmpq(10) ** p for x, p in zip(nearest, places, strict=True)]
         total = combined(seen, weights)
         value = sum((c * p for c, p in zip(total, parameters, strict=True)), fmpq(0))
@@ -173,6 +175,7 @@ def _least_function(columns: Array, values: Array, energy: Array) -> Array:
     """
     limits, total = [], np.zeros(len(values))
     for matrices, moving in zip(columns.reshape(-1, 4, 4, len(values)), energy.reshape(-1, 4, 4), strict=True):
+        # A 4x4 quadratic form restricted to where it may be positive.
         sizes, axes = np.linalg.eigh(moving)
         axes = axes[:, sizes > STILL * sizes[-1]]
         slope = packed(np.einsum("ab,acv,cd->vbd", axes, matrices, axes)).T
@@ -198,7 +201,9 @@ def _still(chain: Chain[Exact]) -> list[Direction]:
     for i, joint in enumerate(chain.joints):
         for vector in still:
             x, y, z, one = vector
+            # Points (x, y, z, 1) and directions (x, y, z, 0) carried into the frame of the next joint.
             vector[:3] = to_child(joint, add((x, y, z), scale(-one, origin(joint))))
+        # A turn about z leaves what has x = y = 0, a slide along z only directions.
         moved = [[vector[a] for vector in still] for a in ((0, 1) if joint.revolute else (3,))]
         still = [
             [sum((w * v[a] for w, v in zip(weights, still, strict=True)), fmpq(0)) for a in range(4)]
@@ -231,6 +236,7 @@ def is_semidefinite(matrix: Sequence[Sequence[Exact]]) -> bool:
     """Whether a symmetric matrix has no negative eigenvalue, by elimination."""
     if not matrix:
         return True
+    # Cholesky without roots: a zero pivot needs a zero row, then the Schur complement.
     (pivot, *row), *rest = matrix
     if is_zero(pivot):
         return all(map(is_zero, row)) and is_semidefinite([line[1:] for line in rest])

@@ -124,6 +124,7 @@ class _Look:
         sample = random_configurations(chain, 64, 6)
         for factor in singular.factors:
             product = product * self._number(factor.expression, sample) ** factor.exponent
+        # The same function but for a factor: its ratio is constant at random configurations.
         ratio = determinant(sample) / product
         self.is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
         self.conditions = singular.conditions if self.is_same else ()
@@ -155,6 +156,7 @@ class _Look:
         """Joints that stand together in factors, and into how many parts these cut them."""
         sets: list[tuple[set[int], set[int]]] = []
         for factor, joints in enumerate(self._joints):
+            # Factors that share a joint are cut out of the same torus.
             together = [pair for pair in sets if pair[0] & set(joints)]
             sets = [pair for pair in sets if pair not in together]
             sets.append((set(joints).union(*(p[0] for p in together)), {factor}.union(*(p[1] for p in together))))
@@ -172,6 +174,7 @@ class _Look:
         for axis, (joint, turn) in enumerate(zip(joints, turns, strict=True)):
             values = share * math.pi if turn else (share - 1.0) * self._chain.reach
             q[..., joint] = values.reshape([-1 if k == axis else 1 for k in range(len(joints))])
+        # A number for each combination of signs; its connected sets are the aspects.
         code = ((self.signs(q)[..., list(factors)] > 0) * 2 ** np.arange(len(factors))).sum(axis=-1)
         _, sizes = np.unique(connected(code, turns), return_counts=True)
         return int(np.sum(sizes > SPECK * code.size))
@@ -231,6 +234,7 @@ def connected(code: Array, closed: Sequence[bool]) -> Array:
                 if not is_closed:
                     edge = 0 if step > 0 else -1
                     same[tuple(edge if k == axis else slice(None) for k in range(code.ndim))] = False
+                # Every cell takes the smallest label of its neighbours of equal signs, until nothing changes.
                 label = np.where(same, np.minimum(label, np.roll(label, step, axis)), label)
         label = label.ravel()[label]
         if (label == before).all():

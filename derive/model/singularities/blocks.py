@@ -52,6 +52,7 @@ def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
         return next(((block,) for block in _candidates(kinematics) if block.determinant()), ())
     if robot.n != 6:
         return ()
+    # About the wrist centre J_12 = 0, and the determinant is det J_11 det J_22.
     centre = _wrist_centre(kinematics)
     if centre is None:
         return (_shortest(kinematics, "J", ALL, [Reference(k, k) for k in range(7)]),)
@@ -67,6 +68,7 @@ def _wrist_centre(kinematics: Kinematics) -> int | None:
     if not all(joint.is_revolute for joint in kinematics.robot.joints[3:]):
         return None
     for point in (4, 5, 3, 6):
+        # Joints 4, 5, 6 do not move a point on all their axes: the linear parts of their columns are zero.
         columns = jacobian_columns(kinematics, Reference(point, point))
         if not any(entry for column in columns[3:] for entry in column[:3]):
             return point

@@ -16,7 +16,7 @@ import mpmath
 import sympy
 
 from derive.inverse.numeric.in_numbers import Numbers, parameter_numbers
-from derive.inverse.words.derivation import Step
+from derive.inverse.words.derivation import PrintedStep
 from derive.inverse.words.elementary import Sign
 from derive.inverse.words.solutions import InverseKinematics
 from derive.lecture.point import DIGITS, value_of
@@ -48,7 +48,7 @@ def coincidences(
     return tuple((merged, free) for merged, free in pairs)
 
 
-def _margin(step: Step) -> Expr:
+def _margin(step: PrintedStep) -> Expr:
     """What is not negative where a step has real values."""
     left, right = step.exists.lhs, step.exists.rhs
     return right - left if step.exists.rel_op == "<=" else left - right
@@ -80,6 +80,7 @@ def _zeros(found: InverseKinematics, factor: SingularFactor) -> Iterator[Numbers
 
 def _zero(expression: Expr, known: Numbers, joint: Expr) -> Any:
     """A zero of an expression in one joint variable, by halving an interval; None where its sign does not change."""
+    # A little more than a full turn, so that no change of sign lies at its ends.
     grid = [mpmath.mpf(7 * k) / _GRID - mpmath.mpf("3.4") for k in range(_GRID + 1)]
     values = [value_of(expression, {**known, joint: x}) for x in grid]
     size = max(map(abs, values))

@@ -90,6 +90,7 @@ def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -
             return ()
         rest = p - slope * domain.ring.generator(domain.robot.joints[joint].variable)
         return (write(rest * (-1 / slope.constant_term)),)
+    # p = a c + b s + rest and dp/dq = b c - a s give a and b; both must be free of joint variables.
     c, s = domain.cosine_sine_of(joint, offset=True)
     offset = expression_to_sympy(domain.offsets[joint])
     a, b = p * c - slope * s, p * s + slope * c

@@ -31,7 +31,7 @@ from derive.robot.options.inverse import FREEDOMS, POSE
 from derive.robot.options.style import Contraction, Style
 from derive.robot.robot import Robot
 
-MAX_TERMS = 20_000  # budget of any polynomial on the way to the determinant
+MAX_DET_TERMS = 20_000  # budget of any polynomial on the way to the determinant
 MAX_JOINTS = 10  # of longer arms no closed form is looked for
 MAX_MINOR_TERMS = 3_000
 
@@ -54,7 +54,7 @@ def find_singularities(robot: Robot, style: Style | None = None) -> Singularitie
 
 def _of_determinant(robot: Robot, style: Style) -> Singularities | None:
     """By the determinant of a task; None where there is no such task, or it is zero everywhere."""
-    domain = PolynomialDomain(robot, contraction=style.contraction, rates=False, offsets=True, max_terms=MAX_TERMS)
+    domain = PolynomialDomain(robot, contraction=style.contraction, rates=False, offsets=True, max_terms=MAX_DET_TERMS)
     write, zeros = LectureForm(domain, style=style).kinematic, RealZeros(domain)
     blocks = square_blocks(Kinematics(robot, domain))
     determinants = [block.determinant() for block in blocks]
@@ -151,6 +151,7 @@ def _scaled(domain: PolynomialDomain, factor: Factor, lengths: list[Fraction]) -
     coefficients = [c for _, c in p.terms()]
     positive = sum(1 if c > 0 else -1 for c in coefficients) or coefficients[0]
     sizes = [abs(c) for c in coefficients]
+    # Whole coefficients without a common divisor, unless one number makes all of them lengths of the robot.
     common = Fraction(lcm(*(c.denominator for c in sizes)), gcd(*(c.numerator for c in sizes)))
     if max(sizes) * common > MOST_WHOLE:
         common = 1 / max(sizes)

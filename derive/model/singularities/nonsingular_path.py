@@ -41,6 +41,7 @@ class ScaledDeterminant:
         q = random_configurations(chain, 4000, 5)
         for columns_of in (self._twist, self._linear):
             columns = columns_of(q[:200])
+            # Principal directions of all columns of J: the task space, where as many as joints are left.
             rows = columns.transpose(0, 2, 1).reshape(-1, columns.shape[1])
             values, vectors = np.linalg.eigh(rows.T @ rows / len(rows))
             kept = vectors[:, values > 1e-12 * max(values[-1], 1e-300)]
@@ -63,6 +64,7 @@ class ScaledDeterminant:
     def _twist(self, q: Array) -> Array:
         """Twists about the world's origin by each joint, (..., 6, n)."""
         pose, slope = self._chain.pose_and_jacobian(q)
+        # dR/dq R^T = [w]x, and v - w x p is the velocity of the world's origin.
         spin = slope[..., :3] @ np.swapaxes(pose[..., None, :3, :3], -1, -2)
         angular = np.stack([spin[..., 2, 1], spin[..., 0, 2], spin[..., 1, 0]], axis=-1)
         linear = slope[..., 3] - np.cross(angular, pose[..., None, :3, 3])
@@ -121,6 +123,7 @@ class Roadmap:
             clear += list(self._clearances(places[near], np.broadcast_to(places[own], (len(near), self._chain.n))))
         pairs.append((len(places) - 2, len(places) - 1))
         clear += list(self._clearances(start[None], end[None]))
+        # Kruskal's maximum spanning tree: its path between two places has the widest clearance of all.
         home, roads = list(range(len(places))), dict[int, list[int]]()
         for k in sorted(range(len(pairs)), key=lambda k: -clear[k]):
             i, j = pairs[k]
@@ -155,6 +158,7 @@ class Roadmap:
             if np.abs(values).min() <= CLEAR or np.ptp(np.sign(values)) > 0.0:
                 return None
             small = np.minimum(np.abs(values[:-1]), np.abs(values[1:]))
+            # Where det J changes by more than half of itself it could be zero in between: such pieces are halved.
             rough = np.flatnonzero(np.abs(np.diff(values)) > small / 2.0)
             if not len(rough):
                 return Crossing(path, float(np.abs(values).min()))

@@ -103,6 +103,7 @@ class CommonZeros:
             own = left.pop(i)
             p = own.pop(j)
             pivots.append(p)
+            # Schur complement of the pivot p, times p where it is no number: p x - (row's first) y.
             by, weight = (1 / p.constant_term, 1) if p.is_constant else (1, p)
             pairs = ((row.pop(j) * by, row) for row in left)
             left = [[x * weight - first * y for x, y in zip(row, own, strict=True)] for first, row in pairs]
@@ -159,11 +160,13 @@ class CommonZeros:
                 needed.append(equation)
         if not needed or not needed[0]:
             return [()] if not needed else []
+        # A factor of all equations is a family by itself; without it the others have to vanish together.
         common = set.intersection(*map(set, needed))
         found: list[Family] = [(Zero(needed[0][key]),) for key in needed[0] if key in common]
         rest = [{key: factor for key, factor in e.items() if key not in common} for e in needed]
         if not all(rest):
             return found
+        # Branch over the factors of the equation that is easiest to solve.
         first = min(rest, key=self._effort)
         if self._effort(first)[0]:
             return found + self._together([factor for equation in rest for factor in equation.values()])
@@ -196,6 +199,7 @@ class CommonZeros:
             solved = self._solved([equation for equation in put if equation is not None])
             pairs = [(family, tuple(before.get(zero.key, zero) for zero in family)) for family in solved]
             tables.append({frozenset(zero.key for zero in read): (family, read) for family, read in pairs})
+        # What holds at all solutions of a factor is said once, with the factor instead of one solution.
         shared = [name for name in tables[0] if all(name in table for table in tables)]
         alone = [(k, own) for k, table in enumerate(tables) for name, (own, _) in table.items() if name not in shared]
         return [(Zero(factor), *tables[0][name][1]) for name in shared] + [(Zero(factor, k), *own) for k, own in alone]
@@ -240,6 +244,7 @@ class CommonZeros:
             c0, s0 = (
                 ring.wrap(ring.context.gens()[domain.places[kind, before[-1]]]) for kind in (Kind.COSINE, Kind.SINE)
             )
+        # The solutions put in: cosine and sine of the last angle from those of the angles before it.
         turn = domain.directions[first] * domain.directions[group[0]]
         values = ((1, 0), (-1, 0)) if factor.kind is Kind.SINE else ((0, -turn), (0, turn))
         cosine, sine = domain.places[Kind.COSINE, last], domain.places[Kind.SINE, last]
@@ -256,6 +261,7 @@ class CommonZeros:
     def _implies(self, family: Family, zero: Zero) -> bool:
         if zero.value is not None or zero.key in {own.key for own in family}:
             return zero.key in {own.key for own in family}
+        # A family implies a zero if the factor vanishes at all its solutions.
         left = [zero.factor.value]
         for own in family:
             images = self.images(own.factor)

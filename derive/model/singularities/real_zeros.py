@@ -93,16 +93,19 @@ class RealZeros:
             places = {i: np.sinh(rng.uniform(-3, 3, _SAMPLES)) for i in slides}
             places |= _circles(angles, rng.uniform(0, 2 * math.pi, (_SAMPLES, len(angles))))
             values, size = _evaluated(read[0], places)
+            # Both signs occur, and the polynomial is continuous.
             if values.min() < -_ZERO * size and values.max() > _ZERO * size:
                 return True
         return False if not slides and len(angles) <= _MOST_ANGLES and _excluded(read, angles) else None
 
     def _by_signs(self, terms: _Terms) -> bool | None:
         """Yes where half a turn or the opposite displacement changes the sign, no for squares and a constant."""
+        # Odd under q_i -> q_i + pi (or d -> -d): by the intermediate value theorem there is a zero.
         suffixes = [{i for pair in self._angles[first:] for i in pair} for first in range(len(self._angles))]
         for places in (*suffixes, *self._angles, *((i,) for i in self._slides)):
             if all(sum(powers.get(i, 0) for i in places) % 2 for _, powers in terms):
                 return True
+        # Squares and a constant of one sign: nowhere zero.
         is_even = not any(k % 2 for _, powers in terms for k in powers.values())
         still = [number for number, powers in terms if not powers]
         is_one_sign = any(still) and len({number > 0 for number, _ in terms if number}) == 1
@@ -124,6 +127,7 @@ def _evaluated(terms: _Terms, places: dict[int, Array]) -> tuple[Array, float]:
 
 def _excluded(polynomials: Sequence[_Terms], angles: Sequence[tuple[int, int]]) -> bool:
     """Whether no cell of a grid of angles can hold a common zero, by the largest slopes of the polynomials."""
+    # |dp/dq| is at most the sum of |coefficient| * degree: a cell with |p| above slope * half width has no zero.
     slopes = [sum(abs(number) * sum(moving.values()) for number, moving in terms) for terms in polynomials]
     half = math.pi / _CELLS
     line = half * (2 * np.arange(_CELLS) + 1)
@@ -135,6 +139,7 @@ def _excluded(polynomials: Sequence[_Terms], angles: Sequence[tuple[int, int]]) 
         centres = centres[np.all(near, axis=0)]
         if not len(centres):
             return True
+        # Cells that may hold one are halved along every angle.
         half /= 2
         centres = (centres[:, None] + 2 * half * corners).reshape(-1, len(angles))
     return False

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots
 
-from derive.arrays import Array
+from derive.arrays import Array, Indices
 from derive.plans.hermite import Piece, power_coefficients
 from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.plans.segments import Peak
 
 _U = Symbol("u", real=True)
 
@@ -24,15 +24,6 @@ MORE = 1e-12  # what is larger between two times by less, relative to it, is not
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 _SAME = 1e-9  # values that differ by less, relative to themselves, are one; the earliest counts
 _NEAR = 0.8  # of the largest value: what a polynomial has to reach at these places for its extremes to be computed
-
-
-@dataclass(frozen=True, slots=True)
-class Peak:
-    """The largest magnitude of a derivative of one joint."""
-
-    value: Expr  # with its sign [rad/s, m/s, rad/s^2 or m/s^2]
-    time: Expr  # when [s]; the earliest of equal ones
-    is_exact: bool  # whether both are exact; a `Float` otherwise
 
 
 def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
@@ -56,34 +47,42 @@ def _exact_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
 def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
     """Where a derivative of a joint that moves by polynomials is largest in magnitude, in floats."""
     polynomials = [piece for piece in pieces if isinstance(piece, Piece)]
-    numbers = [np.array([float(value) for end in piece.values for value in end]) for piece in polynomials]
     lengths = np.array([float(piece.duration) for piece in polynomials])
-    rows = [
-        np.polyder(power_coefficients(row, piece.k, length), order) / length**order
-        for row, piece, length in zip(numbers, polynomials, lengths, strict=True)
-    ]
-    found = np.zeros((len(rows), len(_PLACES)))
-    for width in {row.size for row in rows}:
-        alike = [i for i, row in enumerate(rows) if row.size == width]
-        found[alike] = np.polyval(np.array([rows[i] for i in alike]).T[:, :, None], np.array(_PLACES))
-    at = np.abs(found).argmax(axis=1)
-    value, place = found[np.arange(len(rows)), at], np.array(_PLACES)[at]
-    for i in np.flatnonzero(np.abs(value) > _NEAR * np.abs(value).max()):
-        for u in _real_zeros(list(np.polyder(rows[i]))):
-            if abs(np.polyval(rows[i], u)) > abs(value[i]) * (1 + _SAME):
-                value[i], place[i] = np.polyval(rows[i], u), u
+    value, place = np.zeros((2, len(polynomials)))
+    tables = _derivatives(polynomials, lengths, order)
+    for alike, rows in tables:
+        found = np.polyval(rows.T[:, :, None], np.array(_PLACES))
+        at = np.abs(found).argmax(axis=1)
+        value[alike], place[alike] = found[np.arange(len(rows)), at], np.array(_PLACES)[at]
+    near = np.abs(value) > _NEAR * np.abs(value).max()
+    for alike, rows in tables:
+        alike, rows = alike[near[alike]], rows[near[alike]]
+        places = _inner_zeros(rows[:, :-1] * np.arange(rows.shape[1] - 1, 0, -1))
+        for u, there in zip(places.T, np.polyval(rows.T[:, :, None], places).T, strict=True):
+            more = np.abs(there) > np.abs(value[alike]) * (1 + _SAME)
+            value[alike[more]], place[alike[more]] = there[more], u[more]
     most = int(np.argmax(np.abs(value) >= np.abs(value).max() * (1 - _SAME)))
     return Peak(Float(value[most]), Float(float(polynomials[most].start) + place[most] * lengths[most]), False)
 
 
+def _derivatives(polynomials: list[Piece], lengths: Array, order: int) -> list[tuple[Indices, Array]]:
+    """Coefficients of a derivative by powers of unit time, of all pieces of one degree at once, and their places."""
+    degrees = np.array([piece.k for piece in polynomials])
+    found = []
+    for k in sorted(set(degrees.tolist())):
+        alike = np.flatnonzero(degrees == k)
+        ends = [np.array([float(value) for end in polynomials[i].values for value in end]) for i in alike]
+        rows = np.array([power_coefficients(row, k, lengths[i]) for row, i in zip(ends, alike, strict=True)])
+        for _ in range(order):
+            rows = rows[:, :-1] * np.arange(rows.shape[1] - 1, 0, -1)
+        found.append((alike, rows / np.array([lengths[i] ** order for i in alike])[:, None]))
+    return found
+
+
 def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
-    """Where functions of time are largest, each between two times.
+    """When functions of time (k, places) are largest, each between two times, and how large they are, (k,) each.
 
-    Args:
-        function: A row of times for each of them, (k, places), to their values there, (k, places).
-
-    Returns:
-        When, and how large, (k,) each; the latter is right to rounding where the function is smooth.
+    The latter is right to rounding where the function is smooth.
     """
     rows = np.arange(low.size)
     for _ in range(_ROUNDS):
@@ -95,15 +94,7 @@ def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tupl
 
 
 def highest(function: Callable[[Array], Array], times: Array, values: Array) -> Array:
-    """When each of several functions of time is largest, also between the times at which they are known.
-
-    Args:
-        times: At which they are known, ascending, (k,).
-        values: What they are then, (k, n).
-
-    Returns:
-        When, (n,); one of the times where it is not larger between them.
-    """
+    """When each function of time is largest, (n,), also between ascending times (k,) at which they are (k, n)."""
     at, joints = values.argmax(axis=0), np.arange(values.shape[1])
     low, high = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
     when, found = refined(lambda places: function(places)[joints, :, joints], low, high)
@@ -181,6 +172,25 @@ def _stationary(polynomial: Poly) -> Iterator[_Place]:
             numbers = [float(c) for c in polynomial.all_coeffs()]
             for place in _real_zeros([float(c) for c in factor.all_coeffs()]):
                 yield Float(place), Float(float(np.polyval(numbers, place))), False
+
+
+def _inner_zeros(rows: Array) -> Array:
+    """Zeros between 0 and 1 of polynomials, (k, degree + 1) to (k, degree), ascending; no number where there is none.
+
+    The eigenvalues of companion matrices, as `numpy.roots` has them, of all polynomials at once.
+    """
+    found = np.full((len(rows), max(rows.shape[1] - 1, 0)), np.nan)
+    whole = (rows[:, [0, -1]] != 0).all(axis=1)
+    if found.shape[1] and whole.any():
+        companions = np.tile(np.eye(found.shape[1], k=-1), (int(whole.sum()), 1, 1))
+        companions[:, 0] = -rows[whole, 1:] / rows[whole, :1]
+        zeros = np.linalg.eigvals(companions)
+        inside = (np.abs(zeros.imag) < 1e-9) & (zeros.real > 0) & (zeros.real < 1)
+        found[whole] = np.sort(np.where(inside, zeros.real, np.nan), axis=1)
+    for i in np.flatnonzero(~whole):
+        few = _real_zeros(list(rows[i]))
+        found[i, : len(few)] = few
+    return found
 
 
 def _real_zeros(coefficients: list[float]) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from sympy import Abs, Expr, Integer, Pow, cos, preorder_traversal, tan
@@ -10,22 +10,30 @@ from sympy import Abs, Expr, Integer, Pow, cos, preorder_traversal, tan
 from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.motion.curves.extremes import refined
+from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import TIME
-from derive.plans.profile import Curve
+from derive.plans.profile import ZERO, Curve
+from derive.plans.segments import Segment
 
 # Times at which parts of a formula are looked at; zeros between two of them are found by the change of sign.
 PLACES = 4001
 NOTHING = 1e-12  # relative to the largest value: what is smaller is zero
 
 
+def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
+    """Joint variables by formulas of time that last so long [s]."""
+    pieces = []
+    for formula in formulas:
+        velocity = formula.diff(TIME)
+        pieces.append((Curve(ZERO, duration, (formula, velocity, velocity.diff(TIME))),))
+    return Trajectory((Segment("curves", ZERO, duration, tuple(pieces)),))
+
+
 def followed(formula: Expr, duration: float) -> Expr:
-    """A formula that a joint can follow.
+    """A formula that a joint can follow from 0 to its duration [s].
 
     Magnitudes, as of ``sqrt(t**2)``, are written without where what stands in them keeps its sign: the derivatives are
     one-sided at both ends.
-
-    Args:
-        duration: How long it lasts from 0 on [s].
     """
     times = np.linspace(0.0, duration, PLACES)
     for magnitude in sorted(formula.atoms(Abs), key=lambda node: node.count_ops()):

@@ -86,11 +86,7 @@ def rounded_up(seconds: float) -> Rational:
 
 
 def placed(piece: Piece, start: Expr, factor: Expr) -> Piece:
-    """A piece that is slower and later.
-
-    Args:
-        start: When time 0 shall be [s].
-    """
+    """A piece that is slower by a factor and later: time 0 becomes `start` [s]."""
     if isinstance(piece.duration, float):
         if factor == 1 and start == 0:
             return piece

@@ -11,8 +11,9 @@ from sympy import Float
 
 from derive.arrays import Array
 from derive.errors import Location, RobotFileError, TargetError, install_extra, listed, quoted
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import joined
+from derive.plans.segments import Segment
 from derive.robot.load import file_bytes
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot

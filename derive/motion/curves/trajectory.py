@@ -11,34 +11,14 @@ import numpy as np
 from sympy import Expr, Integer
 
 from derive.arrays import Array, Indices
-from derive.motion.curves.extremes import Peak, peak
-from derive.plans.hermite import TIME, Piece, power_coefficients, sampled
-from derive.plans.profile import ZERO, AnyPiece, Cosine, Curve
+from derive.plans.hermite import Piece, power_coefficients, sampled
+from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.plans.segments import Segment
 
-Joints = tuple[tuple[AnyPiece, ...], ...]  # the pieces of each joint
 Corner = tuple[Expr, ...]  # joint variables at a point
 ONE = Integer(1)
 
 JUMP = 1e-6  # of the largest acceleration of a joint: what is a jump, and no rounding
-
-
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """The way from one point to the next."""
-
-    name: str  # ``rest -> A``
-    start: Expr  # when it begins [s]
-    duration: Expr  # how long it takes [s]
-    joints: Joints  # the pieces of each joint
-
-    @property
-    def corners(self) -> tuple[float, ...]:
-        """Times within it at which a piece of a joint begins, so that accelerations may jump [s]."""
-        return tuple(sorted({float(piece.start) for pieces in self.joints for piece in pieces[1:]}))
-
-    def peaks(self, order: int) -> tuple[Peak, ...]:
-        """The largest velocity or acceleration of each joint."""
-        return tuple(peak(pieces, order) for pieces in self.joints)
 
 
 @dataclass(frozen=True)
@@ -98,11 +78,6 @@ class Trajectory:
 _COSINE, _CURVE = 0, -1
 
 
-def _kind(piece: AnyPiece) -> int:
-    """How a piece is computed: a polynomial by its number of values at each end; a formula is alone in its motion."""
-    return piece.k if isinstance(piece, Piece) else _COSINE if isinstance(piece, Cosine) else _CURVE
-
-
 class _Track:
     """The pieces of one joint in floats."""
 
@@ -112,7 +87,9 @@ class _Track:
         self.end = float(pieces[-1].end)
         self.durations = np.array([float(piece.duration) for piece in pieces])
         self.pieces = pieces
-        self.kinds = np.array([_kind(piece) for piece in pieces])
+        # How a piece is computed: a polynomial by its number of values at each end; a formula is alone in its motion.
+        kinds = {Cosine: _COSINE, Curve: _CURVE}
+        self.kinds = np.array([piece.k if isinstance(piece, Piece) else kinds[type(piece)] for piece in pieces])
         self.numbers = [
             np.array([] if isinstance(piece, Curve) else [float(value) for end in piece.values for value in end])
             for piece in pieces
@@ -183,16 +160,3 @@ def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
     if order == 2:
         return np.asarray(way / 2 * (np.pi / length) ** 2 * wave)
     return np.asarray(np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2))
-
-
-def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
-    """Joint variables by formulas of time.
-
-    Args:
-        duration: How long they last [s].
-    """
-    pieces = []
-    for formula in formulas:
-        velocity = formula.diff(TIME)
-        pieces.append((Curve(ZERO, duration, (formula, velocity, velocity.diff(TIME))),))
-    return Trajectory((Segment("curves", ZERO, duration, tuple(pieces)),))

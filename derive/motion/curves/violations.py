@@ -68,12 +68,7 @@ def exceeded(
     bounds: Bounds,
     functions: Mapping[str, Function] | None = None,
 ) -> tuple[Violation, ...]:
-    """Each limit that is exceeded, where it is so most, joint by joint.
-
-    Args:
-        times: Of the rows [s], (rows,).
-        values: What is compared, by the names of the bounds, (rows, n) each.
-    """
+    """Each limit that is exceeded at times (rows,) by values (rows, n), where it is exceeded most, joint by joint."""
     found = []
     for what, rows in values.items():
         low, high = bounds[what]

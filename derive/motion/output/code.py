@@ -12,9 +12,7 @@ import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
@@ -23,6 +21,7 @@ from derive.errors import QuantityError, VerificationError
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
 from derive.motion.output.kernels import C_NAMES, Kernel, kernel_name, kernel_of, row_of, with_names
+from derive.motion.torques.functions import module_of
 from derive.plans.profile import AnyPiece
 from derive.programs.program import joint_lines
 from derive.programs.tape.tape import BRANCHING_NAMES, FUNCTION_NAMES, Op
@@ -62,11 +61,7 @@ class VerifiedCode:
 
 
 def verified_code(motion: Motion, name: str | None = None) -> VerifiedCode:
-    """Generate the code of a motion and verify it.
-
-    Args:
-        name: What stands before ``_motion`` in C; None for the name of the robot.
-    """
+    """Generate the code of a motion and verify it; C has the name before ``_motion``, that of the robot for None."""
     code = MotionCode(motion, c_prefix(name or motion.plan.robot.name))
     texts, compiler = code.texts, find_compiler()
     worst = verify_code(motion, texts, code.prefix, compiler)
@@ -176,11 +171,7 @@ class _Joint:
 
 
 def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler: Command | None) -> float:
-    """Compare generated code with the motion at random times, at all ends of pieces, before and after.
-
-    Args:
-        compiler: The C compiler; None where there is none, and C is left out.
-    """
+    """Compare code with the motion at random times, at all ends of pieces, before and after; C needs a compiler."""
     times = _times(motion)
     expected = np.array(motion(times))
     size = np.abs(expected)
@@ -190,7 +181,8 @@ def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler:
         folder = temporary.path
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
-        values = {MODULE: _casadi_values(folder, times)}
+        of_casadi = module_of(folder / MODULE, "derive_motion_casadi").motion(times[None, :])
+        values = {MODULE: np.array([np.array(value).T for value in of_casadi])}
         if compiler:
             values[CODE] = _c_values(folder, prefix, compiler, times, expected.shape[2])
     for name, got in values.items():
@@ -213,21 +205,6 @@ def _times(motion: Motion) -> Array:
     rest = np.random.default_rng(0).uniform(ends[0], ends[-1], TIMES)
     times: Array = np.concatenate([*around, rest, [ends[0] - length / 2, ends[-1] + length / 2]])
     return times
-
-
-def module_of(folder: Path) -> ModuleType:
-    """The module ``motion_casadi.py`` of a folder."""
-    spec = spec_from_file_location("derive_motion_casadi", folder / MODULE)
-    assert spec is not None
-    assert spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def _casadi_values(folder: Path, times: Array) -> Array:
-    """q, qd, qdd of the CasADi function, (3, times, n)."""
-    return np.array([np.array(value).T for value in module_of(folder).motion(times[None, :])])
 
 
 def _c_values(folder: Path, prefix: str, compiler: Command, times: Array, n: int) -> Array:

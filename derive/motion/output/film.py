@@ -81,15 +81,12 @@ class Film:
         return np.linspace(0.0, self._end, max(2, ceil(self._end * RATE / self.pace) + 1))
 
     @cached_property
-    def _configurations(self) -> Array:
-        if self.run is None:
-            return self.motion(self.times)[0]
-        return np.stack([np.interp(self.times, self.run.t, column) for column in self.run.q.T], axis=1)
-
-    @cached_property
     def _poses(self) -> Array:
         """Base frame 0, frames 1 to n and the end effector, (frames, n + 2, 4, 4)."""
-        return frames_of(self.motion, self.times, self._configurations)
+        q = self.motion(self.times)[0]
+        if self.run is not None:
+            q = np.stack([np.interp(self.times, self.run.t, column) for column in self.run.q.T], axis=1)
+        return frames_of(self.motion, self.times, q)
 
     @cached_property
     def _stage(self) -> _Stage:

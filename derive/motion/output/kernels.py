@@ -6,7 +6,7 @@ its values by the basis of `derive.plans.hermite`, so that nothing is rounded at
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
@@ -27,8 +27,8 @@ from derive.programs.tape.derivative import derivative
 from derive.programs.tape.graph import ONE, Graph
 from derive.programs.tape.tape import LEAVES, Op, Tape
 from derive.programs.tape.value import Value
+from derive.targets.kernel import CodePiece as Text
 from derive.targets.kernel import Language, temporary_names, write_statements
-from derive.targets.kernel import Piece as Text
 
 CLOCK, ROW = "t", "row"  # arguments of a tape: the time [s], and the numbers of a piece
 NAMES = {2: "cubic", 3: "quintic", 4: "septic"}  # polynomials by the number of values at each end
@@ -88,7 +88,10 @@ def kernel_of(piece: AnyPiece, joint: str) -> Kernel:
     elif isinstance(piece, Cosine):
         outputs = _harmonic(graph)
     else:
-        outputs = _curve(graph, piece.formulas[0])
+        clock, one = Value(graph, graph.input(CLOCK, 0)), Value(graph, ONE)
+        q = _value(graph, piece.formulas[0], clock)
+        (qd,) = derivative([q], {clock: one})
+        outputs = [q, qd, *derivative([qd], {clock: one})]
     return Kernel(kernel_name(piece, joint), cut(graph, [output.ref for output in outputs]))
 
 
@@ -114,24 +117,12 @@ def _hermite(graph: Graph, k: int) -> list[Value]:
     for order in range(3):
         total = zero
         for row, weight in zip(basis(k), weights, strict=True):
-            total = total + _horner(_derived(row, order), u) * weight
+            for _ in range(order):
+                row = tuple(power * coefficient for power, coefficient in enumerate(row))[1:]
+            total = total + reduce(lambda value, c: value * u + c, reversed(row), 0 * u) * weight  # Horner's rule
         outputs.append(total / duration**order)
         weights[0], weights[k] = zero, value(k) - value(0)
     return outputs
-
-
-def _derived(row: Sequence[int], order: int) -> Sequence[int]:
-    """A derivative of a polynomial by its coefficients, from the constant on."""
-    for _ in range(order):
-        row = [power * coefficient for power, coefficient in enumerate(row)][1:]
-    return row
-
-
-def _horner(row: Sequence[int], u: Value) -> Value:
-    total = 0 * u
-    for coefficient in reversed(row):
-        total = total * u + coefficient
-    return total
 
 
 def _harmonic(graph: Graph) -> list[Value]:
@@ -146,15 +137,6 @@ def _harmonic(graph: Graph) -> list[Value]:
     rate = pi / duration
     q = late.select(q1 - way * (1 + wave) / 2, q0 + way * (1 - wave) / 2)
     return [q, way * rate * angle.sin() / 2, way * rate**2 * wave / 2]
-
-
-def _curve(graph: Graph, formula: Expr) -> list[Value]:
-    """A formula of the time, and its exact derivatives."""
-    clock = Value(graph, graph.input(CLOCK, 0))
-    one = Value(graph, ONE)
-    q = _value(graph, formula, clock)
-    (qd,) = derivative([q], {clock: one})
-    return [q, qd, *derivative([qd], {clock: one})]
 
 
 def _value(graph: Graph, formula: Expr, clock: Value) -> Value:

@@ -26,11 +26,7 @@ def frames_of(motion: Motion, times: Array, q: Array) -> Array:
 
 
 def motion_normal(motion: Motion) -> Array | None:
-    """The normal of the plane in which an arm moves.
-
-    Returns:
-        A unit vector; None where it moves in space, by its joints or by its base.
-    """
+    """The unit normal of the plane in which an arm moves; None where it moves in space, by its joints or its base."""
     times = np.linspace(0.0, motion.duration, TIMES)
     robot = motion.plan.robot
     return plane_normal([arm_scene(robot, frames) for frames in frames_of(motion, times, motion(times)[0])])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil
-from typing import TypedDict
 
 import numpy as np
 from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
@@ -53,25 +52,18 @@ Of a longer simulation every second row, every third, ...; of a longer motion as
 DIGITS = 12  # significant ones of the numbers of a simulation
 
 
-class _Base(TypedDict, total=False):
-    """Attributes of `Playback` about a base that moves."""
-
-    base: tuple[tuple[Formula, ...], ...]
-    base_rates: tuple[tuple[tuple[Formula, ...], ...], ...]
-    base_torques: tuple[BaseTorquesText, ...]
+_Rows = tuple[tuple[Formula, ...], ...]  # of a transform
 
 
 def playback(motion: Motion, run: Run | None = None) -> Playback:
     """The motion as the page plays it."""
     trajectory, steps = motion.trajectory, motion.plan.steps
-    functions: tuple[str, ...] = ()
-    payloads: list[tuple[tuple[int, float], ...]] = []
-    if motion.has_torques:
-        functions = (TORQUE, REGRESSOR) if any(step.payload for step in steps) else (TORQUE,)
-        payloads = [motion.payload_columns(step) for step in steps]
-    payloads += [()] * (len(trajectory.segments) - len(payloads))  # curves have a segment and no step
-    carried = [step.payload for step in steps] or [None]
+    carried = [step.payload for step in steps] or [None]  # curves have a segment and no step
     loads = list(dict.fromkeys(carried))
+    functions: tuple[str, ...] = ()
+    if motion.has_torques:
+        functions = (TORQUE, REGRESSOR) if any(carried) else (TORQUE,)
+    payloads = [motion.payload_columns(step) for step in steps if functions] or [()] * len(trajectory.segments)
     tracks = tuple(
         tuple(_played(piece) for segment in trajectory.segments for piece in segment.joints[j])
         for j in range(motion.plan.robot.n)
@@ -87,6 +79,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     violations = motion.violations if run is None else motion.violations_of(run)
     near = motion.near_bounds(run)
     lengths = {len(piece.values) // 2 for track in tracks for piece in track if piece.kind == "hermite"}
+    base, base_rates, base_torques = _base_of(motion, loads if functions else ())
     end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
     segments = tuple(
         PlayedSegment(segment.name, float(segment.start), payload, loads.index(body))
@@ -101,7 +94,9 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         sample=motion.sample,
         ranges=tuple((float(low), float(high)) for low, high in zip(reached.min(0), reached.max(0), strict=True)),
         functions=functions,
-        **_base_of(motion, loads if functions else ()),
+        base=base,
+        base_rates=base_rates,
+        base_torques=base_torques,
         bounds={what: _pairs(*ends) for what, ends in near.items() if np.isfinite(ends).any()},
         exceeded=tuple(
             Exceeded(item.what, item.joint, item.time, item.value)
@@ -113,17 +108,19 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     )
 
 
-def _base_of(motion: Motion, loads: Sequence[Payload | None]) -> _Base:
-    """How a base moves, and what that adds to the torques."""
+def _base_of(
+    motion: Motion, loads: Sequence[Payload | None]
+) -> tuple[_Rows, tuple[_Rows, ...], tuple[BaseTorquesText, ...]]:
+    """The transform of a base that moves, its derivatives, and what they add to the torques."""
     base, added = motion.base, motion.base_torques
     if base is None or added is None:
-        return {}
+        return (), (), ()
     transform, rate, bend = (
         tuple(tuple(map(tree, row)) for row in base.transform.diff(TIME, order).tolist()) for order in range(3)
     )
     texts = (Kernel("base_torques", added.tape(load)).written(JAVASCRIPT) for load in loads)
     written = tuple(BaseTorquesText(body, results) for body, results in texts)
-    return {"base": transform, "base_rates": (rate[:3], bend[:3]) if written else (), "base_torques": written}
+    return transform, (rate[:3], bend[:3]) if written else (), written
 
 
 def _resampled(motion: Motion, places: int) -> tuple[tuple[PlayedPiece, ...], ...]:
@@ -156,15 +153,8 @@ def _played_run(motion: Motion, run: Run) -> PlayedRun:
     def _rows(values: Array) -> tuple[tuple[float, ...], ...]:
         return tuple(tuple(float(f"{value:.{DIGITS}g}") for value in row) for row in values[kept])
 
-    return PlayedRun(
-        tuple(times.tolist()),
-        _rows(run.q),
-        _rows(run.qd),
-        _rows(run.tau),
-        motion.plan.control.law,
-        motion.plan.friction,
-        run.reached,
-    )
+    q, qd, tau = map(_rows, (run.q, run.qd, run.tau))
+    return PlayedRun(tuple(times.tolist()), q, qd, tau, motion.plan.control.law, motion.plan.friction, run.reached)
 
 
 def _played(piece: AnyPiece) -> PlayedPiece:

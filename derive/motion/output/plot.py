@@ -173,7 +173,10 @@ def _panel(
         low, high = (bound[j] for bound in motion.bounds[name])
         beyond = np.where((values[:, j] > high) | (values[:, j] < low), values[:, j], np.nan)
         axes.plot(times, beyond, color=BEYOND, linewidth=5.0, alpha=0.3, zorder=1)
-    _draw_limits(axes, limits[0], name, joints)
+    for bound in limits[0].get(name, ()):  # dotted lines, for which the panel makes room
+        for j in joints:
+            if np.isfinite(bound[j]):
+                axes.axhline(bound[j], color=COLORS[j % len(COLORS)], linestyle=(0, (1, 2)), linewidth=0.8, zorder=0.5)
     for item in marked:
         if item.joint in joints:
             axes.plot([item.time], [item.value], marker="o", markersize=7.0, fillstyle="none", color=BEYOND)
@@ -185,14 +188,6 @@ def _panel(
     axes.grid(visible=True, axis="y", color="0.92", linewidth=0.4)
     axes.set_axisbelow(True)
     axes.tick_params(width=0.5, length=2.5)
-
-
-def _draw_limits(axes: Any, near: Bounds, name: str, joints: Sequence[int]) -> None:
-    """Dotted lines; the panel makes room for them."""
-    for bound in near.get(name, ()):
-        for j in joints:
-            if np.isfinite(bound[j]):
-                axes.axhline(bound[j], color=COLORS[j % len(COLORS)], linestyle=(0, (1, 2)), linewidth=0.8, zorder=0.5)
 
 
 def _mark(axes: Any, marks: Sequence[Mark]) -> None:
@@ -224,25 +219,17 @@ def _mark(axes: Any, marks: Sequence[Mark]) -> None:
         if best < np.inf and (text, *dot.round()) not in said:
             said.add((text, *dot.round()))
             taken.append((place, place + size))
-            look: dict[str, Any] = {
-                "textcoords": "offset points",
-                "fontsize": 7,
-                "color": color,
-                "va": "bottom",
-                "bbox": CLEAR,
-            }
-            axes.annotate(text, (time, value), place - dot, **look)
+            look: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7, "va": "bottom", "bbox": CLEAR}
+            axes.annotate(text, (time, value), place - dot, color=color, **look)
 
 
 def _wanted_peaks(motion: Motion, row: int, j: int) -> Mark:
     """The largest magnitude over the whole motion, exact where the motion has it so."""
-    found = []
-    for peaks in motion.peaks:
-        if row == len(ROWS) - 1:
-            found.append((peaks.loads[j].time, peaks.loads[j].peak))
-        else:
-            peak = (peaks.speeds, peaks.accelerations)[row - 1][j]
-            found.append((float(peak.time), float(peak.value)))
+    if row == len(ROWS) - 1:
+        found = [(peaks.loads[j].time, peaks.loads[j].peak) for peaks in motion.peaks]
+    else:
+        exact = [(peaks.speeds, peaks.accelerations)[row - 1][j] for peaks in motion.peaks]
+        found = [(float(peak.time), float(peak.value)) for peak in exact]
     return (j, *max(found, key=lambda pair: abs(pair[1])))
 
 

@@ -4,34 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from sympy import Expr, Float, Poly, Symbol, cos, expand, latex, pi, sstr
+from sympy import Expr, Float, Symbol, latex, sstr
 
-from derive.motion.curves.trajectory import Segment
 from derive.motion.motion import Motion
 from derive.plans.hermite import MOST_PRINTED
-from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.plans.segments import DIGITS, formula
 from derive.targets.escape import latex_text
-
-TIME = Symbol("t")  # time since the segment began
-DIGITS = 12  # of coefficients that are not exact
-ROUNDING = 1e-12  # what a coefficient is, relative to the largest one, where it is nothing but rounding
-
-
-def formula(piece: AnyPiece, segment: Segment) -> Expr:
-    """The position of a joint as a formula of the time since its segment began."""
-    if isinstance(piece, Curve):
-        return piece.formulas[0].subs(next(iter(piece.formulas[0].free_symbols), TIME), TIME)
-    u = (TIME - piece.start + segment.start) / piece.duration
-    if isinstance(piece, Cosine):
-        (q0,), (q1,) = piece.values
-        return q0 + (q1 - q0) * (1 - cos(pi * u)) / 2
-    polynomial = piece.in_unit_time()
-    if piece.is_exact:
-        return expand(polynomial.as_expr().subs(polynomial.gen, u))
-    numbers = [float(c) for c in polynomial.all_coeffs()]
-    least = ROUNDING * max(map(abs, numbers))
-    kept = Poly([Float(c) if abs(c) > least else 0 for c in numbers], polynomial.gen)
-    return expand(kept.as_expr().subs(kept.gen, u.evalf())).evalf(DIGITS)
 
 
 def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:

@@ -7,11 +7,10 @@ from typing import Any
 
 from sympy import sstr
 
-from derive.motion.curves.extremes import Peak
 from derive.motion.curves.violations import Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
-from derive.motion.torques.loads import SegmentPeaks
+from derive.plans.segments import Peak, SegmentPeaks
 from derive.robot.robot import Robot
 
 
@@ -46,16 +45,9 @@ def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
 
 
 def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str, Any]]:
+    keys = ("what", "time", "value", "limit", "excess")
     return [
-        {
-            "joint": robot.joints[item.joint].variable,
-            "what": item.what,
-            "time": item.time,
-            "value": item.value,
-            "limit": item.limit,
-            "excess": item.excess,
-        }
-        for item in violations
+        {"joint": robot.joints[item.joint].variable, **{key: getattr(item, key) for key in keys}} for item in violations
     ]
 
 

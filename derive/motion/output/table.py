@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.arrays import Array
-from derive.motion.curves.extremes import Peak
 from derive.motion.curves.violations import ROUNDING
 from derive.motion.motion import Motion
-from derive.motion.torques.loads import SegmentPeaks
+from derive.plans.segments import Peak, SegmentPeaks
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 

@@ -194,11 +194,7 @@ def _tangent(x: Array) -> tuple[Array, Array]:
 
 
 def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
-    """The largest x from rest to rest with a u + b x + c <= 1 at each node.
-
-    Returns:
-        (nodes,); None where there is no such x.
-    """
+    """The largest x, (nodes,), from rest to rest with a u + b x + c <= 1 at each node; None where there is none."""
     try:
         from toppra.algorithm import TOPPRA
         from toppra.constraint import LinearConstraint

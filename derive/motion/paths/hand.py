@@ -15,7 +15,7 @@ from sympy import Expr, Float, Integer, Symbol, sstr
 from derive.arrays import Array
 from derive.errors import QuantityError, RobotFileError, quoted
 from derive.motion.curves.limits import Limits
-from derive.motion.curves.trajectory import ONE, Corner, Joints, Trajectory
+from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector
 from derive.motion.paths.smooth import UNIFORM, grid_of, one_second, smooth_path
 from derive.motion.torques.functions import Functions
@@ -23,6 +23,7 @@ from derive.plans.hermite import Piece
 from derive.plans.plan import Plan
 from derive.plans.points import Point, Step, Vector
 from derive.plans.profile import ZERO
+from derive.plans.segments import Joints
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
@@ -68,11 +69,7 @@ class Hand:
         return Functions(kinematics, names, self._values, inverse=poses)
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
-        """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch.
-
-        Args:
-            before: Where the arm comes from; None at the start.
-        """
+        """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch."""
         point = self._plan.points[name]
         if point.q is not None:
             return self._exact(point.q)
@@ -168,11 +165,7 @@ class Hand:
         return joints
 
     def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
-        """The pieces of each joint, segment by segment, while the end effector moves on a spline.
-
-        Args:
-            times: When each begins, and the last one ends [s].
-        """
+        """The pieces of each joint, by segments, while the end effector moves on a spline between times [s]."""
         q = np.array(before, dtype=float)
         local = [time - times[0] for time in times]
         from derive.motion.paths.hand_spline import spline_way

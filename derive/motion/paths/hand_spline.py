@@ -14,19 +14,16 @@ import numpy as np
 from sympy import Expr, Float
 
 from derive.arrays import Array
-from derive.motion.curves.trajectory import Segment, Trajectory
-from derive.motion.paths.poses import Way, rotation_of, rotation_vector
+from derive.motion.curves.trajectory import Trajectory
+from derive.motion.paths.poses import Way, cross_matrix, rotation_of, rotation_vector
 from derive.plans.profile import spline
+from derive.plans.segments import Segment
 
 TERMS = 24  # of the power series of a and b, which are exact to rounding up to a whole turn
 
 
 def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
-    """The way through poses, by time.
-
-    Args:
-        times: When each is passed [s], rationals from 0 on.
-    """
+    """The way through poses, by time; they are passed at rational times from 0 on [s]."""
     start = poses[0][:3, :3]
     turns = [np.zeros(3)]
     for pose in poses[1:]:
@@ -56,16 +53,9 @@ def _nearest(vector: Array, before: Array) -> Array:
 
 
 def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
-    """Angular velocity and acceleration of a rotation by its rotation vector.
-
-    Args:
-        w: The rotation vector, (3,) [rad].
-
-    Returns:
-        omega = V w' and its derivative V w'' + V' w', (3,) each.
-    """
+    """Angular velocity omega = V w' and acceleration V w'' + V' w', (3,) each, by the rotation vector w [rad]."""
     x, slope = float(w @ w), 2 * float(w @ rate)  # the square of the angle, and its rate
-    cross, turning = _cross(w), _cross(rate)
+    cross, turning = cross_matrix(w), cross_matrix(rate)
     square, squared = cross @ cross, turning @ cross + cross @ turning
     (a, b), (da, db) = _series(x)
     jacobian = np.eye(3) + a * cross + b * square
@@ -81,8 +71,3 @@ def _series(x: float) -> tuple[tuple[float, float], tuple[float, float]]:
         values.append(float(np.polyval(terms[::-1], x)))
         slopes.append(float(np.polyval([k * term for k, term in enumerate(terms)][:0:-1], x)))
     return (values[0], values[1]), (slopes[0], slopes[1])
-
-
-def _cross(vector: Array) -> Array:
-    x, y, z = vector
-    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

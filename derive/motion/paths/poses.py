@@ -43,15 +43,16 @@ def rotation_vector(rotation: Array) -> Array:
 
 
 def rotation_of(vector: Array) -> Array:
-    """The rotation about an axis by an angle (Rodrigues).
-
-    Args:
-        vector: The axis times the angle, (3,) [rad].
-    """
+    """The rotation about an axis by an angle (Rodrigues), of the axis times the angle, (3,) [rad]."""
     angle = float(np.linalg.norm(vector))
-    x, y, z = vector / angle if angle else vector
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    cross = cross_matrix(vector / angle if angle else vector)
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+def cross_matrix(vector: Array) -> Array:
+    """The matrix v^ of a cross product: v^ u = v x u."""
+    x, y, z = vector
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 @dataclass(frozen=True)
@@ -71,11 +72,7 @@ class Way:
 
     @classmethod
     def arc(cls, a: Array, through: Array, b: Array) -> Way:
-        """The arc of the circle through three positions.
-
-        Args:
-            through: (4, 4); its orientation is not looked at.
-        """
+        """The arc of the circle through three positions; the orientation of the middle pose does not count."""
         p, m, q = a[:3, 3], through[:3, 3] - a[:3, 3], b[:3, 3] - a[:3, 3]
         normal = np.cross(m, q)
         square = float(normal @ normal)
@@ -90,11 +87,8 @@ class Way:
 
         def _place(s: float) -> tuple[Array, Array, Array]:
             c, z = np.cos(s * angle), np.sin(s * angle)
-            return (
-                centre + c * radius + z * side,
-                angle * (c * side - z * radius),
-                -(angle**2) * (c * radius + z * side),
-            )
+            outwards = c * radius + z * side
+            return centre + c * radius + z * side, angle * (c * side - z * radius), -(angle**2) * outwards
 
         return cls(_place, _about_one_axis(a, b))
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
-from typing import Protocol
 
 from sympy import Expr
 
 from derive.errors import RobotFileError
 from derive.motion.curves.extremes import numeric_peak
-from derive.motion.curves.limits import MOST_CRUISE, Limits, placed, proportions, rounded_up, trapezoid_peaks
-from derive.motion.curves.trajectory import ONE, Corner, Joints, Segment, Trajectory
+from derive.motion.curves.limits import MOST_CRUISE, placed, proportions, rounded_up, trapezoid_peaks
+from derive.motion.curves.trajectory import ONE, Corner, Trajectory
+from derive.motion.paths.hand import Hand
 from derive.plans.hermite import Piece, joined, symbolic
 from derive.plans.plan import Plan
 from derive.plans.points import Step
@@ -28,58 +28,26 @@ from derive.plans.profile import (
     trapezoid,
     via_velocities,
 )
-from derive.robot.expression import Expression
+from derive.plans.segments import Joints, Segment
 
 
-class Arm(Protocol):
-    """Who knows where the points of a plan are."""
-
-    @property
-    def limits(self) -> Limits:
-        """The largest speeds, accelerations and torques of the plan."""
-
-    def exact(self, value: Expression) -> Expr:
-        """A cell with the numbers of its symbols."""
-
-    def configuration(self, name: str, before: Corner | None) -> Corner:
-        """Joint variables at a point.
-
-        Args:
-            before: Where the arm comes from; None at the start.
-        """
-
-    def follow(self, step: Step, before: Corner, start: Expr, unit: Trajectory) -> Joints:
-        """The pieces of each joint while the end effector moves on a line or an arc."""
-
-    def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
-        """The pieces of each joint, segment by segment, while the end effector moves on a spline.
-
-        Args:
-            times: When each begins, and the last one ends [s].
-        """
-
-    def distances(self, run: Sequence[Step], before: Corner) -> list[float]:
-        """How far the end effector goes from point to point."""
-
-    def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
-        """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0."""
-
-
-def trajectory_of(plan: Plan, arm: Arm) -> Trajectory:
+def trajectory_of(plan: Plan, hand: Hand) -> Trajectory:
     """The segments of a plan with a path."""
     segments: list[Segment] = []
     name, start = plan.start, ZERO
-    here = arm.configuration(name, None)
+    here = hand.configuration(name, None)
     for run in _runs(plan.steps):
         names, corners = [name, *(step.to for step in run)], [here]
         if not run[0].follows:
             for step in run:
-                corners.append(arm.configuration(step.to, corners[-1]))
-        times, joints = _run(arm, run, len(segments), corners, start)
+                corners.append(hand.configuration(step.to, corners[-1]))
+        times, joints = _run(hand, run, len(segments), corners, start)
         ends = [f"{a} -> {b}" for a, b in pairwise(names)]
         segments += [Segment(ends[i], times[i], times[i + 1] - times[i], joints[i]) for i in range(len(run))]
         name, start = names[-1], times[-1]
-        here = tuple(_last(track[-1]) for track in joints[-1]) if run[0].follows else corners[-1]
+        here = corners[-1]
+        if run[0].follows:  # where the last pieces end
+            here = tuple(symbolic(track[-1].values[1][0]) for track in joints[-1] if not isinstance(track[-1], Curve))
     return Trajectory(tuple(segments))
 
 
@@ -95,37 +63,31 @@ def _runs(steps: Sequence[Step]) -> list[list[Step]]:
     return runs
 
 
-def _last(piece: AnyPiece) -> Expr:
-    """Where a piece ends."""
-    assert not isinstance(piece, Curve), "curves have no points"
-    return symbolic(piece.values[1][0])
-
-
 Timed = tuple[list[Expr], list[Joints]]  # when each of some segments begins, and the last one ends; their pieces
 
 
-def _run(arm: Arm, run: Sequence[Step], first: int, corners: Sequence[Corner], start: Expr) -> Timed:
+def _run(hand: Hand, run: Sequence[Step], first: int, corners: Sequence[Corner], start: Expr) -> Timed:
     """The segments of steps between two stops."""
     step = run[0]
     if step.profile is Profile.FASTEST:
-        found = arm.fastest(run, first, corners)
+        found = hand.fastest(run, first, corners)
         joints: list[Joints] = [tuple(_moved(track, start, ONE) for track in pieces) for pieces in found]
         return [start, *(symbolic(pieces[0][-1].end) for pieces in joints)], joints
     if step.in_space:
-        return _in_space(arm, step, corners[0], start)
+        return _in_space(hand, step, corners[0], start)
     if step.by_hand:
-        return _splined(arm, run, corners[0], start)
+        return _splined(hand, run, corners[0], start)
     if step.profile is Profile.SPLINE or len(run) > 1:
-        return _passing(arm, run, corners, start)
-    duration, cruises = _rest_to_rest_time(arm, step, *corners)
+        return _passing(hand, run, corners, start)
+    duration, cruises = _rest_to_rest_time(hand, step, *corners)
     ends = zip(*corners, cruises, strict=True)
     pieces = tuple(_single(step.profile, start, duration, q0, q1, cruise) for q0, q1, cruise in ends)
     return [start, start + duration], [pieces]
 
 
-def _in_space(arm: Arm, step: Step, here: Corner, start: Expr) -> Timed:
+def _in_space(hand: Hand, step: Step, here: Corner, start: Expr) -> Timed:
     """The end effector on a line or an arc; by limits as long as its joints need."""
-    cruise = CRUISE if step.cruise is None else arm.exact(step.cruise)
+    cruise = CRUISE if step.cruise is None else hand.exact(step.cruise)
     _check_cruise(step, cruise)
     if step.profile is Profile.SPLINE:
         remedy = "write profile: quintic, or another one"
@@ -133,86 +95,82 @@ def _in_space(arm: Arm, step: Step, here: Corner, start: Expr) -> Timed:
 
     def _followed(begin: Expr, duration: Expr) -> Joints:
         pieces = _single(step.profile, ZERO, duration, ZERO, ONE, cruise)
-        return arm.follow(step, here, begin, Trajectory((Segment("", ZERO, duration, (pieces,)),)))
+        return hand.follow(step, here, begin, Trajectory((Segment("", ZERO, duration, (pieces,)),)))
 
     if step.time is not None:
-        duration = arm.exact(step.time)
+        duration = hand.exact(step.time)
         return [start, start + duration], [_followed(start, duration)]
     joints = _followed(ZERO, ONE)
-    factor = _stretched(arm, step, [joints])
+    factor = _stretched(hand, step, [joints])
     return [start, start + factor], [tuple(_moved(track, start, factor) for track in joints)]
 
 
-def _passing(arm: Arm, run: Sequence[Step], corners: Sequence[Corner], start: Expr) -> Timed:
+def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: Expr) -> Timed:
     """Segments whose points are passed without a stop; by limits in the proportion of what each would need alone."""
     profile = run[0].profile
     if profile is not Profile.SPLINE and profile not in VALUES:
         found = f"a {profile} motion stops at its points, and {run[0].to} is passed"
         remedy = "write via: stop, or a profile of cubic, quintic, septic, spline, fastest"
         raise RobotFileError(found, remedy=remedy, location=run[0].location)
-    lengths = given = _given_times(arm, run)
+    lengths = given = _given_times(hand, run)
     if not given:
         speed, acceleration = UNIT_PEAKS[Profile.CUBIC if profile is Profile.SPLINE else profile]
         alone = []
         for step, (q0, q1) in zip(run, pairwise(corners), strict=True):
             ways = [abs(b - a) for a, b in zip(q0, q1, strict=True)]
-            needed = arm.limits.stretch([speed * way for way in ways], [acceleration * way for way in ways])
+            needed = hand.limits.stretch([speed * way for way in ways], [acceleration * way for way in ways])
             alone.append(float(_limited(step, needed)))
         lengths = proportions(alone)
-    times = _times(start if given else ZERO, lengths)
-    tracks = [_through(profile, times, positions) for positions in zip(*corners, strict=True)]
+    times = list(accumulate(lengths, initial=start if given else ZERO))
+    tracks = []
+    for positions in zip(*corners, strict=True):
+        if profile is Profile.SPLINE:
+            tracks.append(spline(times, positions))
+        else:
+            rest = (ZERO,) * (VALUES[profile] - 2)
+            ends = zip(positions, via_velocities(times, positions), strict=True)
+            tracks.append(joined([(q, v, *rest) for q, v in ends], times))
     joints: list[Joints] = [tuple((track[i],) for track in tracks) for i in range(len(run))]
-    return (times, joints) if given else _stretched_run(arm, run, start, times, joints)
+    return (times, joints) if given else _stretched_run(hand, run, start, times, joints)
 
 
-def _splined(arm: Arm, run: Sequence[Step], here: Corner, start: Expr) -> Timed:
+def _splined(hand: Hand, run: Sequence[Step], here: Corner, start: Expr) -> Timed:
     """The end effector on a spline; by limits in the proportion of its ways from point to point."""
-    given = _given_times(arm, run)
-    times = _times(start if given else ZERO, given or proportions(arm.distances(run, here)))
-    joints = arm.splined(run, here, times)
-    return (times, joints) if given else _stretched_run(arm, run, start, times, joints)
+    given = _given_times(hand, run)
+    lengths = given or proportions(hand.distances(run, here))
+    times = list(accumulate(lengths, initial=start if given else ZERO))
+    joints = hand.splined(run, here, times)
+    return (times, joints) if given else _stretched_run(hand, run, start, times, joints)
 
 
-def _given_times(arm: Arm, run: Sequence[Step]) -> tuple[Expr, ...]:
+def _given_times(hand: Hand, run: Sequence[Step]) -> tuple[Expr, ...]:
     """The times of segments without a stop between them: all, or none."""
     given = [step.time for step in run if step.time is not None]
     if given and len(given) < len(run):
         untimed = next(step for step in run if step.time is None)
         remedy = "write a time for each segment between two stops, or for none"
         raise RobotFileError(f"no time from here to {untimed.to}", remedy=remedy, location=untimed.location)
-    return tuple(map(arm.exact, given))
-
-
-def _times(start: Expr, lengths: Sequence[Expr]) -> list[Expr]:
-    return list(accumulate(lengths, initial=start))
+    return tuple(map(hand.exact, given))
 
 
 def _stretched_run(
-    arm: Arm, run: Sequence[Step], start: Expr, times: Sequence[Expr], joints: Sequence[Joints]
+    hand: Hand, run: Sequence[Step], start: Expr, times: Sequence[Expr], joints: Sequence[Joints]
 ) -> Timed:
     """Segments that were put together from time 0 on, as long as limits ask for."""
-    factor = _stretched(arm, run[0], joints)
+    factor = _stretched(hand, run[0], joints)
     moved: list[Joints] = [tuple(_moved(track, start, factor) for track in pieces) for pieces in joints]
     return [start + time * factor for time in times], moved
-
-
-def _through(profile: Profile, times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Piece, ...]:
-    """One joint through points at which it does not stop."""
-    if profile is Profile.SPLINE:
-        return spline(times, positions)
-    rest = (ZERO,) * (VALUES[profile] - 2)
-    return joined([(q, v, *rest) for q, v in zip(positions, via_velocities(times, positions), strict=True)], times)
 
 
 def _moved(track: Sequence[AnyPiece], start: Expr, factor: Expr) -> tuple[Piece, ...]:
     return tuple(placed(piece, start, factor) for piece in track if isinstance(piece, Piece))
 
 
-def _stretched(arm: Arm, step: Step, segments: Sequence[Joints]) -> Expr:
+def _stretched(hand: Hand, step: Step, segments: Sequence[Joints]) -> Expr:
     """The duration of pieces that were put together for one second, up to a microsecond."""
     tracks = [sum(pieces, ()) for pieces in zip(*segments, strict=True)]
     speeds, accelerations = ([abs(numeric_peak(track, order).value) for track in tracks] for order in (1, 2))
-    factor = _limited(step, arm.limits.stretch(speeds, accelerations))
+    factor = _limited(step, hand.limits.stretch(speeds, accelerations))
     return rounded_up(float(factor)) or ONE
 
 
@@ -223,7 +181,7 @@ def _limited(step: Step, duration: Expr | None) -> Expr:
     return duration
 
 
-def _rest_to_rest_time(arm: Arm, step: Step, q0: Corner, q1: Corner) -> tuple[Expr, list[Expr]]:
+def _rest_to_rest_time(hand: Hand, step: Step, q0: Corner, q1: Corner) -> tuple[Expr, list[Expr]]:
     """The time of a segment between two stops, and of trapezoids the speed of each joint by distance and time.
 
     As the plan says, or what the slowest joint needs within the limits.
@@ -232,17 +190,17 @@ def _rest_to_rest_time(arm: Arm, step: Step, q0: Corner, q1: Corner) -> tuple[Ex
     cruises = [CRUISE] * len(ways)
     if step.profile is Profile.TRAPEZOIDAL:
         if step.cruise is not None:
-            cruises = [arm.exact(step.cruise)] * len(ways)
-            _check_cruise(step, cruises[0], step.time and arm.exact(step.time), max(ways, key=float))
+            cruises = [hand.exact(step.cruise)] * len(ways)
+            _check_cruise(step, cruises[0], step.time and hand.exact(step.time), max(ways, key=float))
         elif step.time is None:
-            cruises = [arm.limits.cruise(j, way) if way != 0 else CRUISE for j, way in enumerate(ways)]
+            cruises = [hand.limits.cruise(j, way) if way != 0 else CRUISE for j, way in enumerate(ways)]
         units = [trapezoid_peaks(cruise) for cruise in cruises]
     else:
         units = [UNIT_PEAKS[step.profile]] * len(ways)
     if step.time is not None:
-        return arm.exact(step.time), cruises
+        return hand.exact(step.time), cruises
     peaks = [(speed * way, acceleration * way) for (speed, acceleration), way in zip(units, ways, strict=True)]
-    needed = _limited(step, arm.limits.stretch([v for v, _ in peaks], [a for _, a in peaks]))
+    needed = _limited(step, hand.limits.stretch([v for v, _ in peaks], [a for _, a in peaks]))
     return (needed if needed != 0 else ONE), cruises
 
 

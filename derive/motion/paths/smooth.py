@@ -10,9 +10,10 @@ import numpy as np
 from sympy import Expr, Float
 
 from derive.arrays import Array
-from derive.motion.curves.trajectory import ONE, Corner, Joints, Segment, Trajectory
+from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.plans.hermite import MOST_PRINTED, Piece, joined, sampled, symbolic
 from derive.plans.profile import ZERO
+from derive.plans.segments import Joints, Segment
 
 INTERVALS = 192  # of each segment
 NOISE = 1e-9  # slope of a joint, relative to the largest of all, below which it does not move
@@ -29,11 +30,7 @@ UNIFORM = one_second(((Piece(ZERO, ONE, ((ZERO, ONE), (ONE, ONE))),),))  # s its
 
 
 def smooth_path(knots: Array, corners: Array) -> Trajectory:
-    """The natural cubic spline through points; between two points a straight line.
-
-    Args:
-        knots: s at each point, from 0 to 1, (points,).
-    """
+    """The natural cubic spline through points at s from 0 to 1, (points,); between two points a straight line."""
     from scipy.interpolate import CubicSpline
 
     slopes = CubicSpline(knots, corners, bc_type="natural")(knots, 1)

@@ -48,11 +48,7 @@ class HeldArm:
         return other
 
     def __call__(self, plant: Plant, motors: Array, state: Array, span: tuple[float, float], times: Array) -> Steps:
-        """A motion by DOP853 with the tolerance of all simulations; dry friction is smooth.
-
-        Args:
-            motors: Torques of the motors, (n,).
-        """
+        """A motion by DOP853 under torques of the motors, (n,), with the usual tolerance and smooth dry friction."""
         clock, rows = np.array([span[0], self._step]), np.empty((times.size, state.size))
         given = [np.ascontiguousarray(part, dtype=float) for part in (times, motors)]
         others = [np.concatenate([plant.push, plant.viscous, plant.coulomb]), self._constants, state.copy(), rows]
@@ -65,11 +61,7 @@ class HeldArm:
 
 
 def held_arm(robot: Robot, values: Mapping[str, float], evaluations: float) -> HeldArm | None:
-    """The arm in C.
-
-    Returns:
-        The arm; None where there is no compiler, or where it takes longer than it saves.
-    """
+    """The arm in C; None where there is no compiler, or where it takes longer than it saves."""
     if evaluations * SAVED < COMPILING:
         return None
     bare = bare_robot(robot)

@@ -1,20 +1,23 @@
-"""From a plan to what is simulated: who drives the arm, what it carries and what pushes it, stage by stage."""
+"""From a plan to what is simulated: who drives the arm, what it carries and what pushes it, stage by stage.
+
+Control laws: Siciliano et al., Robotics, 2009, 8.5.1 (PD with gravity), 8.5.2 (computed torque: inverse dynamics).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from derive.arrays import Array
 from derive.errors import RobotFileError
 from derive.motion.curves.trajectory import Trajectory
-from derive.motion.simulation.control import NEEDS, Controller, looked_up
 from derive.motion.simulation.held import held_arm
 from derive.motion.simulation.simulation import Stage
 from derive.motion.simulation.stepping import PLANT, Plant
 from derive.motion.torques.base_torques import BaseTorques
-from derive.motion.torques.bodies import Body, OpenLink
+from derive.motion.torques.bodies import CarriedBody, OpenLink
 from derive.motion.torques.functions import Functions
 from derive.plans.plan import Plan
 from derive.plans.points import Payload
@@ -25,6 +28,61 @@ from derive.robot.expression import ZERO
 RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}
 MOST_LOOKS = 1_000_000  # of a sampled controller
 CALLS_PER_LOOK = 30.0  # calls from one look of a sampled controller to the next, about
+# Position, velocity and acceleration that are wanted at a time.
+Reference = Callable[[float], tuple[Array, Array, Array]]
+# Generated functions of each law.
+NEEDS: dict[str, frozenset[str]] = {
+    "none": frozenset(),
+    "pd": frozenset(),
+    "pd-gravity": frozenset({"gravity_vector"}),
+    "computed-torque": frozenset({"inverse_dynamics"}),
+}
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A control law with its gains."""
+
+    law: str  # one of `NEEDS`
+    kp: Array  # gains of the position, (n,)
+    kd: Array  # gains of the velocity, (n,)
+    reference: Reference  # what is wanted
+    # The model that the controller knows, without dry friction; None where the law needs none.
+    functions: Functions | None
+    # What that model says that a base that moves adds; None where it stands.
+    inertial: Callable[[float, Array, Array], Array] | None = None
+
+    def __call__(self, t: float, q: Array, qd: Array) -> Array:
+        """Torques of the motors.
+
+            pd               tau = Kp e + Kd de/dt
+            pd-gravity       tau = Kp e + Kd de/dt + g(q)
+            computed-torque  tau = B(q) (qdd_d + Kd de/dt + Kp e) + C(q, qd) qd + g(q)
+
+        Returns:
+            tau, (n,) [N m or N].
+        """
+        if self.law == "none":
+            return np.zeros(q.size)
+        wanted, velocity, acceleration = self.reference(t)
+        tau: Array = self.kp * (wanted - q) + self.kd * (velocity - qd)
+        if self.functions is None:
+            return tau
+        inertial = 0.0 if self.inertial is None else self.inertial(t, q, qd)
+        if self.law == "pd-gravity":
+            return tau + self.functions("gravity_vector", q) + inertial
+        return self.functions("inverse_dynamics", q, qd, acceleration + tau) + inertial
+
+
+def looked_up(reference: Callable[[Array], tuple[Array, Array, Array]], period: float, duration: float) -> Reference:
+    """What is wanted at the looks of a sampled controller [s], computed at once for all of a motion [s]."""
+    q, qd, qdd = reference(period * np.arange(np.ceil(duration / period) + 1))
+
+    def _at(t: float) -> tuple[Array, Array, Array]:
+        k = round(t / period)
+        return q[k], qd[k], qdd[k]
+
+    return _at
 
 
 def stages_of(
@@ -34,14 +92,10 @@ def stages_of(
     calls: float | None,
     added: BaseTorques | None = None,
 ) -> list[Stage]:
-    """The stages of a simulation.
+    """The stages of a simulation whose functions will be called so often; None for an estimate.
 
     The controller knows the robot, how its base moves and what the path says that the tool carries; it knows nothing of
     disturbances and of what stands under ``plant``.
-
-    Args:
-        calls: How often functions will be called; None for an estimate.
-        added: What the motion of the base adds to the torques; None where it stands.
     """
     robot, control = plan.robot, plan.control
     numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
@@ -53,7 +107,7 @@ def stages_of(
     rate = max(RATES[plan.friction], CALLS_PER_LOOK / period if period else 0.0)
     expected = rate * float(trajectory.duration) if calls is None else calls
     needed = PLANT | NEEDS[control.law]
-    known = {**values, **(link.values(Body.last_link(bare, values)) if link else {})}
+    known = {**values, **(link.values(CarriedBody.last_link(bare, values)) if link else {})}
     true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
     viscous, coulomb = (
         np.array([evaluate(getattr(each, kind), true) for each in robot.links]) for kind in ("viscous", "coulomb")
@@ -70,9 +124,9 @@ def stages_of(
     def _numbers(numbers: Mapping[str, float], payloads: Sequence[Payload | None]) -> Mapping[str, float]:
         if link is None:
             return numbers
-        body = Body.last_link(bare, numbers)
+        body = CarriedBody.last_link(bare, numbers)
         for payload in filter(None, payloads):
-            body += Body.payload(bare, payload, numbers)
+            body += CarriedBody.payload(bare, payload, numbers)
         return {**numbers, **link.values(body)}
 
     stages = []

@@ -29,16 +29,10 @@ class Contact:
 
     @classmethod
     def at(cls, plant: Plant, law: Law, t: float, q: Array, qd: Array) -> Contact | None:
-        """What slips after a time.
+        """What slips after a time at which the velocity of joints at rest is zero; None where rounding leaves it open.
 
         A joint that is at rest stands where friction can hold it, and slips against its friction otherwise. Which of
         them do depends on all: accelerations a = a(tau) - B^-1 p with |p| <= f, and p = f sign(a) where a is not zero.
-
-        Args:
-            qd: Velocities, zero where a joint is at rest, (n,).
-
-        Returns:
-            None where rounding leaves it open.
         """
         dry = plant.coulomb
         way, open_ = np.where(dry > 0, np.sign(qd), 0.0), (dry > 0) & (qd == 0)
@@ -80,11 +74,7 @@ class Contact:
         return np.outer(slips, slips), np.diag(1 - slips)
 
     def forces(self, t: float, q: Array, qd: Array) -> tuple[Array, Array, Array]:
-        """What acts on the joints.
-
-        Returns:
-            to hold those that stand, (n,) each.
-        """
+        """What acts on the joints, qdd, and the friction, that which holds joints that stand included, (n,) each."""
         plant, driven = self.plant, self.law(t, q, qd) + self.plant.push
         friction = self.slip
         qdd = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - friction)
@@ -132,31 +122,25 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
     n, t = plant.coulomb.size, span[0]
     rows: list[Array] = []
     changes: list[float] = []
-
-    def _so_far() -> Array:
-        return np.array(rows).reshape(-1, state.size)
-
-    while len(rows) < len(times):
+    divergence = None
+    while len(rows) < len(times) and divergence is None:
         contact = Contact.at(plant, law, t, state[:n], state[n : 2 * n])
         if contact is None or (len(changes) >= BUSY and t - changes[-BUSY] < MOMENT):
             changes.clear()
             end = min(t + LONGEST, float(times[len(rows)]))
             found, divergence = stepped(plant, law, state, (t, end), np.array([end]))
-            if divergence is not None:
-                return _so_far(), divergence
-            t, state = end, found[0]
-            rows += [state] if end == times[len(rows)] else []
+            if divergence is None:
+                t, state = end, found[0]
+                rows += [state] if end == times[len(rows)] else []
             continue
         wanted = times[len(rows) :]
         span, method = (t, span[1]), solver(contact.rates, state, (t, span[1]))
         got, change, divergence = integrated(contact.rates, state, span, wanted, method, contact.margin, LONGEST)
         rows += list(got)
-        if divergence is not None:
-            return _so_far(), divergence
         if change is not None:
             t, state = change[0], contact.rested(change[1])
             changes.append(t)
-    return _so_far(), None
+    return np.array(rows).reshape(-1, state.size), divergence
 
 
 def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
@@ -192,11 +176,7 @@ def _mobility(plant: Plant, q: Array) -> Array:
 
 
 def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Array]:
-    """Velocities after a step, or accelerations, and the impulses or torques of friction, by projected Gauss-Seidel.
-
-    Args:
-        mobility: What friction of one does to all, (n, n).
-    """
+    """Velocities and impulses of friction, or accelerations and torques, by projected Gauss-Seidel with B^-1."""
     rows, velocity, bounds = mobility.tolist(), free.tolist(), most.tolist()
     joints: Sequence[int] = [j for j, bound in enumerate(bounds) if bound]
     friction = [0.0] * len(velocity)

@@ -22,7 +22,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.mechanics.chain import Body, Chain, Domain, build_chain, constant_vector
 from derive.mechanics.energy import kinetic_energy, potential_energy
-from derive.mechanics.floats import FloatDomain
+from derive.mechanics.floats import ArrayDomain, FloatDomain
 from derive.mechanics.newton_euler import (
     LinkMotion,
     angular_acceleration_tensor,
@@ -30,8 +30,7 @@ from derive.mechanics.newton_euler import (
     torques_and_wrench,
 )
 from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, dot, matmul, multiply, subtract, transpose
-from derive.motion.torques.bodies import Body as CarriedBody
-from derive.motion.torques.bodies import OpenLink
+from derive.motion.torques.bodies import CarriedBody, OpenLink
 from derive.plans.moving_base import BaseCurve
 from derive.plans.points import Payload
 from derive.programs.tape.build import cut
@@ -39,7 +38,6 @@ from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.tape import Tape
 from derive.programs.tape.value import Value
-from derive.robot.description import Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
@@ -91,23 +89,6 @@ class OnBase(Generic[S]):
         return kinetic_energy(chain, qd, half, (self.velocity, self.motion.omega)) + potential_energy(chain)
 
 
-class ArrayDomain(FloatDomain):
-    """Cells of a robot as floats, at many configurations at once.
-
-    Args:
-        q: Joint variables [rad or m], (..., n).
-    """
-
-    def __init__(self, robot: Robot, q: Array, values: Mapping[str, float]) -> None:
-        columns: Any = tuple(np.moveaxis(q, -1, 0))
-        super().__init__(robot, columns, values)
-
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Any, Any]:
-        """Cosine and sine of the angle of a revolute joint."""
-        value = joint.sign * self.q[index] + self.constant(joint.theta)
-        return np.cos(value), np.sin(value)
-
-
 class NumberedDomain(TapeDomain):
     """Cells of a robot as numbers on a graph, and its configuration as arguments."""
 
@@ -144,7 +125,7 @@ class BaseTorques:
 
     def _many(self, t: Array, q: Array) -> OnBase[Any]:
         """The arm at many times, (times,), and configurations, (times, n)."""
-        domain = ArrayDomain(self.robot, q, self.values)
+        domain = ArrayDomain(self.robot, tuple(np.moveaxis(q, -1, 0)), self.values)
         inside = np.clip(t, 0.0, self.duration)
         base = np.array([self.base(inside, order) for order in range(3)])
         base[1:, inside != t] = 0.0

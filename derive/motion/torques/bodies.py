@@ -19,7 +19,7 @@ _ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2)
 
 
 @dataclass(frozen=True)
-class Body:
+class CarriedBody:
     """A rigid body in the frame of the last link."""
 
     mass: float  # [kg]
@@ -27,7 +27,7 @@ class Body:
     inertia: Array  # about it, (3, 3) [kg m^2]
 
     @classmethod
-    def payload(cls, robot: Robot, payload: Payload, values: Mapping[str, float]) -> Body:
+    def payload(cls, robot: Robot, payload: Payload, values: Mapping[str, float]) -> CarriedBody:
         """What the tool carries."""
         tool = np.array([[evaluate(cell, values) for cell in row] for row in robot.tool])
         rotation, place = tool[:3, :3], tool[:3, 3]
@@ -36,7 +36,7 @@ class Body:
         return cls(evaluate(payload.mass, values), com, rotation @ own @ rotation.T)
 
     @classmethod
-    def last_link(cls, robot: Robot, values: Mapping[str, float]) -> Body:
+    def last_link(cls, robot: Robot, values: Mapping[str, float]) -> CarriedBody:
         """The last link without its motor."""
         link, inertia = robot.links[-1], np.zeros((3, 3))
         for entry, (i, j) in _ENTRIES.items():
@@ -44,19 +44,15 @@ class Body:
         return cls(evaluate(link.mass, values), np.array([evaluate(cell, values) for cell in link.com]), inertia)
 
     def about(self, point: Array) -> Array:
-        """The inertia about a point (Steiner), (3, 3) [kg m^2].
-
-        Args:
-            point: In the frame of the last link [m].
-        """
+        """The inertia about a point in the frame of the last link [m] (Steiner), (3, 3) [kg m^2]."""
         r = self.com - point
         return self.inertia + self.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
-    def __add__(self, other: Body) -> Body:
+    def __add__(self, other: CarriedBody) -> CarriedBody:
         """Both as one body."""
         mass = self.mass + other.mass
         com = (self.mass * self.com + other.mass * other.com) / mass if mass else self.com
-        return Body(mass, com, self.about(com) + other.about(com))
+        return CarriedBody(mass, com, self.about(com) + other.about(com))
 
     def columns(self, n: int) -> dict[str, float]:
         """Its parameters as the columns of the regressor are named, the inertia about the origin of the frame."""
@@ -84,7 +80,7 @@ class OpenLink:
         link = replace(robot.links[-1], mass=mass, com=(x, y, z), inertia=Inertia(*inertia))
         return cls(replace(robot, links=(*robot.links[:-1], link)), tuple(names))
 
-    def values(self, body: Body) -> dict[str, float]:
+    def values(self, body: CarriedBody) -> dict[str, float]:
         """Numbers of the symbols."""
         entries = [body.inertia[place] for place in _ENTRIES.values()]
         return {name: float(v) for name, v in zip(self.names, (body.mass, *body.com, *entries), strict=True)}

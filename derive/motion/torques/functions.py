@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from derive.arrays import Array
-from derive.errors import QuantityError, TargetError
+from derive.errors import Location, QuantityError, TargetError
 from derive.interrupts import TemporaryFolder
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
@@ -49,9 +51,7 @@ class Functions:
         self._options = self._numbers(values)
 
     def _numbers(self, values: Mapping[str, float]) -> dict[str, Any]:
-        if missing := next((name for name in self._parameters if name not in values), ""):
-            remedy = f"write values: {{{missing}: ...}} in the plan"
-            raise QuantityError(f"the symbol '{missing}' of the robot has no number", remedy=remedy)
+        check_numbers(self._parameters, values, "the robot")
         numbers = {name: values[name] for name in self._parameters}
         return {"params": self._module.precompute(numbers)} if numbers else {}
 
@@ -77,11 +77,7 @@ class Functions:
         return self._inverse.branches if self._inverse else 0
 
     def nearest(self, pose: Array, q: Array, branches: Sequence[int] = ()) -> Array:
-        """The solution of a pose nearest to a configuration.
-
-        Returns:
-            (n,); not numbers where there is none.
-        """
+        """The solution of a pose nearest to a configuration, (n,); not numbers where there is none."""
         module = self._module
         if not branches or self._inverse is None:
             found: Array = module.inverse_kinematics_nearest(pose, q, **self._options)
@@ -90,6 +86,13 @@ class Functions:
         rows = module.inverse_kinematics(pose, near=q, **there, **self._options)
         chosen: Array = module._nearest(rows[list(branches)], q)
         return chosen
+
+
+def check_numbers(names: Iterable[str], values: Mapping[str, float], of: str, place: Location | None = None) -> None:
+    """Refuse a symbol without a number."""
+    if missing := next((name for name in names if name not in values), ""):
+        found, remedy = f"the symbol '{missing}' of {of} has no number", f"write values: {{{missing}: ...}} in the plan"
+        raise QuantityError(found, remedy=remedy, location=place)
 
 
 def bare_robot(robot: Robot) -> Robot:
@@ -123,9 +126,14 @@ def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: b
             compile_libraries(folder, targets, compiler)
         except TargetError:  # a compiler that does not serve is none
             return _imported(robot, names, inverse=inverse, compiled=False)
-    spec = spec_from_file_location(f"derive_motion_{folder.name}", folder / targets[-1].files[0])
+    return module_of(folder / targets[-1].files[0], f"derive_motion_{folder.name}"), temporary
+
+
+def module_of(file: Path, name: str) -> ModuleType:
+    """A module of generated code, imported from its file."""
+    spec = spec_from_file_location(name, file)
     assert spec is not None
     assert spec.loader is not None
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module, temporary
+    return module

@@ -3,51 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from derive.arrays import Array
-from derive.motion.curves.extremes import Peak, highest
-from derive.motion.curves.trajectory import Segment
+from derive.motion.curves.extremes import highest
+from derive.plans.segments import Load
 
 # Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule.
 LEAST_INTERVALS = 64
 
 
-@dataclass(frozen=True, slots=True)
-class Load:
-    """What a joint does in a segment."""
-
-    peak: float  # the torque that is largest in magnitude, also between samples [N m or N]
-    time: float  # when [s]; the earliest of equal ones
-    rms: float  # root of the mean of its square
-    power: float  # the largest mechanical power in magnitude [W]
-    work: float  # integral of torque by velocity [J]
-
-
-@dataclass(frozen=True, slots=True)
-class SegmentPeaks:
-    """The largest values of every joint in a segment."""
-
-    segment: Segment  # its name and times
-    speeds: tuple[Peak, ...]  # largest velocities, exact where the profile allows
-    accelerations: tuple[Peak, ...]  # largest accelerations
-    loads: tuple[Load, ...]  # torques; empty where the robot has no dynamics
-    base: Load | None = None  # power of a base that moves, as the torque at a speed of one; None where it stands
-
-    @property
-    def work(self) -> float:
-        """Of all joints, the integral of tau qd [J]."""
-        return float(sum(load.work for load in self.loads))
-
-
 def mean_weights(count: int) -> Array:
-    """The mean of a function by its values at evenly spaced places: Boole's rule, Simpson's where two are left over.
+    """Weights (count + 1,) of evenly spaced places for the mean of a function: Boole's rule, Simpson's for the rest.
 
-    Returns:
-        Weights of the places, (count + 1,); polynomials of degree five are exact where four divides the number.
+    Polynomials of degree five are exact where four divides the number.
     """
     weights, last = np.zeros(count + 1), count - count % 4
     for k in range(0, last, 4):
@@ -63,12 +34,7 @@ def loads(
     state: Callable[[Array], tuple[Array, Array]],
     corners: Iterable[float] = (),
 ) -> tuple[Load, ...]:
-    """What each joint does in a segment.
-
-    Args:
-        end: When it ends, and the next one begins [s].
-        corners: Times in between at which torques may jump [s].
-    """
+    """What each joint does in a segment, whose torques may jump at its ends and its corners [s]."""
     count, length = max(2 * samples, LEAST_INTERVALS), end - start
     places, parts = [], []
     for a, b in pairwise(sorted({start, *corners, end})):

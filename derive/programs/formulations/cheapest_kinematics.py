@@ -30,7 +30,7 @@ from derive.mechanics.vectors import (
     subtract,
     transpose,
 )
-from derive.programs.formulations.parallel_axes import Placement, Run, about_z
+from derive.programs.formulations.parallel_axes import ParallelRun, Placement, about_z
 from derive.programs.optimise.choice import choose
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref
@@ -38,13 +38,9 @@ from derive.programs.tape.value import Value
 
 
 class Stations:
-    """Stations 0 to ``last`` of one arm whose base and tool are exact rotations.
+    """Stations 0 to ``last`` of an arm with exact base and tool; ``few``: all ways over them can be tried."""
 
-    Attributes:
-        few: Whether all ways over them can be tried.
-    """
-
-    def __init__(self, chain: Chain[Value], runs: tuple[Run, ...]) -> None:
+    def __init__(self, chain: Chain[Value], runs: tuple[ParallelRun, ...]) -> None:
         self.chain = chain
         self.runs = runs
         self.last = len(runs)
@@ -54,6 +50,7 @@ class Stations:
     @cached_property
     def rotations(self) -> list[Matrix[Value]]:
         """The axes of each station in the world, built outwards."""
+        # R_0 = base K_0; R_{r+1} = R_r Rot(z, phi_r) C_{r+1}, phi_r the sum of the angles of run r.
         found = [matmul(self.chain.base.rotation, self._fixed[0].rotation)]
         for r, run in enumerate(self.runs):
             found.append(matmul(_turned_about_z(found[r], run.last), self.constants[r + 1]))
@@ -74,6 +71,7 @@ class Stations:
     @cached_property
     def _beyond(self) -> list[Vector[Value]]:
         """From the last joint of each run to the end effector, in station axes."""
+        # From the tip inward: a run's steps, what lies beyond it, and the way to its station, turned by the run before.
         found: list[Vector[Value]] = [(self.chain.zero,) * 3]
         for r in range(self.last, 0, -1):
             there = self._with_steps(r, -1, found[-1])
@@ -86,6 +84,7 @@ class Stations:
 
     def world(self, r: int, v: Vector[Value], meeting: int) -> Vector[Value]:
         """A vector of a station in the world."""
+        # Inward about one z axis after another as far as the meeting, there at once by its rotation.
         while r > meeting:
             v, r = self.inward(r, v), r - 1
         return multiply(self.rotations[r], v)
@@ -117,9 +116,11 @@ Ways = list[Vector[Value]]
 def cheapest_pose(stations: Stations) -> Frame[Value]:
     """T: the end effector in the world frame, tool included."""
     end = stations.last
+    # Each column of R by its own ways, and as the cross product of the other two.
     axes = [[stations.world(end, _unit(stations, k), m) for m in _meetings(stations, end)] for k in range(3)]
     crossed = [[cross(a, b) for a, b in product(axes[(k + 1) % 3], axes[(k + 2) % 3])] for k in range(3)]
     base = stations.chain.base.position
+    # The origin as a sum of one vector for each run, by all routes.
     position = [add(base, _reach(stations, 0, -1, route)) for route in _routes(stations, 0)]
     x, y, z, origin = _chosen([*(axes[k] + crossed[k] for k in range(3)), position])
     return Frame(transpose((x, y, z)), origin)
@@ -130,15 +131,18 @@ def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
     chain = stations.chain
     groups: list[Ways] = []
     for r, run in enumerate(stations.runs):
+        # One axis for the whole run, and a linear column for each of its joints.
         groups.append([stations.world(r, _unit(stations, 2), meeting) for meeting in _meetings(stations, r)])
         for k in range(len(run.placements)):
             groups.append(_linear_ways(stations, r, k))
+    # In the order in which the groups were offered: axis, linear columns, next run.
     chosen = iter(_chosen(groups))
     columns: list[list[Value]] = []
     for run in stations.runs:
         z = next(chosen)
         for place, joint in zip(run.placements, chain.joints[run.first :], strict=False):
             linear = next(chosen)
+            # An axis may be opposed to the run's, and a variable counted the other way.
             direction = joint.sign * place.direction if joint.revolute else joint.sign
             spin = scale(direction, z) if joint.revolute else (chain.zero,) * 3
             columns.append([*scale(direction, linear), *spin])
@@ -150,6 +154,7 @@ def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
     chain, zero = stations.chain, stations.chain.zero
     groups: list[Ways] = []
     poses = iter(joint_poses(chain))
+    # `arm` leads from the first frame of the inverted arm, the end effector, to each station, in the station's axes.
     arm = multiply(transpose(chain.base.rotation), chain.base.position)
     for r, run in enumerate(stations.runs):
         start = add(multiply(transpose(stations.constants[r]), arm), stations.entries[r])
@@ -159,6 +164,7 @@ def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
         groups.append(axes)
         for place, joint, pose in zip(run.placements, chain.joints[run.first :], poses, strict=False):
             x, y, _ = add(start, place.origin)
+            # z x (-r), r being the way from the end effector: (y, -x, 0) in the run's axes.
             own = (y, -x, zero) if joint.revolute else place.axis()
             ways = [stations.world(r, own, meeting) for meeting in meetings]
             crossed = [cross(pose.position, z) for z in axes] if joint.revolute else []
@@ -178,6 +184,7 @@ def cheapest_links(stations: Stations) -> list[Frame[Value]]:
     """DH frames 1..n in the world frame, without the tool: first all rotations, then all origins."""
     chain = stations.chain
     places = [(r, place) for r, run in enumerate(stations.runs) for place in run.placements]
+    # Frame by frame: each takes the way that adds least to what the frames before it need.
     needed: list[Ref] = []
 
     def _cheapest(options: Sequence[Sequence[Value]]) -> int:
@@ -195,6 +202,7 @@ def cheapest_links(stations: Stations) -> list[Frame[Value]]:
         if i == 0 or joint.fixed is not chain.ends[i - 1]:  # else the DH frame has the twist in it
             before = matmul(before, joint.fixed.rotation)
         onward = matmul(before, joint.motion(chain.zero, chain.one).rotation)
+        # The rotation from the frame before, or from the station by the sum of the run's angles.
         options = [onward, matmul(stations.turned(r, place), place.constant)]
         frames = [matmul(option, chain.ends[i].rotation) for option in options]
         taken = _cheapest([[v for row in frame for v in row] for frame in frames])
@@ -205,6 +213,7 @@ def cheapest_links(stations: Stations) -> list[Frame[Value]]:
     starts: list[Vector[Value]] = []
     for i, (r, place) in enumerate(places):
         fixed = chain.joints[i].fixed.position
+        # A point on the axis of joint i: from the origin before, less what leads to its DH frame.
         if i == 0:
             axis = add(chain.base.position, multiply(chain.base.rotation, fixed))
         else:
@@ -227,8 +236,10 @@ def _origin_ways(
     """The origin of DH frame i: a step along and from the axis of its joint, or a vector from a station."""
     r, place = where
     end, joint = stations.chain.ends[i].position, stations.chain.joints[i]
+    # One step from the frame before.
     yield add(axis, add(scale(joint.offset, column(rotation, 2)), multiply(rotation, end)))
     v = add(place.origin, place.turned(end))
+    # Or as one vector from any station before, in whose axes it is turned.
     for k in range(r, -1, -1) if stations.few else ():
         yield add(starts[k], stations.world(k, v, k))
         if k:
@@ -261,9 +272,11 @@ def _linear_ways(stations: Stations, r: int, k: int) -> Ways:
     place = stations.runs[r].placements[k]
     joint = stations.chain.joints[stations.runs[r].first + k]
     meetings = _meetings(stations, r)
+    # A slide moves the end effector along its own axis.
     if not joint.revolute:
         outward = multiply(stations.turned(r, place), column(place.constant, 2))
         return [outward, *(stations.world(r, place.axis(), meeting) for meeting in meetings)]
+    # A turn moves it by z x r: (-y, x, 0) in the run's axes, or as a cross product in the world.
     x, y, _ = stations.reach(r, k, beyond=True)
     ways = [stations.world(r, (-y, x, stations.chain.zero), meeting) for meeting in meetings]
     if place is stations.runs[r].last:  # in the axes of the next station, where the arm may lie in a plane
@@ -303,6 +316,7 @@ def _reach(stations: Stations, r: int, joint: int, route: _Route) -> Vector[Valu
         meeting = min(k, route.meeting)
         along = [axis for axis in range(3) if v[axis].ref != ZERO]
         if route.scaled and len(along) == 1:
+            # A multiple of an axis, which other columns may have turned already.
             way = scale(v[along[0]], stations.world(k, _unit(stations, along[0]), meeting))
         else:
             way = stations.world(k, v, meeting)

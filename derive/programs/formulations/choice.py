@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from derive.algebra.constants import Constant, exact_number
 from derive.programs.optimise.improve import Improvement
@@ -16,7 +17,7 @@ from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.build import Replacements, bake, copy, cut
 from derive.programs.tape.cost import Cost, program_cost
 from derive.programs.tape.graph import Graph, Ref
-from derive.programs.tape.tape import PARAMETER, Source, Tape
+from derive.programs.tape.tape import PARAMETER, InputSource, Tape
 from derive.programs.tape.value import Value
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
@@ -44,14 +45,12 @@ class FormulationChoice:
         return program_cost(self._priced, copy(self._graph, outputs, self._priced, self._known, self.numbers))
 
     def near(self, formulations: Iterable[Formulation], margin: float | None) -> tuple[Formulation, ...]:
-        """The formulations worth improving.
-
-        Args:
-            margin: How many times the cheapest they may cost as traced with symbols; None for any cost.
-        """
+        """The formulations that as traced cost at most ``margin`` times the cheapest; None for any cost."""
+        # Without a margin all are made before the first is traced; the order of tracing numbers the nodes.
+        untraced = tuple(formulations) if margin is None else formulations
+        traced = [Formulation(f.words, partial(list, f.trace())) for f in untraced]
         if margin is None:
-            return tuple(Formulation(f.words, _given(f.trace())) for f in tuple(formulations))
-        traced = [Formulation(f.words, _given(f.trace())) for f in formulations]
+            return tuple(traced)
         costs = [program_cost(self._graph, [value.ref for value in f.trace()]).body for f in traced]
         return tuple(f for f, cost in zip(traced, costs, strict=True) if cost <= margin * min(costs))
 
@@ -83,16 +82,12 @@ class FormulationChoice:
         return formulations[winner], tape
 
 
-def _given(values: Sequence[Value]) -> Callable[[], Sequence[Value]]:
-    return lambda: values
-
-
 def _numbers(robot: Robot) -> Replacements:
     """For each symbol its number, or its place in the parameter vector."""
     free = {name: k for k, name in enumerate(free_symbols(robot))}
     numbers = number_of(robot)
-    found: dict[int, Source | Constant] = {}
+    found: dict[int, InputSource | Constant] = {}
     for i, name in enumerate(robot_symbols(robot)):
-        found[i] = Source(PARAMETER, free[name]) if name in free else exact_number(numbers[name], {})
+        found[i] = InputSource(PARAMETER, free[name]) if name in free else exact_number(numbers[name], {})
         assert found[i] is not None, "the loader admits only numbers as parameters"
     return found

@@ -31,11 +31,7 @@ Monomial = tuple[tuple[int, int], ...]  # generator indices with their exponents
 
 
 class ClosedForm:
-    """The dynamics of one robot as polynomials in one choice of angles.
-
-    Attributes:
-        words: In which angles.
-    """
+    """The dynamics of one robot as polynomials in one choice of angles, which ``words`` tell."""
 
     def __init__(self, robot: Robot, tape: TapeDomain, *, sums: bool) -> None:
         self.words = "closed form in sums of angles" if sums else "closed form"
@@ -54,11 +50,7 @@ class ClosedForm:
         return build_chain(self._robot, self._domain)
 
     def values(self, function: str) -> list[Value] | None:
-        """The closed form of a generated function.
-
-        Returns:
-            Its outputs, row by row, torques without friction; None where they are long.
-        """
+        """The outputs of a function, row by row, torques without friction; None where they are long."""
         try:
             found = CLOSED_FORMS[function](self._domain, self._chain)
         except (TooManyTerms, ExpressionError):

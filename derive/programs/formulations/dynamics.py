@@ -1,4 +1,4 @@
-"""Formulations of what depends on the links' inertia: torques, accelerations, and the derivatives of torques.
+"""Formulations of what depends on the links' inertia: torques, accelerations, derivatives of torques, regressors.
 
 Where a recursion leaves frames to choose, each of the cheapest choices is a formulation. What is like Newton-Euler or
 like the recursion of C takes the choices that were found for that.
@@ -10,19 +10,26 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
+from derive.algebra.domain import polynomial_expression
+from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
+from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
+from derive.model.identification.base_parameters import Coefficient, base_set
+from derive.model.identification.parameter_values import ParameterFormulas, base_values
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
 from derive.programs.formulations.trace import Trace, flat
 from derive.programs.optimise.search_policy import POLICY
+from derive.programs.program import Column
 from derive.programs.tape.derivative import gradient_columns
 from derive.programs.tape.scalars import QD, QDD, TAU, Q
 from derive.programs.tape.value import Value
+from derive.robot.inertial_parameters import Parameter, standard_parameters
 
 Recursion = Callable[[FrameChoices], list[Value]]  # the outputs of a recursion with some frame choices
 _BASE = "in base parameters"
@@ -190,3 +197,49 @@ def _newton_euler(trace: Trace, accelerations: str | None) -> Recursion:
 
 def _torque_choices(trace: Trace) -> tuple[FrameChoices, ...]:
     return trace.cheapest_choices("torques", _newton_euler(trace, QDD), ALL_CHOICES)
+
+
+def regressors(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of Y."""
+    yield _regressor(trace, standard_parameters(trace.robot), ends=True)
+
+
+def base_regressors(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of Y_b."""
+    yield _regressor(trace, base_set(trace.robot).parameters, ends=False)
+
+
+def base_parameters(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of beta."""
+    base = base_set(trace.robot)
+
+    def _value(coefficient: Coefficient) -> Value:
+        assert base.domain is not None, "relations come with their ring"
+        parts = (coefficient.numerator, coefficient.denominator)
+        numerator, denominator = (trace.domain.constant(polynomial_expression(p, base.domain)) for p in parts)
+        return numerator / denominator
+
+    yield Formulation("grouped from the tip inwards", lambda: base_values(trace.robot, base, trace.domain, _value))
+
+
+def standard_columns(trace: Trace) -> tuple[Column, ...]:
+    """What the columns of Y belong to."""
+    parameters = standard_parameters(trace.robot)
+    formulas = ParameterFormulas(trace.robot, base_set(trace.robot)).standard(parameters)
+    return tuple(Column(p.name, formula) for p, formula in zip(parameters, formulas, strict=True))
+
+
+def base_columns(trace: Trace) -> tuple[Column, ...]:
+    """What the columns of Y_b and the entries of beta belong to."""
+    base = base_set(trace.robot)
+    formulas = ParameterFormulas(trace.robot, base).base()
+    return tuple(Column(p.name, formula) for p, formula in zip(base.parameters, formulas, strict=True))
+
+
+def _regressor(trace: Trace, parameters: Sequence[Parameter], *, ends: bool) -> Formulation:
+    def _values() -> list[Value]:
+        chain = build_chain(with_unit_rotors(trace.robot), trace.domain)
+        rates, accelerations = trace.arguments(QD), trace.arguments(QDD)
+        return flat(Regressor(chain, rates, accelerations, ends=ends, sign=Value.sign).rows(parameters))
+
+    return Formulation("work of unit wrenches on the screws of the joints", _values)

@@ -46,6 +46,7 @@ def arrange(
 def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
     """Where the origin of a joint frame may stand, as far as this makes a difference."""
     joint = chain.joints[i]
+    # Moving the origin along the axis matters only where there is an offset to leave out.
     found = [Place.AFTER]
     if joint.revolute and joint.offset.ref != ZERO:
         found.append(Place.BEFORE)
@@ -90,16 +91,19 @@ def _placed(chain: Chain[Value], choices: Sequence[FrameChoice]) -> Chain[Value]
     for i, choice in enumerate(choices):
         if choice.place is Place.AFTER:
             continue
+        # How far the origin goes back along z: by its own offset, or forward by that of the next joint.
         if choice.place is Place.BEFORE:
             back = joints[i].offset
         else:
             back = -joints[i + 1].offset if _direction(joints[i + 1]) > 0 else joints[i + 1].offset
         joints[i] = replace(joints[i], offset=joints[i].offset - back)
+        # Seen from there all places have `back` more along z: h + m p, and the tensor by Steiner.
         lever, body = (chain.zero, chain.zero, back), bodies[i]
         moment = add(body.first_moment, scale(body.mass, lever))
         bodies[i] = Body(body.mass, moment, shift(body.mass, body.first_moment, body.inertia, lever))
         if i + 1 < chain.n:
             fixed = joints[i + 1].fixed
+            # The next joint's constant frame starts at the new origin.
             joints[i + 1] = replace(joints[i + 1], fixed=Frame(fixed.rotation, add(fixed.position, lever)))
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
 
@@ -124,13 +128,16 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
     before: _Lag | None = None
     for i, (joint, body, choice) in enumerate(zip(chain.joints, chain.bodies, choices, strict=True)):
         turns = (Turn(i, 1),) if joint.revolute else ()
+        # Where the link before is held, its turn passes through: about the same axis or the opposite one, angles add.
         if before is None:
             lag = _Lag(turns, joint.cosine, joint.sine)
         else:
             direction = _direction(joint)
             turns = (*(Turn(k, sign * direction) for k, sign in before.turns), *turns)
             lag = _Lag(turns, *total(turns))
+        # Constant positions of the next joint are turned by what the link before did not turn.
         fixed = Frame(joint.fixed.rotation, before.turned(joint.fixed.position)) if before else joint.fixed
+        # A held link's frame does not turn, so its body is turned instead.
         c, s = (chain.one, chain.zero) if choice.held else (lag.cosine, lag.sine)
         joints.append(replace(joint, fixed=fixed, cosine=c, sine=s))
         if choice.held:
@@ -166,15 +173,18 @@ class FrameChoiceSearch:
         """The cheapest choices found, and others that come close."""
         if self._chain.n > POLICY.frame_choice_joints:
             return (starts[0],)
+        # The best of the starts, as far as the work lasts.
         best = starts[0]
         self._cost(best)
         for start in starts[1:]:
             best = min(best, start, key=self._cost) if self._work_left > 0 else best
+        # Coordinate descent: sweeps over joints and choices until one changes nothing.
         while self._work_left > 0:
             better = self._swept(best)
             if better == best:
                 break
             best = better
+        # Different choices may trace the same program: of these the first one.
         first: dict[Outputs, FrameChoices] = {}
         for choices, outputs in self._traced.items():
             first.setdefault(outputs, choices)
@@ -214,6 +224,7 @@ class FrameChoiceSearch:
         outputs = self._traced.get(choices)
         if outputs is None:
             outputs = self._traced[choices] = self._trial(choices)
+        # Priced once; the nodes looked at are the work.
         if outputs not in self._costs:
             cost = self._price(outputs)
             self._costs[outputs] = cost.body

@@ -51,7 +51,7 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class ParallelRun:
     """Consecutive joints whose revolute axes are parallel."""
 
     first: int  # index of its first joint, from 0
@@ -71,13 +71,14 @@ def about_z(c: Value, s: Value, v: Vector[Value]) -> Vector[Value]:
     return (c * x - s * y, s * x + c * y, z)
 
 
-def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[Run, ...]:
+def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[ParallelRun, ...]:
     """The runs of an arm, as long as they can be."""
-    runs: list[Run] = []
+    runs: list[ParallelRun] = []
     first = 0
+    # Greedy: each run goes on until a joint turns about another direction.
     while first < chain.n:
         placements = _placements(chain, first, total)
-        runs.append(Run(first, chain.joints[first].fixed, placements))
+        runs.append(ParallelRun(first, chain.joints[first].fixed, placements))
         first += len(placements)
     return tuple(runs)
 
@@ -94,17 +95,22 @@ def _placements(chain: Chain[Value], first: int, total: SumOfTurns) -> tuple[Pla
         joint = chain.joints[i]
         if i > first:
             fixed = joint.fixed
+        # C_i = C_{i-1} K: the constant rotation behind the turn by phi.
         before, constant = constant, matmul(constant, fixed.rotation)
         z = column(constant, 2)
+        # The way to joint frame i is constant before the turn so far: K's position, and the offset along z_i.
         step = about_z(cosine, sine, add(multiply(before, fixed.position), scale(joint.offset, z)))
         origin = add(origin, step)
         if joint.revolute:
+            # Parallel if z_i is +-z of the run, exactly; the first joint always is.
             direction = _direction(z)
             if direction == 0:
                 break
+            # phi = t_1 +- t_2 ..., taken as one cosine and sine.
             turns = (*turns, Turn(i, direction))
             cosine, sine = total(turns)
         else:
+            # A slide's own constant turn about z goes into C.
             constant = matmul(constant, joint.motion(zero, one).rotation)
         found.append(Placement(cosine, sine, constant, origin, step, _direction(column(constant, 2))))
     return tuple(found)

@@ -18,7 +18,7 @@ from derive.programs.formulations.frame_choice import (
     arrange,
     starting_choices,
 )
-from derive.programs.formulations.parallel_axes import Run, Turn, parallel_runs
+from derive.programs.formulations.parallel_axes import ParallelRun, Turn, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph, Ref
 from derive.programs.tape.scalars import QD, TapeDomain
@@ -56,14 +56,7 @@ def _is_rotation(matrix: Matrix, values: Mapping[str, float], tolerance: float) 
 
 
 class Trace:
-    """The graph of one robot and its chain of tape values, shared by all functions.
-
-    Attributes:
-        domain: Makes values of the robot's cells and of arguments.
-        chain: The arm as built.
-        choice: Chooses among formulations.
-        half: 1/2.
-    """
+    """The graph of one robot and its chain of tape values, shared by all functions."""
 
     def __init__(self, robot: Robot, effort: Effort = Effort.FULL) -> None:
         self.robot = robot
@@ -74,6 +67,7 @@ class Trace:
         self.chain: Chain[Value] = build_chain(robot, self.domain)
         self.choice = FormulationChoice(robot, self.graph, effort)
         self._cheapest: dict[str, tuple[FrameChoices, ...]] = {}
+        self._arranged: dict[tuple[FrameChoices, bool], Chain[Value]] = {}
 
     @cached_property
     def half(self) -> Value:
@@ -81,7 +75,7 @@ class Trace:
         return self.domain.number(Fraction(1, 2))
 
     @cached_property
-    def runs(self) -> tuple[Run, ...]:
+    def runs(self) -> tuple[ParallelRun, ...]:
         """The joints in runs of parallel axes, with the sums of their angles."""
         return parallel_runs(self.chain, self.domain.cosine_sine_of_sum)
 
@@ -120,7 +114,9 @@ class Trace:
 
     def arranged(self, choices: FrameChoices, *, axial: bool = False) -> Chain[Value]:
         """The chain in base parameters, with frames as they are chosen."""
-        return arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
+        if (key := (choices, axial)) not in self._arranged:  # searches for several functions try the same choices
+            self._arranged[key] = arrange(self.chain, choices, self.domain.cosine_sine_of_sum, self.half, axial=axial)
+        return self._arranged[key]
 
     def cheapest_choices(
         self,
@@ -151,11 +147,7 @@ class Trace:
         return [self.chain.zero] * self.n
 
     def with_friction(self, torques: Sequence[Value]) -> list[Value]:
-        """Torques and b*qd + f*sign(qd).
-
-        Args:
-            torques: Without friction, one for each joint [N m, N].
-        """
+        """Torques of the joints [N m, N] and b*qd + f*sign(qd)."""
         friction = [
             joint.viscous * rate + joint.coulomb * rate.sign()
             for joint, rate in zip(self.chain.joints, self.arguments(QD), strict=True)

@@ -30,12 +30,7 @@ def choose(graph: Graph, groups: Sequence[Options]) -> tuple[int, ...]:
 
 
 class _Needs:
-    """The body's operations that each option needs, as bits of an integer.
-
-    Attributes:
-        places: In each group the options that need no more than some other does too.
-        groups: What these need.
-    """
+    """The body's operations that each option needs, as bits of an integer."""
 
     def __init__(self, graph: Graph, groups: Sequence[Options]) -> None:
         bits: dict[int, int] = {}

@@ -41,6 +41,7 @@ def scatter(*key: object) -> int:
 def residue_of(op: Op, operands: Sequence[int]) -> int:
     """The residue of an operation."""
     first = operands[0]
+    # The same for x and -x: even functions depend on it alone, odd ones take their sign from the rest.
     low = min(first, PRIME - first)
     match op:
         case Op.ADD:
@@ -54,6 +55,7 @@ def residue_of(op: Op, operands: Sequence[int]) -> int:
         case Op.NEGATE:
             return -first % PRIME
         case Op.SINE | Op.COSINE:
+            # A random tangent t of half the angle: c = (1 - t^2)/(1 + t^2), s = 2t/(1 + t^2) keep s^2 + c^2 = 1.
             tangent = scatter("tangent", low)
             scale = pow(1 + tangent * tangent, -1, PRIME)
             if op is Op.COSINE:
@@ -62,8 +64,10 @@ def residue_of(op: Op, operands: Sequence[int]) -> int:
         case Op.ABSOLUTE:
             return scatter(int(op), low)
         case Op.MAXIMUM | Op.MINIMUM:
+            # Symmetric in both operands.
             return scatter(int(op), *sorted(operands))
         case Op.SIGN:
+            # Odd: sign(-x) = -sign(x).
             value = scatter(int(op), low)
             return value if low == first else PRIME - value
     return scatter(int(op), *operands)
@@ -85,11 +89,7 @@ class Coefficients:
         return list(self._known)
 
     def find(self, residue: int) -> Ref | None:
-        """The coefficient of some value.
-
-        Returns:
-            Its reference, or the opposite of that of minus the value; None where neither is known.
-        """
+        """The coefficient of some value, or minus that of its opposite; None where neither is known."""
         found = self._known.get(residue)
         if found is not None:
             return found
@@ -125,14 +125,11 @@ class Coefficients:
         return found
 
     def ratio(self, a: Ref, b: Ref) -> Ref | None:
-        """A quotient that is a number.
-
-        Returns:
-            a / b; None where that is no number.
-        """
+        """The quotient a / b; None where that is no number."""
         if node_of(a) == node_of(b):
             return signed(ONE, a != b)
         if (a, b) not in self._ratios:
+            # A quotient of parameters would divide at run time, by what may be zero; of numbers it is exact.
             x, y = self.graph.constant_of(a), self.graph.constant_of(b)
             is_number = x is not None and y is not None
             found = self.graph.number(constants.multiply(x, constants.reciprocal(y))) if is_number else None

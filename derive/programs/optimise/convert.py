@@ -19,10 +19,10 @@ def network_of(graph: Graph, outputs: Sequence[Ref], body: Layer = Layer.BODY) -
 
     Sums in sums and products in products or sums, where the inner one serves nothing else, are taken as one.
     """
-    return _Reader(graph, outputs, body).network
+    return _GraphReader(graph, outputs, body).network
 
 
-class _Reader:
+class _GraphReader:
     def __init__(self, graph: Graph, outputs: Sequence[Ref], body: Layer) -> None:
         self._old = graph
         self._body = body

@@ -82,11 +82,7 @@ class Network:
         return ((v, d) for v, d in self.definition.items() if isinstance(d, dict))
 
     def polynomial(self, variable: int) -> Polynomial | None:
-        """The definition of a variable that is a sum or product.
-
-        Returns:
-            Its definition; None where that is a function, or where it has none.
-        """
+        """The sum or product that defines a variable; None where that is a function, or where it has none."""
         found = self.definition.get(variable)
         return found if isinstance(found, dict) else None
 
@@ -115,6 +111,7 @@ class Network:
                 value = residue_of_coefficient(operand.coefficient)
                 values.append(value if operand.variable is None else value * residue[operand.variable] % PRIME)
             return residue_of(definition.op, values)
+        # sum k x y ... modulo the prime
         total = 0
         for monomial, coefficient in definition.items():
             product = residue_of_coefficient(coefficient)
@@ -124,11 +121,8 @@ class Network:
         return total % PRIME
 
     def find(self, residue: int) -> Operand | None:
-        """What is known to have some value, or minus it.
-
-        Returns:
-            A coefficient, or the oldest variable in use; None where nothing has this value.
-        """
+        """A coefficient or the oldest variable in use with some value or minus it; None where there is none."""
+        # A coefficient costs nothing, so it is taken before any variable.
         coefficient = self.coefficients.find(residue)
         if coefficient is not None:
             return Operand(None, coefficient)
@@ -143,6 +137,7 @@ class Network:
             return True
         seen = {variable}
         stack = [variable]
+        # Along definitions to what they use; there is no circle, so this ends.
         while stack:
             for used in occurrences(self.definition[stack.pop()]):
                 if used == other:
@@ -153,17 +148,14 @@ class Network:
         return False
 
     def define(self, variable: int, definition: Definition | None) -> None:
-        """Give a variable its definition, or take it away.
-
-        Args:
-            definition: The new one, or None.
-        """
+        """Give a variable its definition, or with None take it away."""
         self._log.append((variable, self._replace(variable, definition)))
 
     def _replace(self, variable: int, definition: Definition | None) -> Definition | None:
         """Exchange a definition for another, with what is known of users and costs; the old one."""
         users, watcher = self.users, self.watcher
         old = self.definition.pop(variable, None)
+        # The old definition's variables lose one user for each time that they stand in it.
         if old is not None:
             self.cost -= self._costs[variable]
             used = occurrences(old)
@@ -176,6 +168,7 @@ class Network:
             self._changed += used
             if watcher is not None:
                 watcher.forget(variable, old)
+        # The new one's gain them; both are looked at by `settle`.
         if definition is not None:
             self.definition[variable] = definition
             if isinstance(definition, dict):
@@ -199,6 +192,7 @@ class Network:
         stack = [ROOT]
         while stack:
             variable = stack[-1]
+            # Depth first without recursion: a variable stays on the stack until all that it uses is done.
             waiting = [k for k in occurrences(self.definition[variable]) if k not in done]
             if waiting:
                 stack.extend(reversed(waiting))
@@ -215,6 +209,7 @@ class Network:
 
     def undo(self, mark: int) -> None:
         """Take back all changes since some point."""
+        # The log holds old definitions; undone from the last change to the first.
         while len(self._log) > mark:
             self._replace(*self._log.pop())
         self._changed.clear()
@@ -226,6 +221,7 @@ class Network:
             definition = self.definition.get(variable)
             if definition is None or variable == ROOT:
                 continue
+            # Unused: dropped. A single signed variable or coefficient: put in the users' place. Used once: written out.
             users = self.users.get(variable)
             if not users:
                 self.define(variable, None)
@@ -243,6 +239,7 @@ class Network:
         if outer is None or self.users[variable][user] > 1:
             return
         if len(polynomial) > 1:
+            # A sum times other factors must stay a sum: x (a + b) costs one operation less than x a + x b.
             monomial, coefficient = next((m, k) for m, k in outer.items() if variable in m)
             if len(monomial) > 1 or (
                 coefficient not in UNITS and sum([k in UNITS for m, k in polynomial.items() if m]) > 1
@@ -258,6 +255,7 @@ class Network:
         if isinstance(definition, dict):
             self.define(user, self.expanded(definition, variable, polynomial))
             return
+        # A function keeps its arguments; of these only the sign may change.
         operands = tuple(
             operand
             if operand.variable != variable
@@ -284,8 +282,10 @@ class Network:
                 continue
             rest = list(monomial)
             rest.remove(variable)
+            # (rest x) with x = sum k m: sum k rest m, coefficients multiplied.
             for m, k in inner.items():
                 self.plus(result, tuple(sorted((*rest, *m))), self.coefficients.multiply(coefficient, k))
+        # Powers of the variable: one factor was written out at a time.
         if any(variable in m for m in result):
             return self.expanded(result, variable, inner)
         return result
@@ -299,11 +299,7 @@ def occurrences(definition: Definition) -> list[int]:
 
 
 def single(polynomial: Polynomial) -> Operand | None:
-    """A polynomial as an operand.
-
-    Returns:
-        The signed variable or the coefficient that it is; None where it is more.
-    """
+    """The signed variable or the coefficient that a polynomial is; None where it is more."""
     if not polynomial:
         return Operand(None, ZERO)
     if len(polynomial) > 1:

@@ -58,6 +58,7 @@ class Scale:
         self._coefficients: dict[int, Size] = {}
         self._variables: dict[int, Size] = {}
         for variable in network.order():
+            # Bottom up: sizes at random points, and inputs as bits, of each variable from those of what it uses.
             definition = network.definition[variable]
             if not isinstance(definition, Opaque):
                 terms = [self._term(monomial, coefficient) for monomial, coefficient in definition.items()]
@@ -77,8 +78,10 @@ class Scale:
         support, sizes = self._variables[variable]
         for monomial, coefficient in definition.items():
             part, values = self._term(monomial, coefficient)
+            # A term that holds an input on which the variable does not depend would have to cancel.
             if part & ~support:
                 return False
+            # Nor may a term be much larger than the result: the difference would lose digits.
             pairs = zip(values, sizes, strict=True)
             if not all(abs(value) <= POLICY.cancellation * abs(size) for value, size in pairs):
                 return False
@@ -146,16 +149,19 @@ class Resubstitution:
     def alternatives(self, variable: int) -> Iterator[Polynomial]:
         """Other definitions of a variable, each of one operation: sums, differences and products of two values."""
         network, known = self._network, self._known
+        # v = x + y, -x + y or x y: for every x, is the missing y known by its residue? a over b is a b^-1.
         value = network.residue[variable]
         network.work += len(self._values) // 16
         plus = [v for v, residue in self._values if (value - residue) % PRIME in known]
         minus = [v for v, residue in self._values if (value + residue) % PRIME in known]
         times = [v for v, inverse in self._inverses if value * inverse % PRIME in known]
+        # Sums: neither part may be the variable itself, nor both parts the same variable.
         for other, negative in [*((v, False) for v in plus), *((v, True) for v in minus)]:
             residue = network.residue[other]
             rest = network.find((value + residue if negative else value - residue) % PRIME)
             if rest is not None and other != variable != rest.variable != other:
                 yield {(other,): signed(ONE, negative), _monomial(rest): rest.coefficient}
+        # Products; the remaining factor may be a coefficient.
         for other in times:
             rest = network.find(value * pow(network.residue[other], -1, PRIME) % PRIME)
             if rest is not None and other != variable != rest.variable:
@@ -166,6 +172,7 @@ class Resubstitution:
         network = self._network
         if network.polynomial(variable) == definition:
             return False
+        # A variable that is computed from this one may not define it.
         parts = [v for monomial in definition for v in monomial]
         if not all(v in network.definition and not network.needs(v, variable) for v in parts):
             return False

@@ -27,11 +27,7 @@ Trial = tuple[int, int | None]  # a variable, and the one place where it is writ
 
 
 class Circle:
-    """Sines and cosines of the same angles in a network.
-
-    Attributes:
-        partner: The cosine of each sine and the sine of each cosine.
-    """
+    """Sines and cosines of the same angles in a network."""
 
     def __init__(self, network: Network) -> None:
         self._network = network
@@ -51,6 +47,7 @@ class Circle:
         network, other = self._network, self.partner[variable]
         result: Polynomial = {}
         stack = list(reversed(polynomial.items()))
+        # s s m is m - c c m; what comes out may hold further squares.
         while stack:
             monomial, coefficient = stack.pop()
             if monomial.count(variable) < 2:
@@ -66,6 +63,7 @@ class Circle:
         """Which squares of sines and cosines a polynomial holds."""
         found: dict[int, None] = {}
         for monomial in polynomial:
+            # Monomials ascend, so equal factors are neighbours.
             for first, second in pairwise(monomial):
                 if first == second and self.partner.get(first) in self._network.definition:
                     found[first] = None
@@ -95,6 +93,7 @@ class Search:
         network = self._network
         self._extractor.run()
         self._limit = network.work + work
+        # Cheap and likely trials first; squares only when something has changed since they were last tried.
         for _ in range(POLICY.search_rounds):
             cost = network.cost
             self._try_all(self._used_once())
@@ -113,6 +112,7 @@ class Search:
         for variable in others.candidates():
             if network.work > self._limit:
                 return
+            # The first definition that saves is taken: it changes what the others would save.
             for definition in list(others.alternatives(variable)) if variable in network.definition else ():
                 if others.fits(variable, definition):
                     cost, mark = network.cost, network.mark()
@@ -139,6 +139,7 @@ class Search:
             if network.work > self._limit:
                 return
             cost, mark = network.cost, network.mark()
+            # Squares may be hidden in products, and in sums that are used once: those are written out first.
             users = [(v, p) for v, p in network.polynomials() if any(variable in m for m in p)]
             hidden = [v for v, _ in users if len(network.users[v]) == 1] + [v for v, p in users if len(p) == 1]
             for inner in dict.fromkeys(hidden):  # products and single-use sums in which a square may hide
@@ -146,6 +147,7 @@ class Search:
             holders = [(v, p) for v, p in network.polynomials() if variable in circle.squares(p)]
             for holder, polynomial in holders:
                 network.define(holder, circle.without(polynomial, variable))
+            # All together must save: half of an identity only makes sums longer.
             if holders:
                 self._settle(cost - 1, mark)
             else:
@@ -164,6 +166,7 @@ class Search:
             users = network.users[variable]
             if len(users) < 2:
                 continue
+            # A sum pays where it stands alone in a sum, whose terms it may meet; a product, where few would repeat it.
             if len(polynomial) > 1:
                 pays = any((variable,) in (network.polynomial(user) or ()) for user in users)
             else:
@@ -192,6 +195,7 @@ class Search:
         if inner is None:
             return False
         changed = False
+        # A sum that would get too long makes the whole trial void; the caller undoes it.
         for place in [u for u in network.users[variable] if user in (None, u)]:
             outer = network.polynomial(place)
             if outer is None:

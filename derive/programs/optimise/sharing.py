@@ -88,6 +88,7 @@ class Extractor:
     def run(self) -> None:
         """Extract until nothing saves."""
         heap, gains = self._heap, self._gains
+        # Gains fall while offers wait: each is priced again when it comes up, and put back where it is worth less.
         while heap:
             claimed, order, number = heappop(heap)
             if gains[number] <= 0:
@@ -108,11 +109,13 @@ class Extractor:
         terms = [self._terms.get(term) or self._term(term) for term in polynomial]
         found = [entry for term in terms for entry in term.factors]
         if 1 < len(terms) <= POLICY.longest_paired:
+            # In one order, so that equal sums have equal divisors.
             terms.sort(key=_IN_ORDER)
             for i, one in enumerate(terms):
                 pairs = one.pairs
                 for other in terms[i + 1 :]:
                     found += pairs.get(other.number) or self._pair(one, other)
+        # One entry for each divisor, with all its places.
         groups: dict[int, Entry] = {}
         for entry in found:
             number = entry[0]
@@ -125,12 +128,14 @@ class Extractor:
         monomial, coefficient = content
         found: list[Entry] = []
         here = (monomial,)
+        # The coefficient times one factor: k x, once for equal factors.
         if coefficient not in UNITS:
             magnitude, rest = signed(coefficient, is_negative(coefficient)), signed(ONE, is_negative(coefficient))
             for i, x in enumerate(monomial):
                 if not (i and monomial[i - 1] == x):
                     number = self._number(("multiple", magnitude, x), {(x,): magnitude})
                     found.append((number, [(here, monomial[:i] + monomial[i + 1 :], rest, 1)], 1))
+        # Two factors: x y, once for equal pairs.
         seen = set()
         for i, x in enumerate(monomial):
             for j in range(i + 1, len(monomial)):
@@ -146,17 +151,20 @@ class Extractor:
         """Two terms of a sum as divisors: as they are, and with the coefficient of the first taken out."""
         (a, j), (b, k) = one.content, other.content
         terms = (a, b)
+        # Two products and an addition become one product, if anything is left beside the divisor.
         saving = term_cost(a, j) + term_cost(b, k) + 1
         common = _common(a, b) if len(a) + len(b) > 2 and a and b else ()
         if common:
             saving -= len(common)
             a, b = _without(a, common), _without(b, common)
+        # One spelling of each divisor: the smaller monomial first, with a positive coefficient.
         if a > b:
             a, j, b, k = b, k, a, j
         negative = is_negative(j)
         first, second = signed(j, negative), signed(k, negative)
         number = self._number((a, first, b, second), {a: first, b: second})
         found: list[Entry] = [(number, [(terms, common, signed(ONE, negative), saving)], saving)]
+        # j (a + k/j b): over numbers 2 x + 6 y is 2 (x + 3 y).
         if j not in UNITS:
             ratio = self.network.coefficients.ratio(k, j)
             if ratio is not None:
@@ -180,6 +188,7 @@ class Extractor:
     def _disjoint(self, number: int) -> dict[int, list[Place]]:
         """Places of a divisor that do not share a term."""
         chosen: dict[int, list[Place]] = {}
+        # Greedy, in the order of the terms: places in one sum may overlap.
         for variable, places in self._places[number].items():
             if len(places) == 1:
                 chosen[variable] = places
@@ -195,13 +204,16 @@ class Extractor:
     def _extract(self, divisor: Polynomial, chosen: dict[int, list[Place]]) -> None:
         """Make a divisor a variable, unless one has its value, and use it where it stands."""
         network = self.network
+        # A variable may have this value already, or minus it.
         known = network.find(network.evaluate(divisor))
         home = known or Operand(network.create(divisor), ONE)
         factor = () if home.variable is None else (home.variable,)
         for variable, places in chosen.items():
+            # Not where the known variable is itself computed from this one: that would be a circle.
             if known and known.variable is not None and network.needs(known.variable, variable):
                 continue
             new = dict(network.polynomial(variable) or {})
+            # First all terms that hold the divisor go, then its multiples come: they may meet other terms.
             for terms, *_ in places:
                 for monomial in terms:
                     del new[monomial]
@@ -215,6 +227,7 @@ class Extractor:
 def _common(a: Monomial, b: Monomial) -> Monomial:
     """The greatest common divisor of two monomials."""
     found: list[int] = []
+    # Merge of two ascending lists of factors.
     i = k = 0
     while i < len(a) and k < len(b):
         if a[i] == b[k]:

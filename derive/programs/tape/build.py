@@ -9,10 +9,10 @@ from derive.algebra.constants import Constant
 from derive.programs.tape import cases
 from derive.programs.tape.graph import Graph, Ref, is_negative, negated, node_of, signed
 from derive.programs.tape.schedule import schedule
-from derive.programs.tape.tape import LEAVES, PARAMETER, Node, Op, Output, Source, Tape
+from derive.programs.tape.tape import LEAVES, PARAMETER, InputSource, Node, Op, Output, Tape
 
 # For each run-time parameter of a graph what stands in its place: another input, or a number.
-Replacements = Mapping[int, Source | Constant]
+Replacements = Mapping[int, InputSource | Constant]
 _OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
     Op.ADD: Graph.add,
     Op.SUBTRACT: Graph.subtract,
@@ -52,7 +52,7 @@ def copy_leaf(graph: Graph, index: int, fresh: Graph, parameters: Replacements |
         return fresh.number(graph.constants[index])
     if parameters is not None and source.kind == PARAMETER:
         value = parameters[source.index]
-        return fresh.input(value.kind, value.index) if isinstance(value, Source) else fresh.number(value)
+        return fresh.input(value.kind, value.index) if isinstance(value, InputSource) else fresh.number(value)
     return fresh.input(source.kind, source.index)
 
 

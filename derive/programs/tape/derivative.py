@@ -22,11 +22,13 @@ def derivative(values: Sequence[Value], rates: Mapping[Value, Value]) -> list[Va
         return []
     graph = values[0].graph
     refs = [value.ref for value in values]
+    # A rate belongs to the node; where the reference is to minus the node, so is the rate.
     tangents = {
         node_of(source.ref): signed(rate.ref, is_negative(source.ref))
         for source, rate in rates.items()
         if rate.ref != ZERO
     }
+    # In the order of creation: operands have their rates before their users.
     for i in reachable(graph, refs):
         if i not in tangents and graph.op[i] not in LEAVES:
             tangent = _tangent(graph, i, tangents)
@@ -57,9 +59,11 @@ def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:
         case Op.SUBTRACT:
             return graph.subtract(da, rates[1])
         case Op.MULTIPLY:
+            # d(a b) = da b + a db
             b, db = ref_to(operands[1]), rates[1]
             return graph.add(graph.multiply(da, b), graph.multiply(a, db))
         case Op.DIVIDE:
+            # d(a / b) = (da - (a / b) db) / b, with the quotient that exists
             b, db = ref_to(operands[1]), rates[1]
             return graph.divide(graph.subtract(da, graph.multiply(ref_to(i), db)), b)
         case Op.NEGATE:
@@ -69,12 +73,15 @@ def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:
         case Op.COSINE:
             return negated(graph.multiply(graph.sine(a), da))
         case Op.ROOT:
+            # d sqrt(a) = da / (2 sqrt(a))
             return graph.divide(da, graph.add(ref_to(i), ref_to(i)))
         case Op.ARCTANGENT:
+            # d atan2(y, x) = (x dy - y dx) / (x^2 + y^2), with y in a
             x, dx = ref_to(operands[1]), rates[1]
             square = graph.add(graph.multiply(a, a), graph.multiply(x, x))
             return graph.divide(graph.subtract(graph.multiply(x, da), graph.multiply(a, dx)), square)
         case Op.SELECT:
+            # Cases are constant almost everywhere: the rate of the one that holds.
             return select(graph, a, rates[1], rates[2])
         case Op.MAXIMUM:
             return select(graph, less(graph, a, ref_to(operands[1])), rates[1], da)

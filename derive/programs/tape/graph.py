@@ -13,7 +13,7 @@ from typing import Any, NewType
 
 from derive.algebra import constants
 from derive.algebra.constants import Constant, Key
-from derive.programs.tape.tape import PARAMETER, Layer, Node, Op, Source
+from derive.programs.tape.tape import PARAMETER, InputSource, Layer, Node, Op
 
 Ref = NewType("Ref", int)
 """A node of a graph with a sign: twice the node's index, one more for its negative. Zero has no negative.
@@ -71,13 +71,13 @@ class Graph:
         self.operands: list[tuple[int, ...]] = []
         self.layer: list[Layer] = []
         self.constants: dict[int, Constant] = {}
-        self.sources: dict[int, Source] = {}
+        self.sources: dict[int, InputSource] = {}
         self.sums: dict[tuple[Ref, Ref], Any] = {}
         self.differences: dict[tuple[Ref, Ref], Any] = {}
         self.products: dict[tuple[Ref, Ref], Any] = {}
         self._nodes: dict[tuple[Op, tuple[int, ...]], Ref] = {}
         self._numbers: dict[Key, Ref] = {}
-        self._inputs: dict[Source, Ref] = {}
+        self._inputs: dict[InputSource, Ref] = {}
         self.number(Fraction(0))
         self.number(Fraction(1))
 
@@ -101,7 +101,7 @@ class Graph:
 
     def input(self, kind: str, index: int) -> Ref:
         """An argument or a run-time parameter."""
-        source = Source(kind, index)
+        source = InputSource(kind, index)
         ref = self._inputs.get(source)
         if ref is None:
             layer = Layer.HOISTED if kind == PARAMETER else Layer.BODY
@@ -110,11 +110,7 @@ class Graph:
         return ref
 
     def constant_of(self, ref: Ref) -> Constant | None:
-        """The number behind a reference.
-
-        Returns:
-            The number with its sign; None where the node is no constant.
-        """
+        """The number behind a reference, with its sign; None where the node is no constant."""
         value = self.constants.get(ref >> 1)
         return value if value is None or not ref & 1 else -value
 
@@ -202,11 +198,7 @@ class Graph:
         return signed(self.intern(Op.SIGN, a >> 1), is_negative(a))
 
     def arctangent(self, y: Ref, x: Ref) -> Ref:
-        """The angle of a point of the plane, odd in the ordinate.
-
-        Returns:
-            atan2(y, x), in [-pi, pi] [rad].
-        """
+        """atan2(y, x), in [-pi, pi] [rad], odd in y."""
         up, right = self.constant_of(y), self.constant_of(x)
         if up is not None and right is not None:
             return self.number(constants.arctangent(up, right))

@@ -86,11 +86,7 @@ class TapeDomain:
         raise QuantityError(f"{expression} has no place in a cell", allowed="symbols, sin, cos, tan, sqrt")
 
     def cosine_sine(self, angle: Expression) -> tuple[Value, Value]:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: In the robot's symbols [rad].
-        """
+        """Cosine and sine of a constant angle in the robot's symbols [rad]."""
         return self._cosine_sine(self.number(0), angle)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:

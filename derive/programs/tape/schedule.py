@@ -17,19 +17,23 @@ Operands = Sequence[Sequence[int]]  # what each node takes, by its number
 
 def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
     """What some outputs need, operands before their users."""
+    # Depth first as it stands, only to number the nodes: operands have smaller numbers than users.
     roots = [node_of(ref) for ref in outputs]
     nodes = _depth_first(roots, graph.operands)
     number = {node: k for k, node in enumerate(nodes)}  # from here on, nodes are numbered in this order
     roots = [number[root] for root in roots]
     operands = [[number[k] for k in graph.operands[node]] for node in nodes]
     work = _work(graph, nodes, operands)
+    # Who of the body waits for whom.
     users: list[list[int]] = [[] for _ in nodes]
     for k, taken in enumerate(operands):
         for operand in dict.fromkeys(taken) if work[k] is not None else ():
             users[operand].append(k)
+    # Sethi and Ullman: the operand that needs more registers comes first, since its result occupies but one.
     needs = _values_needed(operands, work)
     highest_first = [sorted(taken, key=needs.__getitem__, reverse=True) for taken in operands]
     orders = [list(range(len(nodes))), *(_depth_first(some, highest_first) for some in (roots, roots[::-1]))]
+    # Each order also with harmless operations moved forward; the least peak wins, then the least sum.
     orders += [_eager(order, work, users) for order in orders]
     return [nodes[k] for k in min(orders, key=lambda order: _live(work, order))]
 
@@ -55,6 +59,7 @@ def _live(work: Work, order: Sequence[int]) -> tuple[int, int]:
     """From the last operation to the first: a value is alive from there on to where it is made."""
     is_alive = bytearray(len(work))
     peak = total = alive = 0
+    # Backwards, the last use of a value is met first: there it becomes alive, and it dies where it is made.
     for i in reversed(order):
         taken = work[i]
         if taken is not None:
@@ -75,6 +80,7 @@ def _depth_first(roots: Iterable[int], operands: Operands) -> list[int]:
     for root in roots:
         stack = [root]
         while stack:
+            # A root stays on the stack until its operands are done.
             waiting = [k for k in operands[stack[-1]] if k not in done]
             if waiting:
                 stack += waiting[::-1]
@@ -87,6 +93,7 @@ def _values_needed(operands: Operands, work: Work) -> list[int]:
     """How many live values each node needs if it were a tree (Sethi and Ullman 1970)."""
     needs: list[int] = []
     for taken, own in zip(operands, work, strict=True):
+        # Operand k is computed while k results are held already, the neediest first.
         parts = sorted([needs[k] for k in taken], reverse=True)
         needs.append(max([need + k for k, need in enumerate(parts)], default=0))
         if own is not None:
@@ -98,6 +105,7 @@ def _eager(order: Sequence[int], work: Work, users: Operands) -> list[int]:
     """The order, with operations moved forward that take up no more room than they give back."""
     place = [0] * len(order)
     missing = [0] * len(order)
+    # How many operands each operation still waits for, and where it stands in the order.
     for step, i in enumerate(order):
         place[i] = step
         for user in users[i]:
@@ -111,12 +119,14 @@ def _eager(order: Sequence[int], work: Work, users: Operands) -> list[int]:
         for user in users[i]:
             taken = work[user]
             if not missing[user] and not is_done[user] and taken is not None:
+                # It frees as many values as its own result takes up: the operands whose last use it is.
                 ended = [k for k in taken if uses_left[k] == 1]
                 if len(ended) >= bool(users[user]):
                     heappush(free, place[user])
 
     for i in order:
         while free or not is_done[i]:
+            # What takes up no room comes before the next one of the order.
             node = order[heappop(free)] if free else i
             if is_done[node]:
                 continue
@@ -126,6 +136,7 @@ def _eager(order: Sequence[int], work: Work, users: Operands) -> list[int]:
                 missing[user] -= 1
             for k in work[node] or ():
                 uses_left[k] -= 1
+                # Its last user may now end it.
                 if uses_left[k] == 1:
                     _offer_users(k)
             _offer_users(node)

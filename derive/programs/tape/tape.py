@@ -54,23 +54,9 @@ class Layer(IntEnum):
 
 
 OPERATION_COST: Mapping[Op, int] = {
-    Op.CONSTANT: 0,
-    Op.INPUT: 0,
-    Op.ADD: 1,
-    Op.SUBTRACT: 1,
-    Op.MULTIPLY: 1,
-    Op.DIVIDE: 1,
-    Op.NEGATE: 0,
-    Op.SINE: 25,
-    Op.COSINE: 25,
-    Op.ROOT: 1,
-    Op.SIGN: 0,
-    Op.ARCTANGENT: 25,
-    Op.LESS: 1,
-    Op.SELECT: 1,
-    Op.MAXIMUM: 1,
-    Op.MINIMUM: 1,
-    Op.ABSOLUTE: 0,
+    **dict.fromkeys(Op, 1),
+    **dict.fromkeys((Op.CONSTANT, Op.INPUT, Op.NEGATE, Op.SIGN, Op.ABSOLUTE), 0),
+    **dict.fromkeys((Op.SINE, Op.COSINE, Op.ARCTANGENT), 25),
 }
 """By what candidates are compared, here and nowhere else; `derive.programs.tape.cost` adds it up.
 
@@ -100,7 +86,7 @@ PARAMETER = "parameter"
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class InputSource:
     """Where an input comes from."""
 
     kind: str  # `PARAMETER`, or the name of an argument
@@ -115,7 +101,7 @@ class Node:
     operands: tuple[int, ...]  # indices of earlier nodes
     layer: Layer  # on what it depends
     value: Constant | None = None  # the number, of a constant
-    source: Source | None = None  # the input, of an input
+    source: InputSource | None = None  # the input, of an input
 
 
 @dataclass(frozen=True, slots=True)

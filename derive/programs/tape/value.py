@@ -88,11 +88,7 @@ class Value:
         return Value(self.graph, self.graph.sign(self.ref))
 
     def arctangent(self, x: Value | int) -> Value:
-        """The angle of the point whose ordinate this is.
-
-        Returns:
-            atan2 of this and x [rad].
-        """
+        """atan2 of this and x [rad]."""
         return Value(self.graph, self.graph.arctangent(self.ref, self._other(x)))
 
     def less(self, other: Value | int | Fraction) -> Value:

@@ -25,7 +25,7 @@ Array = npt.NDArray[Any]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Arm:
+class NumericArm:
     """The numbers of one arm with n joints."""
 
     standard: bool  # whether the table follows the standard convention, not the modified one
@@ -60,13 +60,13 @@ class Arm:
         return gravity
 
 
-def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Arm:
+def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> NumericArm:
     """The numbers of a robot."""
     values = parameter_values(robot, chosen)
     joints, links = robot.joints, robot.links or (Link(),) * robot.n
     motors = [link.motor or Motor() for link in links]
     tensors = [link.inertia for link in links]
-    return Arm(
+    return NumericArm(
         standard=robot.convention is Convention.STANDARD,
         revolute=np.array([joint.is_revolute for joint in joints]),
         sign=np.array([float(joint.sign) for joint in joints]),
@@ -98,12 +98,13 @@ def _numbers(cells: Sequence[Expression], values: Values) -> Array:
     return np.array([to_float(cell, values) for cell in cells])
 
 
-def row_transform(arm: Arm, i: int, q: Array) -> Array:
+def row_transform(arm: NumericArm, i: int, q: Array) -> Array:
     """A_i, the product of its four elementary transforms.
 
     Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha). Modified (a and alpha are a_{i-1} and alpha_{i-1}):
     Rot(x, alpha) Trans(x, a) Rot(z, theta) Trans(z, d).
     """
+    # theta_i = sign q + theta of a revolute joint, d_i = sign q + d of a prismatic one
     moving = arm.sign[i] * q
     theta = arm.theta[i] + moving * arm.revolute[i]
     d = arm.d[i] + moving * (not arm.revolute[i])
@@ -114,19 +115,16 @@ def row_transform(arm: Arm, i: int, q: Array) -> Array:
     return about_x @ along_x @ about_z @ along_z
 
 
-def chain_frames(arm: Arm, q: Array) -> Array:
-    """DH frames 0 to n seen from frame 0, the first being the identity.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def chain_frames(arm: NumericArm, q: Array) -> Array:
+    """DH frames 0 to n seen from frame 0, the first being the identity."""
+    # T_i = T_{i-1} A_i, outward from frame 0
     frames = [np.broadcast_to(np.eye(4, dtype=q.dtype), (*q.shape[:-1], 4, 4))]
     for i in range(arm.n):
         frames.append(frames[-1] @ row_transform(arm, i, q[..., i]))
     return np.stack(frames, axis=-3)
 
 
-def joint_axes(arm: Arm, frames: Array) -> tuple[Array, Array]:
+def joint_axes(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """Direction of z and a point on the axis of each joint, in frame 0.
 
     Joint i moves along or about z_{i-1} through o_{i-1} (standard), z_i through o_i (modified).
@@ -135,12 +133,9 @@ def joint_axes(arm: Arm, frames: Array) -> tuple[Array, Array]:
     return on_axis[..., :3, 2], on_axis[..., :3, 3]
 
 
-def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> Array:
-    """Linear Jacobians dp/dq in frame 0 of points fixed on links.
-
-    Args:
-        carriers: (m,) number of joints that move each point: i for a point of link i, counted from 1.
-    """
+def point_jacobian(arm: NumericArm, frames: Array, points: Array, carriers: Array) -> Array:
+    """Linear Jacobians dp/dq in frame 0 of points on links, each moved by its first ``carriers`` (m,) joints."""
+    # dp/dq_j = z_j x (p - o_j) of a revolute joint, z_j of a prismatic one; zero for joints beyond the link
     axis, origin = joint_axes(arm, frames)
     lever = points[..., :, None, :] - origin[..., None, :, :]
     turning = cross(axis[..., None, :, :], lever)
@@ -148,19 +143,15 @@ def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> A
     return _only_moving(arm, columns, carriers)
 
 
-def angular_jacobian(arm: Arm, frames: Array, carriers: Array) -> Array:
-    """Angular Jacobians in frame 0 of links; column j is sign z for a revolute joint, else 0.
-
-    Args:
-        carriers: (m,) number of joints that move each link.
-    """
+def angular_jacobian(arm: NumericArm, frames: Array, carriers: Array) -> Array:
+    """Angular Jacobians in frame 0 of links, each moved by its first ``carriers`` (m,) joints: sign z, 0 for slides."""
     axis, _ = joint_axes(arm, frames)
     columns = np.where(arm.revolute[:, None], axis, 0.0)[..., None, :, :]
     shape = (*columns.shape[:-3], len(carriers), arm.n, 3)
     return _only_moving(arm, np.broadcast_to(columns, shape), carriers)
 
 
-def rotor_places(arm: Arm, frames: Array) -> Array:
+def rotor_places(arm: NumericArm, frames: Array) -> Array:
     """Where the rotors sit, in frame 0, rotor i fixed on link i-1.
 
     o_{i-1} (standard); o_i at q_i = 0 (modified), where a revolute joint leaves o_i anyway.
@@ -168,38 +159,28 @@ def rotor_places(arm: Arm, frames: Array) -> Array:
     carriers = frames[..., :-1, :, :]
     if arm.standard:
         return carriers[..., :3, 3]
+    # Column 4 of A_i at q_i = 0: where frame i would be, seen from frame i-1
     at_rest = np.stack([row_transform(arm, i, np.zeros(()))[:, 3] for i in range(arm.n)])
     places: Array = np.einsum("...kab,kb->...ka", carriers, at_rest)[..., :3]
     return places
 
 
-def forward_kinematics(arm: Arm, q: Array) -> Array:
-    """T = base A_1 ... A_n tool.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def forward_kinematics(arm: NumericArm, q: Array) -> Array:
+    """T = base A_1 ... A_n tool."""
     transform: Array = arm.base @ chain_frames(arm, q)[..., -1, :, :] @ arm.tool
     return transform
 
 
-def link_transforms(arm: Arm, q: Array) -> Array:
-    """Base A_1 ... A_i for i = 1..n.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def link_transforms(arm: NumericArm, q: Array) -> Array:
+    """Base A_1 ... A_i for i = 1..n."""
     transforms: Array = arm.base @ chain_frames(arm, q)[..., 1:, :, :]
     return transforms
 
 
-def jacobian(arm: Arm, q: Array) -> Array:
-    """Geometric Jacobian of the end effector in world axes, linear rows first.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def jacobian(arm: NumericArm, q: Array) -> Array:
+    """Geometric Jacobian of the end effector in world axes, linear rows first."""
     frames = chain_frames(arm, q)
+    # The base only turns the rows: J = diag(R, R) J_0.
     end = (frames[..., -1, :, :] @ arm.tool)[..., None, :3, 3]
     carrier = np.array([arm.n])
     turn = arm.base[:3, :3]
@@ -208,12 +189,9 @@ def jacobian(arm: Arm, q: Array) -> Array:
     return np.concatenate([linear, angular], axis=-2)
 
 
-def jacobian_end(arm: Arm, q: Array) -> Array:
-    """Geometric Jacobian of the end effector in its own axes, linear rows first: R^T times both halves of the other.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def jacobian_end(arm: NumericArm, q: Array) -> Array:
+    """Geometric Jacobian of the end effector in its own axes, linear rows first: R^T times both halves of the other."""
+    # J_end = diag(R^T, R^T) J with R of the end effector
     back = np.swapaxes(forward_kinematics(arm, q)[..., :3, :3], -1, -2)
     in_world = jacobian(arm, q)
     return np.concatenate([back @ in_world[..., :3, :], back @ in_world[..., 3:, :]], axis=-2)
@@ -226,7 +204,7 @@ def cross(u: Array, v: Array) -> Array:
     return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=-1)
 
 
-def _only_moving(arm: Arm, columns: Array, carriers: Array) -> Array:
+def _only_moving(arm: NumericArm, columns: Array, carriers: Array) -> Array:
     moves = np.arange(arm.n) < carriers[:, None]
     signed = columns * (arm.sign * moves)[..., None]
     return np.swapaxes(signed, -1, -2)
@@ -236,6 +214,7 @@ def _rotation(axis: int, angle: Array) -> Array:
     """Rot(axis, angle), axes counted from x = 0."""
     matrix = _identity(angle)
     cosine, sine = np.cos(angle), np.sin(angle)
+    # The plane across the axis, in cyclic order: cos and -sin above, sin and cos below.
     j, k = (axis + 1) % 3, (axis + 2) % 3
     matrix[..., j, j], matrix[..., j, k] = cosine, -sine
     matrix[..., k, j], matrix[..., k, k] = sine, cosine

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from derive.robot.inertial_parameters import Parameter, standard_parameters
 from derive.robot.robot import Robot
 from derive.verification.oracle import frames, identification, lagrange, newton, rates
-from derive.verification.oracle.frames import Arm, Array, numeric_arm
+from derive.verification.oracle.frames import Array, NumericArm, numeric_arm
 from derive.verification.oracle.identification import Identification
 
 
@@ -31,14 +31,8 @@ class Definition:
     identifies: bool = False
 
 
-def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
-    """Accelerations B^-1 (tau - C qd - g - friction).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        tau: (..., n) torques and forces [N m, N].
-    """
+def forward_dynamics(arm: NumericArm, q: Array, qd: Array, tau: Array) -> Array:
+    """Accelerations B^-1 (tau - C qd - g - friction)."""
     bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd))
     acceleration: Array = np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
     return acceleration
@@ -78,7 +72,7 @@ SINGULAR = 1e-9  # distance from singular angles that is rounding
 class Oracle:
     """Every generated function of one robot with given numbers, evaluated independently."""
 
-    arm: Arm  # the robot's numbers
+    arm: NumericArm  # the robot's numbers
     dynamic: bool  # whether the robot has link parameters
     # Which parameters the regressors' columns belong to; None without regressors.
     identification: Identification | None = None

@@ -13,8 +13,8 @@ import numpy as np
 
 from derive.robot.inertial_parameters import Parameter
 from derive.verification.oracle.frames import (
-    Arm,
     Array,
+    NumericArm,
     angular_jacobian,
     chain_frames,
     cross,
@@ -33,7 +33,7 @@ SEED = 20  # of the states at which base parameters are fitted
 class Identification:
     """An arm and the names of its parameters."""
 
-    arm: Arm  # the numbers
+    arm: NumericArm  # the numbers
     standard: tuple[Parameter, ...]  # parameters of the standard regressor, links' ones in DH frames
     # Base parameters, links' ones in joint frames: on the axis of joint i, DH frame i in the modified convention, DH
     # frame i before its a and alpha in the standard one.
@@ -41,24 +41,12 @@ class Identification:
 
 
 def regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Array:
-    """Y with tau = Y pi.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+    """Y with tau = Y pi."""
     return _columns(known.arm, known.standard, q, qd, qdd, on_axes=False)
 
 
 def base_regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Array:
-    """Y with tau = Y beta.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+    """Y with tau = Y beta."""
     return _columns(known.arm, known.base, q, qd, qdd, on_axes=True)
 
 
@@ -66,6 +54,7 @@ def base_parameters(known: Identification) -> Array:
     """The base parameters by least squares over random states."""
     q, qd, qdd = fitting_states(known)
     torques = inverse_dynamics(known.arm, q, qd, qdd)
+    # Rows over the size of their torque, columns over their own: the fit is not ruled by units.
     largest = np.abs(torques).max(axis=0)
     weight = 1.0 / np.where(largest > 0, largest, 1.0)
     matrix = (base_regressor(known, q, qd, qdd) * weight[:, None]).reshape(-1, len(known.base))
@@ -77,12 +66,15 @@ def base_parameters(known: Identification) -> Array:
 def fitting_states(known: Identification) -> tuple[Array, Array, Array]:
     """Random q, qd and qdd, enough of them to tell all parameters apart."""
     n = known.arm.n
+    # At least three times as many equations as unknowns.
     count = 3 * (len(known.base) // n + 1) + len(known.base)
     states = np.random.default_rng(SEED).uniform(-2.0, 2.0, (3, count, n))
     return states[0], states[1], states[2]
 
 
-def _columns(arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, qdd: Array, *, on_axes: bool) -> Array:
+def _columns(
+    arm: NumericArm, parameters: tuple[Parameter, ...], q: Array, qd: Array, qdd: Array, *, on_axes: bool
+) -> Array:
     """A column for each parameter, links' ones in frames on the axes of their joints or in DH frames."""
     frames = chain_frames(arm, q)
     seen = frames[..., 1:, :, :]
@@ -91,6 +83,7 @@ def _columns(arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, q
         rows = [[one, zero, zero, -arm.a], [zero, c, s, zero], [zero, -s, c, zero], [zero, zero, zero, one]]
         seen = seen @ np.moveaxis(np.array(rows), -1, 0)
     axis, _ = joint_axes(arm, frames)
+    # Jacobians of the frames' origins, along whose rows the unit wrenches work.
     origins, places = seen[..., :3, 3], rotor_places(arm, frames)
     links = np.arange(1, arm.n + 1)
     state = _State(
@@ -111,7 +104,7 @@ def _columns(arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, q
 class _State:
     """Frames of the parameters, the motion of their links and the rotors' places, all in frame 0."""
 
-    arm: Arm
+    arm: NumericArm
     arguments: tuple[Array, Array, Array]
     rotations: Array
     origins: Array
@@ -128,6 +121,7 @@ def _column(state: _State, parameter: Parameter) -> Array:
     if parameter.of_link:
         force, moment = _body_wrench(state, i, parameter.part)
         return _work(state.linear[..., i, :, :], force) + _work(state.angular[..., i, :, :], moment)
+    # tau = Jv^T (a - g0) at the rotor's place, for unit mass
     if parameter.part == "mm":
         lifted = state.motions[i].acceleration_at(state.places[..., i, :]) - state.arm.gravity_in_frame_0
         return _work(state.rotor_linear[..., i, :, :], lifted)
@@ -147,12 +141,15 @@ def _body_wrench(state: _State, i: int, part: str) -> tuple[Array, Array]:
     """Force, and moment about the frame's origin, that move a unit parameter of link i."""
     motion, turn, origin = state.motions[i + 1], state.rotations[..., i, :, :], state.origins[..., i, :]
     lifted = motion.acceleration_at(origin) - state.arm.gravity_in_frame_0
+    # A unit mass at the origin: force a - g0.
     if part == "m":
         return lifted, np.zeros_like(lifted)
     if part[0] == "m":
+        # A unit first moment along an axis e: force alpha x e + omega x (omega x e), moment e x (a - g0).
         lever = turn[..., :, _AXES[part[1]]]
         force = cross(motion.alpha, lever) + cross(motion.omega, cross(motion.omega, lever))
         return force, cross(lever, lifted)
+    # A unit entry of the tensor E, symmetric: moment E alpha + omega x E omega in frame 0.
     tensor = np.zeros((3, 3))
     j, k = _AXES[part[1]], _AXES[part[2]]
     tensor[j, k] = tensor[k, j] = 1.0

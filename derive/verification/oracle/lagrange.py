@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from derive.verification.oracle.frames import (
-    Arm,
     Array,
+    NumericArm,
     angular_jacobian,
     chain_frames,
     joint_axes,
@@ -22,21 +22,20 @@ STEP = 1e-30  # complex step: no difference is taken, so it may be so small that
 CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
 
 
-def inertia_matrix(arm: Arm, q: Array) -> Array:
+def inertia_matrix(arm: NumericArm, q: Array) -> Array:
     """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures.
 
     Of a rotor only the inertia about its axis counts.
-
-    Args:
-        q: (..., n) configurations [rad, m].
     """
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
     linear, angular = _link_jacobians(arm, frames)
+    # Angular Jacobian in the axes of each link, where its tensor is constant: R^T Jw.
     in_link = _transpose(frames[..., 1:, :3, :3]) @ angular
     moving = _transpose(linear) @ (arm.mass[:, None, None] * linear)
     links = (moving + _transpose(in_link) @ (arm.inertia @ in_link)).sum(axis=-3)
     linear, angular = _rotor_jacobians(arm, frames)
+    # Of a rotor's angular velocity only the part about its own axis has inertia.
     spin = np.einsum("...ka,...kaj->...kj", axis, angular)
     moving = _transpose(linear) @ (arm.rotor_mass[:, None, None] * linear)
     rotors = moving.sum(axis=-3) + np.einsum("k,...ki,...kj->...ij", arm.rotor_inertia, spin, spin)
@@ -44,36 +43,25 @@ def inertia_matrix(arm: Arm, q: Array) -> Array:
     return total
 
 
-def coriolis_matrix(arm: Arm, q: Array, qd: Array) -> Array:
-    """C with C_ij = sum_k c_ijk qd_k.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+def coriolis_matrix(arm: NumericArm, q: Array, qd: Array) -> Array:
+    """C with C_ij = sum_k c_ijk qd_k."""
     matrix: Array = np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd)
     return matrix
 
 
-def christoffel_symbols(arm: Arm, q: Array) -> Array:
-    """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def christoffel_symbols(arm: NumericArm, q: Array) -> Array:
+    """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i)."""
     slope = inertia_derivatives(arm, q)
+    # slope[k, i, j] is dB_ij/dq_k; by_k[i, j, k] and by_j[i, j, k] = dB_ik/dq_j reorder it.
     by_k = np.moveaxis(slope, -3, -1)
     by_j = np.swapaxes(by_k, -1, -2)
     symbols: Array = 0.5 * (by_k + by_j - slope)
     return symbols
 
 
-def inertia_derivatives(arm: Arm, q: Array) -> Array:
-    """dB/dq_k by complex step.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def inertia_derivatives(arm: NumericArm, q: Array) -> Array:
+    """dB/dq_k by complex step."""
+    # f(q + i h e_k) = f(q) + i h df/dq_k: the imaginary part over h, in chunks of directions (Martins et al. 2003).
     size = max(1, CHUNK // (3 * q.size * arm.n))
     steps = 1j * STEP * np.eye(arm.n)
     chunks = [steps[k : k + size] for k in range(0, arm.n, size)]
@@ -81,18 +69,12 @@ def inertia_derivatives(arm: Arm, q: Array) -> Array:
     return np.concatenate(slopes, axis=-3)
 
 
-def gravity_vector(arm: Arm, q: Array) -> Array:
-    """The gradient dU/dq with U = -sum m g0' p over links and rotors.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-
-    Returns:
-        (..., n) [N m, N].
-    """
+def gravity_vector(arm: NumericArm, q: Array) -> Array:
+    """The gradient dU/dq with U = -sum m g0' p over links and rotors, (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     links, _ = _link_jacobians(arm, frames)
     rotors, _ = _rotor_jacobians(arm, frames)
+    # dU/dq_j = -sum m g0 . dp/dq_j, in frame 0 as the Jacobians are
     g0 = arm.gravity_in_frame_0
     down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
     down_rotors = np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0)
@@ -100,13 +82,10 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
     return gradient
 
 
-def potential_energy(arm: Arm, q: Array) -> Array:
-    """U = -sum m g0' p over links and rotors, with p in the world.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def potential_energy(arm: NumericArm, q: Array) -> Array:
+    """U = -sum m g0' p over links and rotors, with p in the world."""
     frames = chain_frames(arm, q)
+    # Places in the world, since U is zero at its origin
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
     links = _mass_centres(arm, frames) @ turn.T + origin
     rotors = rotor_places(arm, frames) @ turn.T + origin
@@ -114,56 +93,44 @@ def potential_energy(arm: Arm, q: Array) -> Array:
     return energy
 
 
-def kinetic_energy(arm: Arm, q: Array, qd: Array) -> Array:
-    """T = 1/2 qd' B qd.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+def kinetic_energy(arm: NumericArm, q: Array, qd: Array) -> Array:
+    """T = 1/2 qd' B qd."""
     energy: Array = 0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd)
     return energy
 
 
-def com_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the links' centres of mass in world axes.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def com_jacobians(arm: NumericArm, q: Array) -> tuple[Array, Array]:
+    """Linear and angular Jacobians of the links' centres of mass in world axes."""
     linear, angular = _link_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]
     return turn @ linear, turn @ angular
 
 
-def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the rotors in world axes.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def rotor_jacobians(arm: NumericArm, q: Array) -> tuple[Array, Array]:
+    """Linear and angular Jacobians of the rotors in world axes."""
     linear, angular = _rotor_jacobians(arm, chain_frames(arm, q))
     turn = arm.base[:3, :3]
     return turn @ linear, turn @ angular
 
 
-def _link_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+def _link_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """Of the links' centres of mass, in frame 0, (..., n, 3, n) both."""
     carriers = np.arange(1, arm.n + 1)
     linear = point_jacobian(arm, frames, _mass_centres(arm, frames), carriers)
     return linear, angular_jacobian(arm, frames, carriers)
 
 
-def _rotor_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+def _rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """In frame 0, (..., n, 3, n) both: rotor i moves with link i-1 and spins about z by ratio * qd_i more."""
     carriers = np.arange(arm.n)
     linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
     axis, _ = joint_axes(arm, frames)
+    # ratio z qd_i on top of the rotation of the link that carries it
     spin = axis[..., :, :, None] * (np.eye(arm.n) * arm.ratio[:, None])[:, None, :]
     return linear, angular_jacobian(arm, frames, carriers) + spin
 
 
-def _mass_centres(arm: Arm, frames: Array) -> Array:
+def _mass_centres(arm: NumericArm, frames: Array) -> Array:
     """(..., n, 3) in frame 0."""
     links = frames[..., 1:, :, :]
     turned = np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com)

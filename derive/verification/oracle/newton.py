@@ -10,34 +10,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.verification.oracle.frames import Arm, Array, chain_frames, cross, joint_axes, rotor_places
+from derive.verification.oracle.frames import Array, NumericArm, chain_frames, cross, joint_axes, rotor_places
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """A link's motion in frame 0, (..., 3) each.
+    """A link's motion in frame 0, (..., 3) each."""
 
-    Attributes:
-        omega: Angular velocity.
-        alpha: Angular acceleration.
-        point: A point of the link.
-        acceleration: Its acceleration.
-    """
-
-    omega: Array
-    alpha: Array
-    point: Array
-    acceleration: Array
+    omega: Array  # angular velocity
+    alpha: Array  # angular acceleration
+    point: Array  # a point of the link
+    acceleration: Array  # of this point
 
     def acceleration_at(self, place: Array) -> Array:
-        """Acceleration of a point of the link.
-
-        Args:
-            place: Where it is, (..., 3) in frame 0.
-
-        Returns:
-            (..., 3) in frame 0: a + alpha x r + omega x (omega x r).
-        """
+        """Acceleration a + alpha x r + omega x (omega x r) of a place on the link, both (..., 3) in frame 0."""
         r = place - self.point
         return self.acceleration + cross(self.alpha, r) + cross(self.omega, cross(self.omega, r))
 
@@ -54,17 +40,8 @@ class Wrench:
         return Wrench(self.force + other.force, self.moment + other.moment)
 
 
-def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
-    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-
-    Returns:
-        (..., n) [N m, N].
-    """
+def inverse_dynamics(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
+    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd), (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     axis, on_axis = joint_axes(arm, frames)
     places = rotor_places(arm, frames)
@@ -74,11 +51,16 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
     torques: list[Array] = []
     for i in reversed(range(arm.n)):
         z, carrier = axis[..., i, :], motions[i]
+        # All that joint i carries: link i and, from before, everything beyond it.
         wrench = wrench + _link_wrench(arm, i, frames[..., i + 1, :, :], motions[i + 1])
+        # The rotor's acceleration about its axis: its own, and that of the link on which it sits.
         spin_rate = arm.ratio[i] * qdd[..., i] + dot(z, carrier.alpha)
+        # From the origin of frame 0 to a point of the axis: n - r x f.
         moment = wrench.moment - cross(on_axis[..., i, :], wrench.force)
         carried = dot(z, moment) if arm.revolute[i] else dot(z, wrench.force)  # what the joint's actuator carries
+        # In the sense of q; the motor turns ratio times as fast, so its torque counts ratio times.
         torques.append(arm.sign[i] * carried + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
+        # The rotor itself is carried by link i-1, so it counts from here inward.
         wrench = wrench + _rotor_wrench(arm, i, z, places[..., i, :], carrier, qd[..., i], spin_rate)
     rigid = np.stack(torques[::-1], axis=-1)
     resisting: Array = arm.armature * qdd + arm.viscous * qd + arm.coulomb * np.sign(qd)
@@ -91,13 +73,8 @@ def dot(u: Array, v: Array) -> Array:
     return product
 
 
-def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
-    """Motions of links 0 to n; link 0 is at rest.
-
-    Args:
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+def link_motions(arm: NumericArm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
+    """Motions of links 0 to n; link 0 is at rest."""
     zero = np.zeros_like(axis[..., 0, :])
     motions = [Motion(zero, zero, zero, zero)]
     for i in range(arm.n):
@@ -105,20 +82,24 @@ def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) ->
         rate, acceleration = qd[..., i, None], qdd[..., i, None]
         before, origin = motions[-1], frames[..., i + 1, :3, 3]
         if arm.revolute[i]:  # the links share the points of the axis, o_{i-1} (standard) or o_i (modified)
+            # omega_i = omega_{i-1} + u qd; alpha gains u qdd + omega_{i-1} x u qd
             omega = before.omega + u * rate
             alpha = before.alpha + u * acceleration + cross(before.omega, u) * rate
+            # Over a point of the axis, which belongs to both links, to the origin of frame i.
             shared = before.point if arm.standard else origin
             hinge = Motion(omega, alpha, shared, before.acceleration_at(shared))
             motions.append(Motion(omega, alpha, origin, hinge.acceleration_at(origin)))
         else:  # carried along, plus Coriolis and relative acceleration
+            # a_i = a of the coinciding point + 2 omega x u qd + u qdd
             relative = 2.0 * cross(before.omega, u) * rate + u * acceleration
             motions.append(Motion(before.omega, before.alpha, origin, before.acceleration_at(origin) + relative))
     return motions
 
 
-def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:
+def _link_wrench(arm: NumericArm, i: int, frame: Array, motion: Motion) -> Wrench:
     """What moves link i: m (a - g0) at its centre of mass and d/dt (I omega)."""
     rotation, com = frame[..., :3, :3], frame[..., :3, 3] + frame[..., :3, :3] @ arm.com[i]
+    # R I R^T in frame 0; d/dt (I omega) = I alpha + omega x I omega
     inertia = rotation @ arm.inertia[i] @ np.swapaxes(rotation, -1, -2)
     force = arm.mass[i] * (motion.acceleration_at(com) - arm.gravity_in_frame_0)
     momentum = np.einsum("...ab,...b->...a", inertia, motion.omega)
@@ -126,9 +107,12 @@ def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:
     return Wrench(force, cross(com, force) + moment)
 
 
-def _rotor_wrench(arm: Arm, i: int, z: Array, place: Array, carrier: Motion, rate: Array, spin_rate: Array) -> Wrench:
+def _rotor_wrench(
+    arm: NumericArm, i: int, z: Array, place: Array, carrier: Motion, rate: Array, spin_rate: Array
+) -> Wrench:
     """What moves the rotor of joint i: m (a - g0) at its place and d/dt (I spin z), z turning with link i-1."""
     force = arm.rotor_mass[i] * (carrier.acceleration_at(place) - arm.gravity_in_frame_0)
+    # d/dt (I spin z) = I (spin' z + spin omega x z)
     spin = arm.ratio[i] * rate + dot(z, carrier.omega)
     turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
     return Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)

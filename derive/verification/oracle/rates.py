@@ -11,31 +11,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from derive.verification.oracle.frames import Arm, Array, forward_kinematics, jacobian
+from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian
 from derive.verification.oracle.newton import inverse_dynamics
 
 STEP = 1e-30  # complex step; the truncation error, its square, vanishes
 TILTED = {"rpy": 0, "zyz": 2}  # column of R whose first two entries vanish where the angles are singular
 
 
-def jacobian_dot(arm: Arm, q: Array, qd: Array) -> Array:
-    """dJ/dt along qd.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+def jacobian_dot(arm: NumericArm, q: Array, qd: Array) -> Array:
+    """dJ/dt along qd."""
     rate: Array = jacobian(arm, q + 1j * STEP * qd).imag / STEP
     return rate
 
 
-def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
-    """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def analytic_jacobian_rpy(arm: NumericArm, q: Array) -> Array:
+    """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll)."""
     pose, slope = _pose_and_slope(arm, q)
+    # roll = atan2(r32, r33), pitch = atan2(-r31, |(r11, r21)|), yaw = atan2(r21, r11)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
         roll = _angle_rate(r[..., 2, 1], r[..., 2, 2], dr[..., 2, 1], dr[..., 2, 2])
@@ -45,13 +37,10 @@ def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
     return _rows(slope, roll, pitch, yaw)
 
 
-def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
-    """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi).
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def analytic_jacobian_zyz(arm: NumericArm, q: Array) -> Array:
+    """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi)."""
     pose, slope = _pose_and_slope(arm, q)
+    # phi = atan2(r23, r13), theta = atan2(|(r13, r23)|, r33), psi = atan2(r32, -r31)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
         phi = _angle_rate(r[..., 1, 2], r[..., 0, 2], dr[..., 1, 2], dr[..., 0, 2])
@@ -61,47 +50,29 @@ def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
     return _rows(slope, phi, theta, psi)
 
 
-def distance_from_singularity(arm: Arm, kind: str, q: Array) -> Array:
-    """Sine of the angle by which the second turn misses its singular values.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-    """
+def distance_from_singularity(arm: NumericArm, kind: str, q: Array) -> Array:
+    """Sine of the angle by which the second turn misses its singular values."""
+    # |(r11, r21)| = |cos(pitch)|, |(r13, r23)| = |sin(theta)|
     column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
     distance: Array = np.sqrt((column**2).sum(axis=-1))
     return distance
 
 
-def coriolis_vector(arm: Arm, q: Array, qd: Array) -> Array:
-    """C qd: the torques of a motion without acceleration, gravity and friction.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+def coriolis_vector(arm: NumericArm, q: Array, qd: Array) -> Array:
+    """C qd: the torques of a motion without acceleration, gravity and friction."""
     none = np.zeros(arm.n)
     weightless = replace(arm, gravity=np.zeros(3), viscous=none, coulomb=none)
     return inverse_dynamics(weightless, q, qd, np.zeros_like(qd))
 
 
-def inverse_dynamics_dq(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
-    """d tau_i / d q_j.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-        qdd: (..., n) accelerations [rad/s^2, m/s^2].
-    """
+def inverse_dynamics_dq(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
+    """d tau_i / d q_j."""
     return _columns(arm, lambda step: inverse_dynamics(arm, _each(q) + step, _each(qd), _each(qdd)))
 
 
-def inverse_dynamics_dqd(arm: Arm, q: Array, qd: Array) -> Array:
-    """d tau_i / d qd_j; Coulomb friction counts as constant.
-
-    Args:
-        q: (..., n) configurations [rad, m].
-        qd: (..., n) velocities [rad/s, m/s].
-    """
+def inverse_dynamics_dqd(arm: NumericArm, q: Array, qd: Array) -> Array:
+    """d tau_i / d qd_j; Coulomb friction counts as constant."""
+    # No term of the torques holds both qd and qdd, so qdd is taken as zero.
     smooth, rest = replace(arm, coulomb=np.zeros(arm.n)), np.zeros_like(_each(q))
     return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
 
@@ -111,13 +82,13 @@ def _each(argument: Array) -> Array:
     return argument[..., None, :]
 
 
-def _columns(arm: Arm, function: Callable[[Array], Array]) -> Array:
+def _columns(arm: NumericArm, function: Callable[[Array], Array]) -> Array:
     values = function(1j * STEP * np.eye(arm.n)).imag / STEP
     matrix: Array = np.swapaxes(values, -1, -2)
     return matrix
 
 
-def _pose_and_slope(arm: Arm, q: Array) -> tuple[Array, Array]:
+def _pose_and_slope(arm: NumericArm, q: Array) -> tuple[Array, Array]:
     """T, (..., 4, 4), and its derivatives by q_j, (..., n, 4, 4)."""
     slope: Array = forward_kinematics(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
     return forward_kinematics(arm, q), slope

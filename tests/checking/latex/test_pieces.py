@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from derive.checking.latex.pieces import MATRIX_MARK, Piece, display_piece
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, display_piece
 from derive.errors import CheckError, Location
 
 START = Location("notes.tex")
 
 
-def piece(text: str) -> Piece:
+def piece(text: str) -> LatexPiece:
     return display_piece(text, 0, len(text), text, START)
 
 

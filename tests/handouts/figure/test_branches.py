@@ -1,7 +1,5 @@
 """The drawing of an arm in several configurations over each other."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Room for labels: they stand beside what they name, off lines and off each other."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

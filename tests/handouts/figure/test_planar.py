@@ -1,7 +1,5 @@
 """Planar arms are seen as they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Views and faces: an orthographic projection keeps what it must, and hides what is behind."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

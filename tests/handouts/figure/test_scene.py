@@ -1,7 +1,5 @@
 """Drawings of arms: where things stand, what they are called, and that any robot can be drawn."""
 
-from __future__ import annotations
-
 import math
 import random
 
@@ -54,7 +52,6 @@ def test_poses_are_the_frames_of_the_independent_recursion(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["scara-perugia", "puma560-corke", "spherical-arm", "dh-modified-deluca"])
 def test_axes_start_at_the_projected_origins_of_the_frames(name: str) -> None:
-    """Up to one scale and one shift, the arrows start where an independent projection puts the frames."""
     robot = Robot.load(name)
     poses = RobotPoses(robot)
     q = [0.4] * robot.n

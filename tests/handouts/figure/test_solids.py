@@ -1,7 +1,5 @@
 """Solid parts: closed bodies with normals that point outwards, and joints that are drawn on their axes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

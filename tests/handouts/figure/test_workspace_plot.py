@@ -1,7 +1,5 @@
 """The plot of a workspace as a file."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.handouts.figure.workspace_plot import workspace_bytes

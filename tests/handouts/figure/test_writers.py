@@ -1,7 +1,5 @@
 """Drawings on paper and on the screen."""
 
-from __future__ import annotations
-
 from pathlib import Path as File
 from xml.etree import ElementTree
 

@@ -1,7 +1,5 @@
 """Equations that TeX breaks itself: whole again, marked where a line may end, nothing else changed."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
@@ -17,7 +15,6 @@ MARK = re.compile(r"\\(?:brk|fac)[0-9] ")
 
 
 def equations_of(name: str) -> list[Equation]:
-    """The entries of J and of dJ/dt, products of brackets of sums among them."""
     context = context_of(Robot.load(name))
     entries = [value for matrix in (context.entries.model.J, context.entries.model.J_dot) for value in matrix if value]
     names = (context.symbols.entry("J", 1, k) for k in range(1, len(entries) + 1))
@@ -26,7 +23,6 @@ def equations_of(name: str) -> list[Equation]:
 
 @pytest.mark.parametrize("name", ["scara-perugia", "stanford-deluca"])
 def test_broken_lines_become_whole_again(name: str) -> None:
-    """However narrow they were broken, and whatever shared a line."""
     equations = equations_of(name)
     whole = [concatenate(equation.left, EQUALS, joined(equation.right)).tex for equation in equations]
     for width in (200.0, 455.0, 1e9):
@@ -62,7 +58,6 @@ def test_a_line_that_was_broken_behind_a_name_may_end_there_again() -> None:
 
 
 def test_a_matrix_is_also_its_entries() -> None:
-    """Those that are not zero, of a symmetric one those above the diagonal."""
     matrix = matrix_equation("\\phantom{A} = \\begin{bmatrix} a & b \\\\ b & 0 \\end{bmatrix}")
     assert matrix is not None
     assert matrix.entries() == ["(A)_{11} = a", "(A)_{12} = b"]

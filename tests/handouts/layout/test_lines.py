@@ -1,7 +1,5 @@
 """Long expressions over several lines: nothing is lost, nothing is too wide."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,7 +11,6 @@ HEAD = Box("b = ", 30.0)
 
 @st.composite
 def rows(draw: st.DrawFn) -> list[TexPiece]:
-    """Pieces with distinct texts, as wide as a line at most."""
     count = draw(st.integers(1, 60))
     widths = draw(st.lists(st.floats(1.0, 150.0), min_size=count, max_size=count))
     kinds = draw(st.lists(st.sampled_from(list(Break)), min_size=count, max_size=count))
@@ -24,7 +21,6 @@ def rows(draw: st.DrawFn) -> list[TexPiece]:
 
 @given(rows())
 def test_every_piece_appears_once_and_in_order(pieces: list[TexPiece]) -> None:
-    """However the lines are broken."""
     text = "".join(break_lines(HEAD, pieces, 455.0))
     places = [text.index(piece.box.tex) for piece in pieces]
     assert places == sorted(places)
@@ -33,7 +29,6 @@ def test_every_piece_appears_once_and_in_order(pieces: list[TexPiece]) -> None:
 
 @given(st.lists(st.floats(1.0, 300.0), min_size=1, max_size=60), st.integers(0, 3))
 def test_lines_fit_where_every_piece_may_start_one(widths: list[float], depth: int) -> None:
-    """Indentation and the sign in front of a continuation are counted."""
     pieces = [TexPiece(Box(f"<{k}>", width), Break.BINARY, depth) for k, width in enumerate(widths)]
     for number, line in enumerate(break_lines(HEAD, pieces, 455.0)):
         used = sum(piece.box.width for piece in pieces if piece.box.tex in line)
@@ -54,7 +49,6 @@ def test_lines_break_outside_of_brackets_if_they_can() -> None:
 
 
 def test_short_equations_share_a_line() -> None:
-    """Their order is kept."""
     equations = [Equation(italic(letter), (TexPiece(italic("x")),)) for letter in "abcdefgh"]
     lines = equation_lines(equations)
     assert len(lines) == 1
@@ -64,13 +58,11 @@ def test_short_equations_share_a_line() -> None:
 
 
 def test_boxes_are_packed_within_the_width() -> None:
-    """A box wider than the line has one of its own."""
     assert pack([Box("a", 200.0), Box("b", 200.0), Box("c", 200.0)], 455.0) == ["a \\qquad b", "c"]
     assert pack([], 455.0) == []
 
 
 def test_the_width_of_a_matrix_is_that_of_its_columns() -> None:
-    """The widest cell of each, and the gaps."""
     cell = Box("x", 20.0)
     assert matrix([[cell, cell], [cell, Box("y", 50.0)]]).width >= 20.0 + 50.0 + 10.0
 

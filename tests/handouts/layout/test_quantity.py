@@ -1,7 +1,5 @@
 """A quantity on the sheet: whole if it fits, else entry by entry, and nothing is lost in named terms."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +17,6 @@ A, B, C, D, X = (Symbol(name) for name in ("a1", "b1", "c3", "d1", "x9"))
 
 
 def given(rows: list[list[Any]]) -> Entries:
-    """A matrix of expressions."""
     return of_matrix(sympy.ImmutableMatrix(rows))
 
 

@@ -1,7 +1,5 @@
 """Aspects read as text and JSON."""
 
-from __future__ import annotations
-
 import json
 
 from derive.handouts.notation.singularities import aspects_parts, aspects_text
@@ -19,7 +17,6 @@ joints:
 
 
 def text(robot: Robot) -> list[str]:
-    """The aspects of a robot."""
     return aspects_text(Model(robot).aspects, TextPrinter(robot, None).doprint)
 
 

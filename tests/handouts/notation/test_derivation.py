@@ -1,7 +1,5 @@
 """The derivation of the inverse kinematics reads as in a textbook."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """The options of the notation, letters, functions, frames; and the order of textbooks, whatever that of SymPy."""
 
-from __future__ import annotations
-
 import random
 import re
 from functools import partial
@@ -41,7 +39,6 @@ FULL = NotationOptions(angle=AngleLetter.VARTHETA, functions=Functions.FULL)
 
 
 def scara(extra: str = "", third: str = "d3", alpha: str = "0") -> Robot:
-    """Two angles and an offset."""
     rows = [
         f"  - {{type: revolute, a: a1, alpha: {alpha}}}",
         "  - {type: revolute, a: a2}",
@@ -64,7 +61,6 @@ def printed(expression: object, options: NotationOptions, robot: Robot | None = 
     ],
 )
 def test_letter_of_an_angle(angle: AngleLetter, latex: str) -> None:
-    """Its velocity and acceleration have the same letter under dots."""
     notation = Notation.of(scara(), NotationOptions(angle=angle))
     letter = latex.removesuffix("_{1}")
     assert notation.glyph("q1").box.tex == latex
@@ -75,14 +71,12 @@ def test_letter_of_an_angle(angle: AngleLetter, latex: str) -> None:
 
 @pytest.mark.parametrize(("slider", "latex"), [("name", r"\mathrm{lift}_{3}"), ("d", "d_{3}"), ("q", "q_{3}")])
 def test_letter_of_an_offset(slider: str, latex: str) -> None:
-    """The label stays, the word goes."""
     notation = Notation.of(scara(third="lift3"), NotationOptions(prismatic=SliderLetter(slider)))
     assert notation.glyph("lift3").box.tex == latex
     assert notation.glyph("q1").box.tex == "q_{1}"
 
 
 def test_a_variable_without_a_label_keeps_its_name() -> None:
-    """There is no index to write."""
     notation = Notation.of(scara(third="lift"), NotationOptions(prismatic=SliderLetter.D))
     assert notation.glyph("lift").box.tex == r"\mathrm{lift}"
 
@@ -111,7 +105,6 @@ def test_two_joints_with_one_label_keep_their_names() -> None:
 
 
 def test_limits_have_symbols_too() -> None:
-    """A limit called d3 is printed in the table beside the variable."""
     rows = "joints: [{type: prismatic, q: q3, limits: [0, d3]}, {type: prismatic, q: q4}]\n"
     robot = Robot.from_text("name: arm\nconvention: standard\n" + rows)
     notation = Notation.of(robot, NotationOptions(prismatic=SliderLetter.D))
@@ -126,7 +119,6 @@ def test_limits_have_symbols_too() -> None:
 def test_no_two_names_look_the_same_in_any_notation(
     names: list[str], options: NotationOptions, source: random.Random
 ) -> None:
-    """Whichever of them are variables and whichever parameters."""
     count = source.randint(1, len(names))
     kinds = [source.choice(["revolute", "prismatic"]) for _ in range(count)]
     lengths = names[count:] + ["1"] * count
@@ -168,13 +160,11 @@ def test_functions_in_full(latex: str, expression: object) -> None:
 
 
 def test_short_functions_keep_their_labels_with_any_letter() -> None:
-    """c_{12} whatever the angles are called."""
     for angle in AngleLetter:
         assert printed(a2 * cos(q1 + q2), NotationOptions(angle=angle)) == "a_{2}c_{12}"
 
 
 def test_long_sums_in_full_still_fit_on_lines() -> None:
-    """The sum of 40 angles is broken, that of two is not."""
     rows = ", ".join("{type: revolute, a: a}" for _ in range(40))
     robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{rows}]\n")
     printer = LatexPrinter(Notation.of(robot, FULL))
@@ -203,7 +193,6 @@ def test_widths_are_those_that_tex_finds(tmp_path: Path) -> None:
 
 
 def test_frames_stand_right_or_left() -> None:
-    """A_1^0 as Siciliano writes it, or {}^0A_1 as Craig does."""
     left = Symbols(Notation.of(scara(), NotationOptions(frames=FrameIndices.LEFT)), 3)
     assert Symbols(Notation.of(scara()), 3).frame("A", 1, 0).tex == r"\mathbf{A}_{1}^{0}"
     assert left.frame("A", 1, 0).tex == r"{}^{0}\mathbf{A}_{1}"
@@ -212,7 +201,6 @@ def test_frames_stand_right_or_left() -> None:
 
 @pytest.mark.parametrize("letter", InertiaLetter)
 def test_letter_of_the_inertia_matrix(letter: InertiaLetter) -> None:
-    """Its entries have the small letter."""
     symbols_ = Symbols(Notation.of(scara(), NotationOptions(inertia=letter)), 3)
     assert symbols_.inertia_letter == letter.value
     entry = partial(symbols_.entry, symbols_.inertia_letter.lower())
@@ -229,7 +217,6 @@ def test_entries_that_would_look_like_a_variable_are_written_with_the_matrix() -
 
 @pytest.mark.parametrize("seed", range(12))
 def test_default_options_change_nothing(seed: int) -> None:
-    """Every symbol is the one of the robot file."""
     robot = Robot.from_text(robot_text(random.Random(seed), 1 + seed % 7))
     assert Notation.of(robot, NotationOptions()) == Notation.of(robot)
     assert all(Notation.of(robot).glyph(joint.variable) for joint in robot.joints)

@@ -1,7 +1,5 @@
 """Rationals in print: what is printed is the number, as exactly as the digits allow."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Expressions and cells of the robot file in the notation of lecture notes."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
@@ -26,7 +24,6 @@ from tests.places import ROOT
 
 
 def arm(joints: int = 4, extra: str = "") -> Robot:
-    """A planar arm with an inertial parameter or two in each link."""
     rows = "\n".join(f"  - {{type: revolute, a: a{i}, alpha: alpha{i}}}" for i in range(1, joints + 1))
     links = "\n".join(f"  - {{mass: m{i}, com: [l{i}, 0, 0], inertia: {{zz: I{i}}}}}" for i in range(1, joints + 1))
     return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n{extra}")
@@ -68,7 +65,6 @@ PRINTED = {
 
 @pytest.mark.parametrize(("latex", "expression"), PRINTED.items(), ids=range(len(PRINTED)))
 def test_expressions_look_as_in_lecture_notes(latex: str, expression: sympy.Expr) -> None:
-    """Order, signs, abbreviations, fractions and brackets."""
     assert PRINTER.latex(expression).strip() == latex
 
 
@@ -92,13 +88,11 @@ NAMES = {
 
 @pytest.mark.parametrize(("name", "latex"), NAMES.items())
 def test_names_look_as_in_lecture_notes(name: str, latex: str) -> None:
-    """Letters, indices, Greek, words, and the name itself where no rule fits."""
     assert natural(name).box.tex.strip() == latex
 
 
 @given(st.lists(st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,12}", fullmatch=True), unique=True, max_size=30))
 def test_no_two_names_look_the_same(names: list[str]) -> None:
-    """Nor does any look like the cosine or sine of a joint angle."""
     printed = [glyph.box.tex for _, glyph in distinct(names)]
     assert len(set(printed)) == len(names)
     assert not any(re.fullmatch(r"[cs]_\{[0-9,]+\}", tex) for tex in printed)
@@ -129,13 +123,11 @@ def test_labels_of_two_digits_are_told_apart() -> None:
     ],
 )
 def test_robots_given_in_decimals_are_printed_in_decimals(value: str, latex: str) -> None:
-    """As the file writes them, up to six digits."""
     robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{{type: revolute, a: 0.25, d: '{value}'}}]\n")
     assert LatexPrinter(Notation.of(robot)).latex(Rational(value)) == latex
 
 
 def test_functions_outside_the_grammar_are_refused() -> None:
-    """With a message instead of something that looks right."""
     with pytest.raises(TargetError):
         PRINTER.latex(sympy.gamma(q1))
 
@@ -150,7 +142,6 @@ def test_print_does_not_depend_on_hash_seeds() -> None:
 
 
 def long_sums() -> list[str]:
-    """Every printed expression times the sum of all."""
     return [PRINTER.latex(sum(PRINTED.values()) * e) for e in PRINTED.values() if e.args]
 
 
@@ -192,7 +183,6 @@ def data_printer(cells: str, kind: str = "revolute", unit: str = "rad") -> tuple
     ],
 )
 def test_angles_are_in_the_unit_of_the_file(unit: str, alpha: str, expected: str) -> None:
-    """A file with pi has no degrees on its sheet, one with degrees no pi."""
     data, robot = data_printer(f"alpha: {alpha}", unit=unit)
     assert joined(data.angle(robot.joints[0].alpha)).tex == expected
 

@@ -1,7 +1,5 @@
 """Singularities read the same as text, LaTeX, Python and JSON."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

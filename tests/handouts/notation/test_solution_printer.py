@@ -1,7 +1,5 @@
 """Choices of sign in print, and what stands first in a solution."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.handouts.notation.notation import Notation

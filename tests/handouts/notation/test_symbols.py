@@ -1,7 +1,5 @@
 """Named terms of different quantities on one sheet never share a letter with its index."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import pytest

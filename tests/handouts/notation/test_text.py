@@ -1,7 +1,5 @@
 """Plain text says what the expression says, in the shorthand where it can be read one way."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -21,7 +19,6 @@ VALUES = {str(symbol): 0.3 + 0.37 * index for index, symbol in enumerate((*Q, *A
 
 
 def tokens() -> dict[str, float]:
-    """Every token of three joints with its value."""
     found = {}
     for chosen in ("1", "2", "4", "12", "14", "24", "124"):
         angle = sum(VALUES[f"q{label}"] for label in chosen)

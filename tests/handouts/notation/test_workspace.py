@@ -1,7 +1,5 @@
 """A workspace in formulas reads as text, LaTeX, Python and JSON."""
 
-from __future__ import annotations
-
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.workspace import workspace_lines, workspace_parts
 from derive.inverse.words.reach import Reach
@@ -10,7 +8,6 @@ from derive.robot.robot import Robot
 
 
 def lines(name: str, form: str) -> list[str]:
-    """The workspace of a robot of the catalogue."""
     robot = Robot.load(name)
     return workspace_lines(Model(robot).workspace, form, Notation.of(robot))
 

@@ -1,7 +1,5 @@
 """A handout made by hand: every kind of block, and a title that tries to be markup."""
 
-from __future__ import annotations
-
 from derive.handouts.figure.drawing import Drawing, Label, Path
 from derive.handouts.sheet.document import (
     Blank,

@@ -57,7 +57,6 @@ def file(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def far() -> tuple[Section, Section]:
-    """A section many screens below the first, with formulas above it that change their height when they are set."""
     many = tuple(Paragraph("Nothing.") for _ in range(100))
     return Section("between", "Between", (*many, Rows(FORMULAS))), Section("far", "Far", (Rows(FORMULAS), *many))
 

@@ -1,7 +1,5 @@
 """The target of the figure in Chromium: it is dragged, the arm follows, branches can be chosen, keys work."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -41,7 +39,6 @@ def target(figure: Figure) -> np.ndarray:
 
 
 def inner(figure: Figure, rng: np.random.Generator) -> np.ndarray:
-    """A configuration well within the limits."""
     low, high = (np.array([getattr(travel, end) for travel in figure.travels]) for end in ("lower", "upper"))
     return low + rng.uniform(0.3, 0.7, len(low)) * (high - low)
 

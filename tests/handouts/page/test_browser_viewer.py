@@ -1,7 +1,5 @@
 """The figure in Chromium: sliders move the arm, and the pose that it shows is that of the NumPy model."""
 
-from __future__ import annotations
-
 import io
 import json
 import math
@@ -38,7 +36,6 @@ base: [[1, 0, 0, 0.1], [0, 0, 1, 0], [0, -1, 0, 0.2], [0, 0, 0, 1]]
 
 
 def chromium() -> str:
-    """The browser's path; skips without one unless the environment insists."""
     found = shutil.which("chromium") or shutil.which("chromium-browser")
     if found is None:
         if os.environ.get("DERIVE_REQUIRE_CHROMIUM") == "1":
@@ -57,8 +54,6 @@ def browser() -> Iterator[Any]:
 
 
 class Figure:
-    """One robot's page, opened from disk; remembers what it should not do."""
-
     def __init__(self, browser: Any, folder: Path, robot: Robot, theme: str = "", without_webgl: bool = False) -> None:
         self.robot = robot
         self.values = symbol_values(robot, (), assumed(robot))
@@ -80,14 +75,12 @@ class Figure:
             self.trouble.append(f"request: {url}")
 
     def settle(self) -> None:
-        """Waits for the picture to be drawn."""
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def set(self, q: Any) -> list[float]:
         return list(self.page.evaluate("q => window.deriveViewer.setConfiguration(q)", list(map(float, q))))
 
     def pose(self) -> np.ndarray:
-        """What the page shows, with all its digits."""
         return np.array(json.loads(self.page.get_attribute(".viewer-pose", "data-pose")))
 
     def transforms(self) -> np.ndarray:
@@ -253,7 +246,6 @@ BOXES = """() => [...document.querySelectorAll(".viewer-labels span"), document.
 
 
 def overlap(a: dict[str, float], b: dict[str, float]) -> float:
-    """The area that two boxes share."""
     wide = min(a["right"], b["right"]) - max(a["left"], b["left"])
     tall = min(a["bottom"], b["bottom"]) - max(a["top"], b["top"])
     return max(0.0, wide) * max(0.0, tall)

@@ -1,7 +1,5 @@
 """A motion on the page: what the script is given, and the words around it."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """What of an end effector is dragged, and what the branches are called."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The figure as text: inert, deterministic, with a way for every joint of any robot."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

@@ -1,7 +1,5 @@
 """The web page: one file, everything escaped, every formula in it as LaTeX, with KaTeX and its fonts."""
 
-from __future__ import annotations
-
 import ast
 import re
 from html import unescape
@@ -19,8 +17,6 @@ VOID = {"meta", "link", "br", "img", "input", "hr"}
 
 
 class Reader(HTMLParser):
-    """Elements, attributes and text of a page; fails where tags do not match."""
-
     def __init__(self, html: str) -> None:
         super().__init__()
         self.found: list[tuple[str, dict[str, str | None]]] = []

@@ -1,7 +1,5 @@
 """A page that holds nothing but the figure."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -23,7 +21,6 @@ PAGE_STYLE = "body{margin:1rem;font-family:sans-serif} @media(prefers-color-sche
 
 
 def viewer_page(robot: Robot, start: Sequence[float] | None = None, theme: str = "") -> str:
-    """The page's text."""
     dragged = dragging(robot, symbol_values(robot, (), assumed(robot)))
     asked = robot if dragged is None else replace(robot, inverse=dragged.task)
     program = build_program(asked, Effort.QUICK, inverse=dragged is not None)
@@ -33,5 +30,4 @@ def viewer_page(robot: Robot, start: Sequence[float] | None = None, theme: str =
 
 
 def assumed(robot: Robot) -> dict[str, float]:
-    """What figures draw for symbols without a number."""
     return {name: value for name, value, _ in RobotPoses(robot).assumed}

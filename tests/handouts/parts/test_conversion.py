@@ -1,7 +1,5 @@
 """The part with the other convention: both products, what moves, the new table and the links in its frames."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.handouts.assemble import context_of, document

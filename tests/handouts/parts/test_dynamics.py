@@ -1,7 +1,5 @@
 """The dynamics of the handout: what it prints is true, complete, in the chosen letter, and fits the page."""
 
-from __future__ import annotations
-
 import math
 import random
 import re
@@ -108,7 +106,6 @@ class Numbers:
             self.values |= {name(joint.variable): float(value) for joint, value in pairs}
 
     def value(self, python: str) -> float:
-        """What a reader's Python makes of a copied entry."""
         return float(eval(python, {"__builtins__": {}}, {**_FUNCTIONS, **self.values}))
 
 
@@ -128,7 +125,6 @@ EVERY = pytest.mark.parametrize("key", [*SHORT, *SEEDS])
 
 
 def assert_entries(numbers: Numbers, entries: Mapping[str, str], expected: Mapping[str, float]) -> None:
-    """Every printed entry has its value; at least its name is a known one."""
     scale = max(1.0, *map(abs, expected.values()))
     for name, python in entries.items():
         assert name in expected
@@ -222,7 +218,6 @@ def test_gravity_and_torques_are_those_of_the_oracle(key: str | int) -> None:
 
 
 def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
-    """The sentence stands where the entries cancel, and only there."""
     context = prepared("planar-2r-perugia")[0]
     section = section_of(context, "skew")
     assert section is not None
@@ -233,8 +228,6 @@ def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
 
 
 class Recursion:
-    """The printed equations in floats, with the printed constants."""
-
     def __init__(self, context: Context, numbers: Numbers) -> None:
         self.context, self.numbers = context, numbers
         entries = entries_of(section_of(replace(context, options=HandoutOptions()), "newton-euler"))

@@ -1,7 +1,5 @@
 """The part of the handout with the pictures of the arm."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -70,7 +68,6 @@ joints:
 
 
 def test_a_joint_whose_limits_exclude_zero_is_drawn_in_their_middle() -> None:
-    """It says so; limits without numbers exclude nothing."""
     robot = Robot.from_text(LIMITED)
     assert RobotPoses(robot).zero == pytest.approx((0, math.radians(75), 0.25, 0))
     made = section_of(_context(robot), "figure")

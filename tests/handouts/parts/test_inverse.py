@@ -1,7 +1,5 @@
 """The part of the handout with the inverse kinematics: it reads as a teacher writes it, and its formulas hold."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import replace
@@ -78,7 +76,6 @@ def printed(section: Section) -> list[str]:
 
 
 def solved(robot: Robot) -> Robot:
-    """The robot with the task by which the part solves it."""
     return replace(robot, inverse=InverseOptions(usual_task(robot)))
 
 

@@ -1,7 +1,5 @@
 """The example of the inverse kinematics: one pose, all its configurations."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The formulas of the inverse kinematics as blocks of a handout."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -36,7 +34,6 @@ def test_of_two_values_the_second_stands_behind_a_word() -> None:
 
 @pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "spherical-wrist", "stanford-laschi"])
 def test_derive_show_prints_the_same_formulas(name: str) -> None:
-    """But for the place of line breaks and wide fractions."""
     context = context_of(Robot.load(name))
     shown = derivation_lines(context.entries.model.inverse, "latex", context.notation)
     known = {" ".join(line.replace("&=", "=").removesuffix("\\\\").split()) for line in shown}

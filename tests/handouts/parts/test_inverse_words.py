@@ -1,7 +1,5 @@
 """Words for the steps of an inverse kinematics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

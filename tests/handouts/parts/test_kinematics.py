@@ -1,7 +1,5 @@
 """The parts of the handout about kinematics, and its example in numbers."""
 
-from __future__ import annotations
-
 import json
 import random
 import re
@@ -55,21 +53,18 @@ parameters: {a2: 0.5, m2: 2}
 
 
 def context_of(robot: Robot, *, steps: bool = False, policy: SheetPolicy = POLICY, **notation: FrameIndices) -> Context:
-    """The context of a handout."""
     derivation = Derivation.STEPS if steps else Derivation.RESULT
     options = HandoutOptions(derivation=derivation, notation=NotationOptions(**notation))  # type: ignore[arg-type]
     return Context(ModelEntries(Model(robot)), options, Text(), "0.0.0", policy=policy)
 
 
 def part_of(context: Context, name: str) -> Section:
-    """A part that is there."""
     section = section_of(context, name)
     assert section is not None
     return section
 
 
 def mathematics(section: Section) -> str:
-    """All lines of a section, one below the other."""
     lines: list[str] = []
     for block in blocks_of(section):
         rows = block.rows if isinstance(block, SheetFormula) else (block,) if isinstance(block, Rows) else ()
@@ -78,7 +73,6 @@ def mathematics(section: Section) -> str:
 
 
 def words(section: Section) -> str:
-    """All paragraphs of a section."""
     return "\n".join(block.text for block in blocks_of(section) if isinstance(block, Paragraph))
 
 
@@ -91,12 +85,10 @@ def numbered(robot: Robot) -> Robot:
 
 
 def numbered_value(k: int) -> Number:
-    """A positive number."""
     return Number(TENTH * (k + 3))
 
 
 def assert_compiles(robot: Robot, folder: Path, **options: object) -> None:
-    """The sections as a document: no error, no overfull box."""
     context = context_of(robot, **options)  # type: ignore[arg-type]
     found = [section_of(context, part) for part in PARTS]
     sections = tuple(section for section in found if section is not None)
@@ -112,14 +104,12 @@ def assert_compiles(robot: Robot, folder: Path, **options: object) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", catalogue_names())
 def test_the_kinematics_of_the_catalogue_compiles(name: str, tmp_path: Path) -> None:
-    """With every step, and numbers for every symbol."""
     assert_compiles(numbered(Robot.load(name)), tmp_path, steps=True)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 def test_the_kinematics_of_random_robots_compiles(seed: int, tmp_path: Path) -> None:
-    """One to seven joints of both kinds in both conventions, with base and tool, frames on either side."""
     robot = Robot.from_text(robot_text(random.Random(seed), 1 + seed % 7))
     frames = FrameIndices.LEFT if seed % 2 else FrameIndices.RIGHT
     assert_compiles(numbered(robot), tmp_path, steps=True, frames=frames)
@@ -127,7 +117,6 @@ def test_the_kinematics_of_random_robots_compiles(seed: int, tmp_path: Path) -> 
 
 @pytest.mark.sweep
 def test_a_long_arm_compiles(tmp_path: Path) -> None:
-    """What is too long for a step is given as a product; numbers are given column by column."""
     rows = "".join(
         f"  - {{type: {'prismatic' if i % 5 == 0 else 'revolute'}, a: 0.{i}, alpha: pi/2}}\n" for i in range(1, 31)
     )
@@ -140,7 +129,6 @@ def test_a_long_arm_compiles(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["scara-perugia", "puma560-corke", "dh-modified-deluca", "kuka-lwr4"])
 def test_the_steps_have_every_transform_and_every_column(name: str) -> None:
-    """T_i^0 for each row, z and J_i for each joint; the results alone have neither."""
     robot = Robot.load(name)
     stepwise, result = context_of(robot, steps=True), context_of(robot)
     products, columns = (mathematics(part_of(stepwise, name)) for name in ("kinematics", "jacobian"))
@@ -155,7 +143,6 @@ def test_the_steps_have_every_transform_and_every_column(name: str) -> None:
 
 
 def test_frames_can_stand_on_the_left() -> None:
-    """As the notation says."""
     context = context_of(Robot.load("scara-perugia"), steps=True, frames=FrameIndices.LEFT)
     assert "{}^{0}\\mathbf{T}_{2} = {}^{0}\\mathbf{T}_{1}{}^{1}\\mathbf{A}_{2}" in mathematics(
         part_of(context, "kinematics")
@@ -163,7 +150,6 @@ def test_frames_can_stand_on_the_left() -> None:
 
 
 def test_without_room_the_steps_are_products(tmp_path: Path) -> None:
-    """Nothing disappears in silence."""
     robot = Robot.load("puma560-corke")
     policy = SheetPolicy(matrix_terms=0, flat_terms=3)
     assert_compiles(robot, tmp_path, steps=True, policy=policy)
@@ -174,7 +160,6 @@ def test_without_room_the_steps_are_products(tmp_path: Path) -> None:
 
 
 def test_columns_of_the_jacobian_carry_the_sign_of_their_variable() -> None:
-    """A joint that moves against its axis."""
     context = context_of(Robot.from_text(ARM), steps=True)
     assert "& -\\mathbf{z}_{2} \\\\" in mathematics(part_of(context, "jacobian"))
     assert "opposite sign" in words(part_of(context, "jacobian"))
@@ -199,7 +184,6 @@ def test_printed_angles_give_back_the_orientation(seed: int) -> None:
 
 
 def turn(axis: str, angle: float) -> np.ndarray:
-    """An elementary rotation."""
     c, s = np.cos(angle), np.sin(angle)
     rows = {
         "x": [[1, 0, 0], [0, c, -s], [0, s, c]],
@@ -223,7 +207,6 @@ def test_singular_orientations_are_told_apart() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_numbers_equal_those_of_the_independent_recursion(seed: int) -> None:
-    """T, J, B and g."""
     drawn = random_robot(random.Random(seed))
     robot = numbered(Robot.from_text(drawn.text))
     chosen = {name: float(value.value) for name, value in robot.figure.values if isinstance(value, Number)}
@@ -238,7 +221,6 @@ def test_the_numbers_equal_those_of_the_independent_recursion(seed: int) -> None
 
 
 def test_what_is_copied_is_what_is_computed() -> None:
-    """The Python of each matrix is a list of its rows."""
     robot = Robot.from_text(ARM)
     formulas = [b for b in blocks_of(section_of_example(robot)) if isinstance(b, SheetFormula)]
     q = configuration(robot).q
@@ -248,7 +230,6 @@ def test_what_is_copied_is_what_is_computed() -> None:
 
 
 def section_of_example(robot: Robot) -> Section:
-    """The example."""
     return part_of(context_of(robot), "example")
 
 
@@ -262,7 +243,6 @@ def test_the_example_keeps_the_limits_and_states_units() -> None:
 
 
 def test_the_example_is_at_the_configuration_of_the_figure() -> None:
-    """If the robot file states one."""
     robot = Robot.from_text(ARM)
     cells = (Product((Pi(), Number(TENTH))), Number(TENTH), Number(TENTH))
     stated = replace(robot, figure=replace(robot.figure, q=cells))
@@ -272,7 +252,6 @@ def test_the_example_is_at_the_configuration_of_the_figure() -> None:
 
 
 def test_lengths_without_numbers_are_those_of_the_drawing() -> None:
-    """They are stated with their unit, and the end effector is where they put it."""
     robot = Robot.from_text(ARM.replace("parameters: {a2: 0.5, m2: 2}", ""))
     section, stated = part_of(assemble.context_of(robot), "example"), RobotPoses(robot).assumed
     assert "assumed" in words(section)
@@ -284,7 +263,6 @@ def test_lengths_without_numbers_are_those_of_the_drawing() -> None:
 
 
 def test_lengths_of_the_drawing_serve_the_dynamics_too() -> None:
-    """Where all that it needs besides has numbers."""
     robot = Robot.from_text(ARM.replace("a2: 0.5, m2: 2", "m2: 2"))
     assert "\\mathbf{B} = " in mathematics(part_of(assemble.context_of(robot), "example"))
 
@@ -297,7 +275,6 @@ def test_symbols_of_the_dynamics_without_numbers_are_named() -> None:
 
 
 def test_the_closed_form_at_the_example_is_the_example() -> None:
-    """The printed T and the printed numbers agree."""
     robot = Robot.from_text(ARM)
     q = configuration(robot).q
     values = {**numbers_of(robot), **{j.variable: x for j, x in zip(robot.joints, q, strict=True)}}

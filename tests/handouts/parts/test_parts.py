@@ -1,7 +1,5 @@
 """What holds for every part of the handout, whatever it shows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
@@ -45,7 +43,6 @@ ROBOTS = (*WITH_LINKS, "anthropomorphic-arm", "skeleton-modified")
 
 @cache
 def blocks(part: str, robot: str, derivation: Derivation) -> tuple[Block, ...]:
-    """All blocks of a part, those inside of steps included."""
     context = context_of(Robot.load(robot), HandoutOptions(derivation=derivation))
     if part in DYNAMICS and not context.has_closed_dynamics:
         return ()
@@ -53,7 +50,6 @@ def blocks(part: str, robot: str, derivation: Derivation) -> tuple[Block, ...]:
 
 
 def lines(found: Iterable[Block]) -> list[str]:
-    """The displayed mathematics, line by line."""
     rows = [row for block in found if isinstance(block, SheetFormula) for row in block.rows]
     rows += [block for block in found if isinstance(block, Rows)]
     return [line for row in rows for line in row.lines]
@@ -105,7 +101,6 @@ def test_the_recursion_goes_outward_over_motion_and_inward_over_forces(standard:
 
 
 def sentences(robot: Robot, parts: Iterable[str]) -> str:
-    """Headings and running text, with steps."""
     context = context_of(robot, HandoutOptions(derivation=Derivation.STEPS))
     found = [section for part in parts if (section := section_of(context, part)) is not None]
     texts = [block.text for section in found for block in blocks_of(section) if isinstance(block, Paragraph)]
@@ -124,7 +119,6 @@ def test_motors_are_spoken_of_only_where_there_are_some(links: str) -> None:
 
 
 def test_a_vector_that_is_too_long_for_a_step_says_where_it_is() -> None:
-    """No symbol stands for itself alone."""
     text = sentences(Robot.load("thumb"), ("jacobian",))
     assert "For $\\mathbf{p}$ see the fourth column of $\\mathbf{T}$." in text
     long = sentences(Robot.load("human-body"), ("jacobian",))

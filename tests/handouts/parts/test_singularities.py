@@ -1,7 +1,5 @@
 """The part of the handout with the singularities."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

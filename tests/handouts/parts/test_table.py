@@ -1,7 +1,5 @@
 """The part with the DH table and the data of the links."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -82,7 +80,6 @@ parameters: {a1: 0.3, beta: pi/6, m: 3}
 
 @pytest.mark.parametrize("in_file", [False, True])
 def test_tables_have_the_units_of_the_file(in_file: bool) -> None:
-    """Lengths in millimetres, angles with a degree sign; numbers of symbols as the file has them, with their unit."""
     text = MIXED
     if in_file:
         text = text.replace("mm}", "mm, parameters: file}").replace("a1: 0.3, beta: pi/6", "a1: 300, beta: 30")

@@ -1,7 +1,5 @@
 """A sheet within a number of pages: it fits, says what it lacks, and loses the least useful first."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,7 +22,6 @@ LONG = SheetFormula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",)
 
 
 def sheet(**sections: tuple[object, ...]) -> Document:
-    """A document of parts named with underscores."""
     made = (Section(name.replace("_", "-"), name.title(), blocks) for name, blocks in sections.items())
     return Document("Bar", "", "bar", "en", "0", "0", "", tuple(made))  # type: ignore[arg-type]
 

@@ -1,7 +1,5 @@
 """Texts and blocks of a document."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.handouts.sheet.document import (

@@ -1,7 +1,5 @@
 """Formulas: notes, small matrices side by side, entries to copy, and those of textbooks, line by line balanced."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -89,7 +87,6 @@ def test_every_formula_is_balanced(name: str, flag: bool) -> None:
 
 @pytest.mark.parametrize("name", sorted(path.name for path in FOLDER.iterdir()))
 def test_templates_compute_nothing(name: str) -> None:
-    """No arithmetic, comparison, filter, test or assignment: values come finished."""
     tree = latex_template(name).environment.parse((FOLDER / name).read_text(encoding="utf-8"))
     assert list(tree.find_all(nodes.Output))
     for kind in (nodes.BinExpr, nodes.UnaryExpr, nodes.Filter, nodes.Test, nodes.Compare, nodes.Assign):

@@ -1,7 +1,5 @@
 """The handout in other languages: catalogues are complete, and translations keep places, formulas and code."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -38,7 +36,6 @@ def test_the_languages_of_the_package_are_english_italian_and_portuguese() -> No
 
 @pytest.mark.parametrize("path", CATALOGUES, ids=name)
 def test_no_message_is_missing_or_unconfirmed(path: Path) -> None:
-    """Every text that the code writes today has a translation."""
     confirmed = {
         str(message.id) for message in messages.read(path) if message.id and message.string and not message.fuzzy
     }
@@ -46,13 +43,11 @@ def test_no_message_is_missing_or_unconfirmed(path: Path) -> None:
 
 
 def test_the_files_are_those_that_the_tool_writes() -> None:
-    """Nothing left over, nothing out of order: run ``make messages``."""
     assert not [path.name for path, content in messages.wanted().items() if path.read_bytes() != content]
 
 
 @pytest.mark.parametrize("path", CATALOGUES, ids=name)
 def test_translations_keep_places(path: Path) -> None:
-    """Every value goes in, as often as in English or in one sentence more, and no other."""
     for source, target in pairs(path):
         assert set(PLACE.findall(source)) == set(PLACE.findall(target)), source
         assert "%" not in PLACE.sub("", target), source
@@ -62,7 +57,6 @@ def test_translations_keep_places(path: Path) -> None:
 @pytest.mark.parametrize("path", CATALOGUES, ids=name)
 @pytest.mark.parametrize("markup", [MATHEMATICS, CODE], ids=["mathematics", "code"])
 def test_translations_keep_formulas_and_code(path: Path, markup: re.Pattern[str]) -> None:
-    """The same ones, in the order of the other language."""
     for source, target in pairs(path):
         assert Counter(markup.findall(source)) == Counter(markup.findall(target)), source
         assert source.count("$") == target.count("$"), source
@@ -70,7 +64,6 @@ def test_translations_keep_formulas_and_code(path: Path, markup: re.Pattern[str]
 
 @pytest.mark.parametrize("path", CATALOGUES, ids=name)
 def test_translations_keep_the_ends(path: Path) -> None:
-    """A colon before a formula stays, and what continues a sentence does not begin one."""
     for source, target in pairs(path):
         assert [end for end in ".:" if source.endswith(end)] == [end for end in ".:" if target.endswith(end)], source
         assert target == target.strip(), source
@@ -79,13 +72,11 @@ def test_translations_keep_the_ends(path: Path) -> None:
 
 @pytest.mark.parametrize("path", CATALOGUES, ids=name)
 def test_translations_use_letters_that_every_latex_sets(path: Path) -> None:
-    """Latin letters with accents, and no typographic characters beyond them."""
     for source, target in pairs(path):
         assert all(ord(char) < 0x180 for char in target), source
 
 
 def test_messages_are_literals() -> None:
-    """What is put together at run time cannot be translated."""
     assert list(messages.found())
 
 
@@ -157,7 +148,6 @@ def test_a_broken_catalogue_is_named(tmp_path: Path) -> None:
 
 
 def test_english_does_not_load_babel() -> None:
-    """A build without the extra packages needs none of them."""
     code = (
         "import sys; from derive.handouts.sheet.language import text_for; text_for('en'); print('babel' in sys.modules)"
     )
@@ -166,7 +156,6 @@ def test_english_does_not_load_babel() -> None:
 
 
 def test_catalogues_are_part_of_the_package() -> None:
-    """The wheel takes every file below ``derive`` that git does not ignore."""
     if not (ROOT / ".git").exists() or shutil.which("git") is None:
         pytest.skip("no checkout")
     ignored = subprocess.run(

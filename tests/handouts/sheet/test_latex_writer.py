@@ -1,7 +1,5 @@
 """The sheet compiles without an error or an overfull box, and leaves nothing out in silence."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -33,19 +31,16 @@ TITLES = [
 
 
 def section_source(blocks: tuple[Block, ...]) -> str:
-    """A section as it stands in a sheet."""
     document = Document("Bar", "", "bar", "en", "0", "0", "", (Section("table", "Table", blocks),))
     return latex(document, Text()).partition("\\section*")[2]
 
 
 def sheet(robot: Robot, policy: SheetPolicy = POLICY) -> str:
-    """The document."""
     context = replace(context_of(robot), policy=policy)
     return latex(document(context), context.text)
 
 
 def assert_is_clean(text: str, folder: Path) -> None:
-    """No error, nothing outside of the margins, no more pages than anybody prints."""
     log = run_latex(text, folder)
     assert not log.errors
     assert log.status == 0
@@ -55,7 +50,6 @@ def assert_is_clean(text: str, folder: Path) -> None:
 
 @pytest.mark.parametrize("title", TITLES, ids=range(len(TITLES)))
 def test_titles_are_text_and_nothing_else(title: str, tmp_path: Path) -> None:
-    """The document ends where it should, and nothing is read or run."""
     quoted = "".join(f"\\U{ord(char):08X}" for char in title)
     robot = Robot.from_text(f'name: arm\ntitle: "{quoted}"\nconvention: standard\njoints: [{{type: revolute}}]\n')
     assert robot.title == title
@@ -66,7 +60,6 @@ def test_titles_are_text_and_nothing_else(title: str, tmp_path: Path) -> None:
 
 
 def long_names(i: int) -> str:
-    """A row whose every symbol has 64 characters."""
 
     def name(stem: str) -> str:
         return f"{stem}{i}_".ljust(64, "x")
@@ -79,13 +72,11 @@ def long_names(i: int) -> str:
 
 
 def test_the_longest_names_fit(tmp_path: Path) -> None:
-    """Products and brackets are broken wherever a line ends."""
     robot = Robot.from_text("name: arm\nconvention: standard\njoints:\n" + long_names(1) + long_names(2))
     assert_is_clean(sheet(robot), tmp_path)
 
 
 def chain(n: int) -> Robot:
-    """An arm of n joints in all directions, with links."""
     rows = "".join(f"  - {{type: revolute, a: a{i}, alpha: pi/{2 if i % 2 else 3}}}\n" for i in range(1, n + 1))
     links = "".join(f"  - {{mass: m{i}, com: [x{i}, y{i}, z{i}], inertia: {{xx: I{i}}}}}\n" for i in range(1, n + 1))
     return Robot.from_text(f"name: arm\nconvention: modified\njoints:\n{rows}links:\n{links}")
@@ -94,7 +85,6 @@ def chain(n: int) -> Robot:
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [6, 9, 20])
 def test_long_arms_have_a_clean_sheet(n: int, tmp_path: Path) -> None:
-    """What is too long is given in named terms or by its number of terms."""
     text = sheet(chain(n))
     assert "terms" in text
     assert_is_clean(text, tmp_path)
@@ -124,7 +114,6 @@ def test_no_entry_is_left_out_in_silence() -> None:
 
 
 def test_the_whole_matrix_is_printed_where_it_fits() -> None:
-    """And entries share brackets by name where it does not."""
     assert r"\mathbf{T} = \begin{bmatrix} c_{12}c_{4} + s_{12}s_{4} & " in sheet(Robot.load("scara-perugia"))
     assert "With the abbreviations" in sheet(Robot.load("puma560-laschi"))
 
@@ -173,7 +162,6 @@ def page_of(mark: str) -> str:
 
 @pytest.mark.slow
 def test_a_section_of_one_sentence_does_not_stand_alone_on_a_page(tmp_path: Path) -> None:
-    """However far the page before it is filled: the display before it goes with it."""
     pages = set()
     for rows in (38, 40, 42):
         filling = Rows(tuple(f"a_{{{k}}} = b" for k in range(rows)))

@@ -6,18 +6,18 @@ from collections import Counter
 
 import pytest
 
-from derive.inverse.closed.formulas import Derivation
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.formulas import GraphDerivation
+from derive.inverse.closed.nodes import NodeKind
 from derive.robot.robot import Robot
 
 
 @pytest.mark.parametrize("name", ["planar-3r", "puma560-corke"])
 def test_each_joint_follows_from_those_before_it_and_sums_are_those_of_their_joints(name: str) -> None:
     robot = Robot.load(name)
-    graph = Derivation(robot, robot.inverse.task).graph()
+    graph = GraphDerivation(robot, robot.inverse.task).graph()
     assert graph is not None
     assert [graph.joint_node(k).unknown.joints for k in range(robot.n)] == [(k,) for k in range(robot.n)]
-    sums = [node for node in graph.nodes if node.kind is Kind.SUM]
+    sums = [node for node in graph.nodes if node.kind is NodeKind.SUM]
     assert sums
     for node in graph.nodes:
         assert all(need < node.index for need in node.needs)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derive.inverse.closed.graph import Node, SolutionGraph
-from derive.inverse.closed.nodes import Equation, Formula, Kind, Source
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
 from derive.inverse.closed.unknowns import InverseDomain, shifted
 from derive.robot.robot import Robot
 
@@ -24,12 +24,12 @@ def planar_graph() -> SolutionGraph:
     (one,), (two,) = ((domain.unknown(k),) for k in (0, 1))
     c2, s2 = map(domain.ring.generator, two.generators)
     square = x * x + y * y - a1 * a1 - a2 * a2
-    law = Equation({(1, 0): 2 * (a1 * a2), (0, 0): -square}, 2, Source(1, 2, "p.p"))
-    first = Equation({(1, 0): a1 + a2 * c2, (0, 1): -(a2 * s2), (0, 0): -x}, 1, Source(1, 2, "p[1]"))
-    second = Equation({(1, 0): a2 * s2, (0, 1): a1 + a2 * c2, (0, 0): -y}, 1, Source(1, 2, "p[2]"))
+    law = NodeEquation({(1, 0): 2 * (a1 * a2), (0, 0): -square}, 2, Provenance(1, 2, "p.p"))
+    first = NodeEquation({(1, 0): a1 + a2 * c2, (0, 1): -(a2 * s2), (0, 0): -x}, 1, Provenance(1, 2, "p[1]"))
+    second = NodeEquation({(1, 0): a2 * s2, (0, 1): a1 + a2 * c2, (0, 0): -y}, 1, Provenance(1, 2, "p[2]"))
     nodes = (
-        Node(0, (two,), (Formula(Kind.TYPE_2, (law,)),), (), 2),
-        Node(1, (one,), (Formula(Kind.TYPE_3, (first, second)),), (0,), 1),
+        Node(0, (two,), (NodeFormula(NodeKind.TYPE_2, (law,)),), (), 2),
+        Node(1, (one,), (NodeFormula(NodeKind.TYPE_3, (first, second)),), (0,), 1),
     )
     reach = a1 * a1 + a2 * a2 + x * x + y * y
     return SolutionGraph(robot, domain, ("x", "y"), (), (), reach, nodes, shifts, (), 2, True, True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.inverse.closed.branches import InverseSolver
-from derive.inverse.closed.formulas import Derivation
+from derive.inverse.closed.formulas import GraphDerivation
 from derive.inverse.closed.pose import Pose
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain
@@ -15,7 +15,7 @@ from derive.robot.robot import Robot
 
 def pose_of(name: str) -> Pose:
     robot = Robot.load(name)
-    return Derivation(robot, robot.inverse.task).pose
+    return GraphDerivation(robot, robot.inverse.task).pose
 
 
 def test_an_arm_with_parallel_axes_has_a_rotation_of_two_numbers() -> None:

@@ -14,7 +14,7 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.mechanics.floats import value_at
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Number
@@ -53,7 +53,7 @@ def test_the_configuration_is_among_the_solutions_and_all_lead_to_its_pose(name:
     for _ in range(5):
         q = rng.uniform(-3, 3, robot.n)
         pose = _pose(robot, q, values)
-        run = Run(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
+        run = GraphWalk(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
         found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
         assert 0 < len(found) <= graph.count
         assert max(np.abs(_pose(robot, other, values) - pose).max() for other in found) < 1e-10
@@ -144,7 +144,7 @@ def test_at_singular_poses_there_is_a_solution_and_joints_that_are_free_are_said
     for _ in range(12):
         q = rng.choice([0, np.pi / 2, -np.pi / 2, np.pi, 0.7], robot.n)
         pose = _pose(robot, q, values)
-        run = Run(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
+        run = GraphWalk(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
         found = [leaf for leaf in run.leaves() if leaf.exists]
         rests = [np.abs(_pose(robot, np.array(run.angles(leaf)), values) - pose).max() for leaf in found]
         assert min(rests) < 1e-7
@@ -173,7 +173,7 @@ def test_a_wrist_on_three_skew_axes_has_the_quartic_of_pieper() -> None:
     assert (graph.leaves, graph.count) == (8, 8)
     q = rng.uniform(-3, 3, 6)
     pose = _pose(robot, q, {})
-    run = Run(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose])
+    run = GraphWalk(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose])
     found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
     assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
     assert max(np.abs(_pose(robot, other, {}) - pose).max() for other in found) < 1e-9
@@ -187,7 +187,7 @@ def test_a_given_joint_may_have_an_offset() -> None:
     q = np.array([0.3, -1.2, 0.4, 0.5, 0.6, 0.7])
     pose = _pose(robot, q, {})
     given = [np.float64(x) for x in q[2:]]
-    run = Run(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose], given)
+    run = GraphWalk(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose], given)
     assert min(np.abs(np.array(run.angles(leaf)) - q).max() for leaf in run.leaves() if leaf.exists) < 1e-9
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from tests.inverse.closed.test_graph import planar_graph
 
 
@@ -20,7 +20,7 @@ def pose_at(q: np.ndarray, a1: float, a2: float) -> list[list[np.ndarray]]:
 def test_every_configuration_is_among_the_solutions_of_its_pose_and_all_lead_there() -> None:
     q = np.random.default_rng(3).uniform(-3, 3, (2, 200))
     pose = pose_at(q, 0.7, 0.4)
-    run = Run(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
+    run = GraphWalk(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
     found = []
     for leaf in run.leaves():
         assert np.all(leaf.exists)
@@ -37,7 +37,7 @@ def test_every_configuration_is_among_the_solutions_of_its_pose_and_all_lead_the
 def test_on_the_boundary_there_is_one_branch_and_beyond_it_none(x: float, branches: int) -> None:
     zero, one = np.zeros(1), np.ones(1)
     pose = [[one, zero, zero, np.array([x])], [zero, one, zero, zero], [zero, zero, one, zero]]
-    run = Run(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
+    run = GraphWalk(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
     leaves = list(run.leaves())
     assert sum(int(np.all(leaf.exists)) for leaf in leaves) == branches
     assert all(np.isfinite(run.angles(leaf)).all() for leaf in leaves)
@@ -46,7 +46,7 @@ def test_on_the_boundary_there_is_one_branch_and_beyond_it_none(x: float, branch
 def test_where_a_folded_arm_can_turn_freely_the_joint_is_said_to_be_free() -> None:
     zero, one = np.zeros(1), np.ones(1)
     pose = [[one, zero, zero, zero], [zero, one, zero, zero], [zero, zero, one, zero]]
-    run = Run(planar_graph(), FloatField({"a1": 0.5, "a2": 0.5}), pose, near=[np.array([0.3]), zero])
+    run = GraphWalk(planar_graph(), FloatField({"a1": 0.5, "a2": 0.5}), pose, near=[np.array([0.3]), zero])
     leaf = next(run.leaves())
     assert np.all(leaf.exists)
     assert np.all(leaf.free[0])

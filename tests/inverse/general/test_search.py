@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.nodes import Kind
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.general.candidates import finished
 from derive.inverse.general.choice import find_general
 from derive.inverse.general.search import GeneralSolution, _distinct, free_loop, scaled
@@ -181,12 +181,12 @@ def test_a_general_node_runs_in_the_graph_of_its_arm():
     case = CASES["manseur-doty"]
     robot = case.robot(choice=False)
     graph = solve(robot)
-    assert [node.kind for node in graph.nodes] == [Kind.GENERAL]
+    assert [node.kind for node in graph.nodes] == [NodeKind.GENERAL]
     assert (graph.count, graph.complete) == (16, True)
     chain = NumericChain.of(robot)
     q = configurations(chain, 10)
     poses = chain.pose_and_jacobian(q)[0]
-    run = Run(graph, FloatField({}), [[poses[:, i, j] for j in range(4)] for i in range(3)])
+    run = GraphWalk(graph, FloatField({}), [[poses[:, i, j] for j in range(4)] for i in range(3)])
     found = [(np.stack(run.angles(leaf), axis=-1), leaf.exists) for leaf in run.leaves()]
     assert len(found) == 16
     apart = [np.where(exists, distance(chain, own, q), 9.0) for own, exists in found]

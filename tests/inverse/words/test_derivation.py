@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy
 
-from derive.inverse.words.derivation import Derivation, pose_names
+from derive.inverse.words.derivation import PrintedDerivation, pose_names
 from derive.inverse.words.solutions import inverse_kinematics
 from derive.robot.robot import Robot
 from tests.inverse.closed.test_graph import PLANAR, planar_graph
@@ -23,7 +23,7 @@ joints:
 
 def test_the_equations_of_a_step_hold_the_unknown_on_their_left_and_what_is_known_on_their_right() -> None:
     robot = Robot.from_text(PLANAR)
-    steps = Derivation(planar_graph(), robot, robot.style).steps
+    steps = PrintedDerivation(planar_graph(), robot, robot.style).steps
     assert [step.unknown for step in steps] == list(sympy.symbols("q2 q1"))
     q1, q2, a1, a2, px, py = sympy.symbols("q1 q2 a1 a2 px py")
     assert steps[0].equations[0].left == 2 * a1 * a2 * sympy.cos(q2)

@@ -7,9 +7,10 @@ import pytest
 from sympy import Float, Integer, Rational, pi, sqrt
 
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import TIME, Piece, joined
 from derive.plans.profile import Curve, spline, via_velocities
+from derive.plans.segments import Segment
 
 ZERO = Integer(0)
 

@@ -14,7 +14,8 @@ from derive.api.move import move
 from derive.errors import OutputError, QuantityError, VerificationError
 from derive.motion.motion import Motion
 from derive.motion.output import code
-from derive.motion.output.code import MotionCode, VerifiedCode, verify_code
+from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, verify_code
+from derive.motion.torques.functions import module_of
 from derive.targets.compiler import find_compiler
 from tests.cli.command import derive
 from tests.motion.plans import PICK_AND_PLACE
@@ -121,7 +122,7 @@ def write_code(motion: Motion, folder: Path, *, force: bool = False) -> Verified
 
 def loaded(motion: Motion, folder: Path):
     write_code(motion, folder)
-    return code.module_of(folder)
+    return module_of(folder / MODULE, "motion_casadi")
 
 
 @pytest.mark.parametrize(
@@ -163,7 +164,7 @@ def test_long_motions_are_looked_up_in_a_table(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(code, "LONG", 3)
     motion = Motion.from_text(PLANS["every profile"])
     assert write_code(motion, tmp_path).worst < 1e-13
-    module = code.module_of(tmp_path)
+    module = module_of(tmp_path / MODULE, "motion_casadi")
     assert "casadi.low(" in (tmp_path / "motion_casadi.py").read_text()
     t = casadi.MX.sym("t")
     q, qd, _ = module.motion(t)

@@ -15,6 +15,7 @@ from derive.motion.paths.smooth import grid_of, smooth_path
 from derive.robot.evaluate import evaluate
 from tests.motion.random_arms import arm as arm_of
 from tests.motion.random_arms import points
+from tests.random_robots import seeds
 
 WHEEL = """\
 robot: {name: wheel, convention: standard, gravity: [0, 0, 0], joints: [{type: revolute, a: 1}],
@@ -287,8 +288,7 @@ def toppras_time(motion: FastestMotion) -> float:
     return float(np.sum(2 * np.diff(grid) / (rates[1:] + rates[:-1])))
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(60, usual=0))
 def test_random_motions_keep_to_their_limits_and_take_toppras_time(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     solved: list[FastestMotion] = []
     solve = FastestMotion.solve

@@ -203,5 +203,5 @@ def test_a_trapezoid_along_a_line_has_its_corners_where_it_has_them() -> None:
     way = np.array([0.1, 0.2, -0.1])
     assert found == pytest.approx(np.array([0.4, -0.3, 0.3]) + fraction[:, None] * way, abs=1e-9)
     largest = np.abs(motion(np.linspace(1, 2.999999, 4000))[2]).max(axis=0)
-    peaks = [abs(float(peak.value)) for peak in motion.trajectory.segments[1].peaks(2)]
+    peaks = [abs(float(peak.value)) for peak in motion.peaks[1].accelerations]
     assert peaks == pytest.approx(largest, rel=1e-3)

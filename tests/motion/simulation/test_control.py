@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.motion.simulation.control import NEEDS, Controller
+from derive.motion.simulation.stages import NEEDS, Controller
 from derive.motion.torques.functions import Functions
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle

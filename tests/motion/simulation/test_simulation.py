@@ -12,9 +12,8 @@ from scipy import integrate
 
 from derive.errors import RobotFileError, TargetError
 from derive.motion.motion import Motion
-from derive.motion.simulation.control import NEEDS
 from derive.motion.simulation.simulation import Run
-from derive.motion.simulation.stages import stages_of
+from derive.motion.simulation.stages import NEEDS, stages_of
 from derive.plans.points import Payload
 from derive.plans.profile import Profile
 from derive.plans.schema import Law
@@ -23,6 +22,7 @@ from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE
 from tests.motion.random_arms import simulated
 from tests.motion.random_links import decimal, numbered
+from tests.random_robots import seeds
 
 PENDULUM = """\
 robot: {name: pendulum, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}],
@@ -277,8 +277,7 @@ def test_a_controller_that_looks_a_thousand_million_times_is_refused() -> None:
         pendulum("0", extra="control: {law: pd, kp: 1, kd: 1, period: 2e-9}\n")
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", seeds(50, usual=0))
 def test_the_ledger_closes_for_every_law_friction_load_push_and_plant(seed: int) -> None:
     motion = Motion.from_text(simulated(np.random.default_rng(seed)))
     run = motion.simulate()

@@ -11,8 +11,9 @@ import pytest
 from sympy import Rational, cos, sin
 
 from derive.arrays import Array
+from derive.mechanics.floats import ArrayDomain
 from derive.motion.motion import Motion
-from derive.motion.torques.base_torques import ArrayDomain, BaseTorques
+from derive.motion.torques.base_torques import BaseTorques
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import BaseCurve
 from derive.robot.evaluate import parameter_values
@@ -170,7 +171,7 @@ def test_a_base_that_falls_freely_carries_no_weight() -> None:
 
 def test_cells_are_read_at_many_configurations() -> None:
     robot = Robot.from_text("{name: arm, convention: standard, joints: [{type: revolute, theta: q1 + pi/6}]}")
-    domain = ArrayDomain(robot, np.array([[0.0], [np.pi / 3]]), {})
+    domain = ArrayDomain(robot, [np.array([0.0, np.pi / 3])], {})
     cosine, sine = domain.joint_cosine_sine(0, robot.joints[0])
     assert cosine == pytest.approx([np.sqrt(3) / 2, 0], abs=1e-15)
     assert sine == pytest.approx([0.5, 1])

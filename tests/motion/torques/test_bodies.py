@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.motion.torques.bodies import Body, OpenLink
+from derive.motion.torques.bodies import CarriedBody, OpenLink
 from derive.plans.points import Payload
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Name, number
@@ -13,14 +13,14 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
 
-def cloud(seed: int) -> tuple[Body, np.ndarray, np.ndarray]:
+def cloud(seed: int) -> tuple[CarriedBody, np.ndarray, np.ndarray]:
     """A body of five points: its mass, centre and inertia by their sums."""
     random = np.random.default_rng(seed)
     masses, places = random.uniform(1, 2, 5), random.normal(size=(5, 3))
     mass, com = masses.sum(), masses @ places / masses.sum()
     off = places - com
     inertia = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, off, strict=True))
-    return Body(float(mass), com, np.array(inertia)), masses, places
+    return CarriedBody(float(mass), com, np.array(inertia)), masses, places
 
 
 def test_two_bodies_are_one_of_all_their_points() -> None:
@@ -43,7 +43,7 @@ def test_columns_are_first_moments_and_inertia_about_the_origin() -> None:
 
 
 def test_nothing_and_nothing_is_nothing() -> None:
-    none = Body(0.0, np.zeros(3), np.zeros((3, 3)))
+    none = CarriedBody(0.0, np.zeros(3), np.zeros((3, 3)))
     assert (none + none).mass == 0
     assert not (none + none).inertia.any()
 
@@ -54,7 +54,7 @@ def test_a_payload_stands_in_the_frame_of_the_tool() -> None:
         " tool: [[1, 0, 0, a], [0, 0, -1, 0], [0, 1, 0, 0.2], [0, 0, 0, 1]]}"
     )
     payload = Payload(number(2), (number(1), number(2), number(3)), (number(4), number(5), number(6)))
-    body = Body.payload(robot, payload, {"a": 0.5})
+    body = CarriedBody.payload(robot, payload, {"a": 0.5})
     assert body.com.tolist() == [1.5, -3, 2.2]
     assert np.diag(body.inertia).tolist() == [4, 6, 5]
 
@@ -65,6 +65,6 @@ def test_an_open_link_has_ten_symbols_that_nobody_else_has() -> None:
     assert free_symbols(opened.robot) == opened.names
     again = OpenLink.of(opened.robot)
     assert not set(again.names) & set(opened.names)
-    body = Body.last_link(robot, parameter_values(robot))  # type: ignore[arg-type]
+    body = CarriedBody.last_link(robot, parameter_values(robot))  # type: ignore[arg-type]
     assert opened.values(body)[opened.names[0]] == 0.09
     assert opened.robot.links[-1].mass == Name(opened.names[0])

@@ -1,7 +1,5 @@
 """Pose, link frames and Jacobian by the cheapest ways are those of the plain formulas, for fewer operations."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -21,7 +19,6 @@ PUMA = ["alpha: pi/2", "a: a2", "a: a3, d: d3, alpha: -pi/2", "d: d4, alpha: pi/
 
 
 def assert_same_kinematics(trace: Trace) -> None:
-    """Every function by both formulations."""
     chain, stations = trace.chain, trace.stations
     assert stations is not None
     pairs = [
@@ -53,7 +50,6 @@ def test_long_arms() -> None:
 
 
 def revolute(joints: list[str], extra: str = "") -> Robot:
-    """An arm by its rows."""
     text = "\n".join(f"  - {{type: revolute, {row}}}" for row in joints)
     return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{text}\n{extra}")
 

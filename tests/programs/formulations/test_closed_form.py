@@ -1,7 +1,5 @@
 """Closed forms give what the recursions give, in either choice of angles."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 
@@ -34,7 +32,6 @@ links:
 
 
 def recursions(trace: Trace) -> list[list[Value]]:
-    """B, C, g, both energies, and tau without friction."""
     chain, rates = trace.chain, trace.arguments(QD)
     return [
         flat(inertia_matrix(chain)),

@@ -1,7 +1,5 @@
 """Rates and derivatives are those of the functions that they are named after, on any robot."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy
@@ -25,7 +23,6 @@ from tests.random_robots import seeds
 
 @pytest.fixture(params=seeds(9, usual=3), ids=lambda seed: f"seed{seed}")
 def case(request: pytest.FixtureRequest) -> Case:
-    """One to six joints."""
     return case_of(request.param)
 
 
@@ -53,14 +50,12 @@ def turn_rate(y: float, x: float, dy: float, dx: float) -> float:
 
 
 def rpy_rates(r: np.ndarray, d: np.ndarray) -> list[float]:
-    """Of roll, pitch, yaw."""
     cosine = np.hypot(r[0, 0], r[1, 0])
     pitch = turn_rate(-r[2, 0], cosine, -d[2, 0], (r[0, 0] * d[0, 0] + r[1, 0] * d[1, 0]) / cosine)
     return [turn_rate(r[2, 1], r[2, 2], d[2, 1], d[2, 2]), pitch, turn_rate(r[1, 0], r[0, 0], d[1, 0], d[0, 0])]
 
 
 def zyz_rates(r: np.ndarray, d: np.ndarray) -> list[float]:
-    """Of phi, theta, psi."""
     sine = np.hypot(r[0, 2], r[1, 2])
     theta = turn_rate(sine, r[2, 2], (r[0, 2] * d[0, 2] + r[1, 2] * d[1, 2]) / sine, d[2, 2])
     return [turn_rate(r[1, 2], r[0, 2], d[1, 2], d[0, 2]), theta, turn_rate(r[2, 1], -r[2, 0], d[2, 1], -d[2, 0])]

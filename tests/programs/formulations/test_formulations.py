@@ -1,14 +1,12 @@
 """All formulations of one function compute the same values: whichever is the cheapest, it is right."""
 
-from __future__ import annotations
-
 import random
 from functools import cache
 
 import numpy as np
 import pytest
 
-from derive.programs.formulations import dynamics, identification, kinematics
+from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.parallel_axes import parallel_runs
 from derive.programs.formulations.trace import Trace
 from derive.programs.optimise.search_policy import Effort
@@ -32,15 +30,14 @@ FORMULATIONS = {
     "C qd": dynamics.coriolis_vectors,
     "d tau / d q": dynamics.torque_position_derivatives,
     "d tau / d qd": dynamics.torque_velocity_derivatives,
-    "Y": identification.regressors,
-    "Y_b": identification.base_regressors,
-    "beta": identification.base_parameters,
+    "Y": dynamics.regressors,
+    "Y_b": dynamics.base_regressors,
+    "beta": dynamics.base_parameters,
 }
 
 
 @cache
 def trace_of(seed: int) -> Trace:
-    """A random arm of one to three joints."""
     return Trace(Robot.from_text(random_robot(random.Random(seed), 1 + seed % 3).text), Effort.QUICK)
 
 
@@ -56,7 +53,6 @@ def test_formulations_agree(name: str, seed: int) -> None:
 
 
 def test_most_functions_can_be_computed_in_several_ways() -> None:
-    """Else agreement would mean little."""
     several = {name for name, ways in FORMULATIONS.items() for seed in range(6) if len(list(ways(trace_of(seed)))) > 1}
     assert len(several) >= 8
 

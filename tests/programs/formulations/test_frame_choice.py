@@ -1,7 +1,5 @@
 """Whatever choices the joints take, the recursions compute the same; the search finds cheap ones and stops."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 
@@ -45,12 +43,10 @@ LINK = "  - {mass: 2.5, com: [0.1, -0.2, 0.3], inertia: {xx: 0.3, yy: 0.2, zz: 0
 
 
 def scara() -> Robot:
-    """Parallel axes, opposed ones, a slide along them, a wrist across."""
     return Robot.from_text(SCARA + 5 * LINK)
 
 
 def random_choices(trace: Trace, rng: random.Random) -> FrameChoices:
-    """Any choices that are allowed."""
     return tuple(
         FrameChoice(
             place=rng.choice(places(trace.chain, i)),
@@ -65,7 +61,6 @@ def random_choices(trace: Trace, rng: random.Random) -> FrameChoices:
 
 
 def outputs(trace: Trace, choices: FrameChoices) -> list[Value]:
-    """Torques, B, C and g with some choices."""
     chain, rates, gains = trace.arranged(choices), trace.arguments("qd"), trace.arguments("qdd")
     torques = inverse_dynamics(trace.arranged(choices, axial=True), rates, gains, choices)
     matrices = [*flat(inertia_matrix(chain)), *flat(coriolis_matrix(chain, rates, trace.half))]
@@ -73,7 +68,6 @@ def outputs(trace: Trace, choices: FrameChoices) -> list[Value]:
 
 
 def numbers(robot: Robot, trace: Trace, values: Sequence[Value], known: dict[str, float]) -> npt.NDArray[np.float64]:
-    """The values at a fixed state."""
     rng = random.Random(5)
     inputs = {kind: [rng.uniform(-1.5, 1.5) for _ in range(trace.n)] for kind in ("q", "qd", "qdd")}
     inputs[PARAMETER] = [known.get(name, 0.7) for name in free_symbols(robot)]

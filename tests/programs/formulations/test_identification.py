@@ -1,7 +1,5 @@
 """The closed forms of regressors and base parameters, and the functions generated for identification."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -63,7 +61,6 @@ def test_a_planar_arm_has_the_base_parameters_of_the_books() -> None:
 
 
 def identification_program(robot: Robot) -> Program:
-    """The functions for identification alone: the others take long to improve."""
     return build_program(robot, names=("regressor", "base_regressor", "base_parameters"))
 
 

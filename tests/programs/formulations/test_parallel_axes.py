@@ -1,7 +1,5 @@
 """Runs of parallel axes: joint frames by sums of angles are those of the chain, joint after joint."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,7 +16,6 @@ from tests.programs.parallel_arms import numbers, parallel_arm
 
 
 def by_runs(trace: Trace) -> list[Frame[Value]]:
-    """Joint frames in the world, run after run."""
     poses: list[Frame[Value]] = []
     pose = trace.chain.base
     unit = identity(trace.chain.zero, trace.chain.one)
@@ -63,7 +60,6 @@ def test_axes_of_a_run_are_parallel_and_runs_are_as_long_as_can_be(seed: int) ->
 
 
 def direction_of(trace: Trace, place: tuple[int, int]) -> int:
-    """The direction of a joint in its run."""
     run = next(run for run in trace.runs if run.first == place[0])
     return run.placements[place[1] - run.first].direction
 

@@ -1,7 +1,5 @@
 """Laws that the traced recursions obey on any robot: both conventions, R and P, motors, base, tool, any gravity."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass, replace
 from functools import cache
@@ -25,8 +23,6 @@ SEEDS = seeds(14, usual=3)
 
 @dataclass(frozen=True)
 class Case:
-    """A random robot, its program and a state."""
-
     robot: RandomRobot
     program: Program
     state: State
@@ -42,18 +38,15 @@ def case_of(seed: int) -> Case:
 
 @pytest.fixture(params=SEEDS, ids=lambda seed: f"seed{seed}")
 def case(request: pytest.FixtureRequest) -> Case:
-    """One case after another."""
     return case_of(request.param)
 
 
 def assert_close(found: npt.NDArray[np.float64], wanted: npt.NDArray[np.float64]) -> None:
-    """Equal against the largest entry."""
     scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))
     assert np.abs(found - wanted).max(initial=0.0) <= TOLERANCE * scale
 
 
 def units(n: int) -> list[npt.NDArray[np.float64]]:
-    """Directions along each joint."""
     return list(np.eye(n))
 
 

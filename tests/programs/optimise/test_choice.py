@@ -1,7 +1,5 @@
 """Combinations of ways that share work."""
 
-from __future__ import annotations
-
 import random
 from itertools import product
 
@@ -15,7 +13,6 @@ Groups = list[list[list[Ref]]]
 
 
 def random_groups(seed: int) -> tuple[Graph, Groups]:
-    """Options from one pool of sums and products, so that they share."""
     rng, graph = random.Random(seed), Graph()
     pool = [graph.input("q", i) for i in range(4)]
     for _ in range(25):
@@ -24,7 +21,6 @@ def random_groups(seed: int) -> tuple[Graph, Groups]:
 
 
 def spent(graph: Graph, groups: Groups, places: tuple[int, ...]) -> int:
-    """Operations of a combination."""
     return program_cost(
         graph, [ref for options, place in zip(groups, places, strict=True) for ref in options[place]]
     ).body

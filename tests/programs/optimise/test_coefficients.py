@@ -1,7 +1,5 @@
 """Numbers and hoisted values are told apart by their residues: equal values are one coefficient."""
 
-from __future__ import annotations
-
 from derive.programs.optimise.coefficients import PRIME, Coefficients, residue_of, scatter
 from derive.programs.tape.graph import ZERO, Graph, negated
 from derive.programs.tape.tape import PARAMETER, Op

@@ -1,7 +1,5 @@
 """Networks of polynomials: what is shared, written out and redefined keeps its value; the cost kept is the cost."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from hypothesis import given, settings
@@ -22,19 +20,16 @@ from tests.programs.tape_programs import INPUTS, RATIONAL, RandomProgram, progra
 
 
 def names(count: int = 6) -> tuple[Graph, list[Value], list[Value]]:
-    """A graph with arguments and parameters."""
     graph = Graph()
     arguments = [Value(graph, graph.input("q", i)) for i in range(count)]
     return graph, arguments, [Value(graph, graph.input(PARAMETER, i)) for i in range(count)]
 
 
 def improved(*values: Value) -> Operations:
-    """What the values cost after improvement."""
     return cut(*improve(values[0].graph, [value.ref for value in values])).operations
 
 
 def counted(network: Network) -> int:
-    """The cost of a network, definition by definition."""
     definitions = network.definition.values()
     polynomials = sum(polynomial_cost(d) for d in definitions if isinstance(d, dict))
     return polynomials + sum(OPERATION_COST[d.op] for d in definitions if isinstance(d, Opaque) and d.op is not None)

@@ -1,7 +1,5 @@
 """The policy of the search: every threshold counts, and can be tried with other values."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from dataclasses import fields, replace
@@ -27,7 +25,6 @@ def test_one_of_both_ways_to_accelerations_is_left_for_every_number_of_joints() 
 
 
 def test_a_search_without_work_finds_less() -> None:
-    """In the process that measures thresholds; the usual policy stays what it is here."""
     idle = replace(POLICY, search_work=0, draft_work=0, hoisted_work=0, frame_choice_work=0)
     costs, _ = measured(idle, ["puma560-corke"], ["inertia_matrix"])
     usual = build_program(Robot.load("puma560-corke"), names=["inertia_matrix"])["inertia_matrix"]

@@ -1,7 +1,5 @@
 """Sharing: what occurs twice is computed once, and the network stays what it computes."""
 
-from __future__ import annotations
-
 from derive.programs.optimise.convert import graph_of, network_of
 from derive.programs.optimise.sharing import Extractor
 from derive.programs.tape.build import cut
@@ -10,7 +8,6 @@ from derive.programs.tape.value import Value
 
 
 def inputs(count: int) -> tuple[Graph, list[Value]]:
-    """A graph with some arguments."""
     graph = Graph()
     return graph, [Value(graph, graph.input("q", i)) for i in range(count)]
 

@@ -1,7 +1,5 @@
 """Cases and choices: signs pass through them, what is known leaves no trace, and improving keeps what they choose."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from hypothesis import given, settings

@@ -23,7 +23,6 @@ FLOATS: dict[str, Any] = {"number": float, "sin": cmath.sin, "cos": cmath.cos, "
 
 
 def run(values: list[Value], arithmetic: dict[str, Any], q: list[Any], parameters: list[Any]) -> list[Any]:
-    """The values at some numbers."""
     tape = cut(values[0].graph, [value.ref for value in values])
     return evaluate(tape, {"q": q, "qd": [1] * len(q), PARAMETER: parameters}, arithmetic)
 
@@ -46,8 +45,6 @@ POLYNOMIAL = ("add", "subtract", "multiply", "negate")
 
 
 class Dual:
-    """A value and its derivative."""
-
     def __init__(self, value: Fraction, rate: Fraction) -> None:
         self.value, self.rate = value, rate
 
@@ -72,7 +69,6 @@ class Dual:
 
 
 def dual(value: Any) -> Dual:
-    """A constant has no rate."""
     return value if isinstance(value, Dual) else Dual(Fraction(value), Fraction(0))
 
 

@@ -1,7 +1,5 @@
 """Cells as tape values: which angles are exact, which numbers are baked, what stays free."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest
@@ -18,7 +16,6 @@ from derive.robot.robot import Robot
 
 
 def robot(theta: str, alpha: str = "0", a: str = "0", **extra: str) -> Robot:
-    """One joint."""
     lines = [
         "name: one",
         "convention: standard",

@@ -1,7 +1,5 @@
 """Tapes: the same values after every pass, every operation once, nothing without use."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
@@ -32,7 +30,6 @@ def rational_functions() -> Iterator[None]:
 
 
 def operations(*values: Value) -> Operations:
-    """What values cost as they were written."""
     return cut(values[0].graph, [value.ref for value in values]).operations
 
 

@@ -1,7 +1,5 @@
 """The blocks ``handout:`` and ``figure:`` of a robot file."""
 
-from __future__ import annotations
-
 import json
 import re
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Task and given joints of the inverse kinematics, in a robot file."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.errors import QuantityError, RobotFileError

@@ -1,7 +1,5 @@
 """Thresholds of closed forms stand in one place, and in generated code as they are there."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 from derive.robot.options.solution_policy import POLICY

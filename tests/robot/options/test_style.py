@@ -1,7 +1,5 @@
 """The options of a style: by name, as text, as a block of the robot file; and what is refused."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import fields
 

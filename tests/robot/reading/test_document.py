@@ -1,7 +1,5 @@
 """A document knows the place of every text in it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest
@@ -12,7 +10,6 @@ from derive.robot.reading.document import KeyPath, Node, YamlMapping, YamlScalar
 
 
 def scalars(node: Node, path: KeyPath = ()) -> Iterator[tuple[KeyPath, YamlScalar]]:
-    """Every text of a tree and the way to it."""
     match node:
         case YamlScalar():
             yield path, node

@@ -1,7 +1,5 @@
 """A refusal says what to write instead, in the user's own numbers; the hint itself is right."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

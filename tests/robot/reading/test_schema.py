@@ -1,7 +1,5 @@
 """The JSON Schema and the loader agree on the structure of robot files."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What fits is what pydantic accepts, for right files and for files with one thing changed."""
 
-from __future__ import annotations
-
 import random
 from copy import deepcopy
 from typing import Any

@@ -6,8 +6,6 @@ before, with the coordinate ratio*q_i; the arm's own quantities then follow from
 B = G' B_ext G, tau = G' tau_ext. Armature is Pinocchio's own.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

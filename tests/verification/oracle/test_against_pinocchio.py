@@ -1,7 +1,5 @@
 """The independent recursion agrees with Pinocchio on random robots, from the text of the robot file on."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -28,7 +26,6 @@ def relative_error(got: Array, wanted: Array) -> float:
 
 
 def check(oracle: Oracle, outside: Reference, arguments: dict[str, Array]) -> None:
-    """Every function that the robot has, at one state; angles near a singularity are determined less well."""
     for name in oracle.functions:
         q, *rates = (arguments[argument] for argument in FUNCTIONS[name].arguments)
         distance = distance_from_singularity(oracle.arm, ANGLES[name], q) if name in ANGLES else 1.0

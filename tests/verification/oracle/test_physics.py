@@ -1,7 +1,5 @@
 """The independent recursion obeys mechanics: identities that no other engine is needed for."""
 
-from __future__ import annotations
-
 import random
 
 import numpy as np
@@ -41,7 +39,6 @@ def state(n: int, seed: int = 3) -> Array:
 
 
 def central_difference(function, q: Array) -> Array:  # type: ignore[no-untyped-def]
-    """Derivatives by q, last axis."""
     steps = np.eye(len(q)) * STEP
     return np.stack([(function(q + step) - function(q - step)) / (2 * STEP) for step in steps], axis=-1)
 

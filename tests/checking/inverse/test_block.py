@@ -7,7 +7,7 @@ import pytest
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Finding, Role, judge
-from derive.checking.solutions import POSE_NAMES
+from derive.checking.inverse.block import POSE_NAMES
 from derive.errors import CheckError
 
 ARM = """\

@@ -5,7 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from derive.api.robots import load
-from derive.checking.inverse.joint_combinations import JointCombinations, Known, unit_vector
+from derive.checking.inverse.order import Known, unit_vector
+from derive.checking.inverse.printed import JointCombinations
 from derive.robot.expression import Call, Name, Pi, add, multiply, negate, number
 
 JOINTS = JointCombinations(load("planar-3r"), {"q23": add(Name("q2"), Name("q3"))})

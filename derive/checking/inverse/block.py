@@ -1,6 +1,7 @@
-"""Printed inverse kinematics: a formula in the entries of T must give back the joint variables.
+"""The block ``inverse_kinematics:`` of corpus files: formulas for single unknowns, and whole solutions.
 
-The block ``inverse_kinematics:`` of corpus files, read and compared.
+A formula for one unknown stands in the entries of T and must give back the joint variables; it is compared here. Whole
+solutions, as lines or as LaTeX, are only read; `solutions` compares them.
 """
 
 from __future__ import annotations
@@ -12,54 +13,97 @@ from fractions import Fraction
 from derive.checking.formulas import reading
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, undecidable, verdict_at
-from derive.checking.formulas.printed import Printed, Solution
+from derive.checking.formulas.printed import Asked, InverseText, Printed, Solution
 from derive.checking.formulas.reading import Abbreviations, read_printed, required_text
+from derive.errors import CheckError, DeriveError
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import evaluate
 from derive.model.model import Model
 from derive.robot.expression import ZERO, Call, Expression, Name, add, multiply, names, negate, number, substitute
-from derive.robot.names import robot_symbols
+from derive.robot.names import own_names
+from derive.robot.options.inverse import Task, chosen_task
 from derive.robot.reading.document import Node, YamlMapping, YamlSequence
 from derive.robot.robot import Robot
 
+ORDERS = ("yx", "xy")  # orders of the arguments of atan2: the sine first, or the cosine
 # Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics.
 POSE_NAMES = ("ox", "oy", "oz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "sgn")
 HALF = number("1/2")
+_FORMULA = ("angle", "status", "correct", "kind", "printed_as", "note")
+_SOLUTION = ("task", "atan2", "status", "given", "notation", "note", "kind", "printed_as", "source")
 
 
-def read_solutions(node: Node | None, robot: Robot) -> tuple[Solution, ...]:
-    """The formulas of the block, whose names are entries of T."""
-    if isinstance(node, YamlSequence):
-        return tuple(found for block in node.items for found in read_solutions(block, robot))
-    if node is None or (isinstance(node, YamlMapping) and "formulas" not in node.entries):
-        return ()
+def read_block(
+    node: Node | None, robot: Robot, lines: Sequence[str]
+) -> tuple[tuple[Solution, ...], tuple[InverseText, ...]]:
+    """The formulas and the solutions of the block, which may be a list of several."""
+    blocks = node.items if isinstance(node, YamlSequence) else [node] if node is not None else []
+    formulas: list[Solution] = []
+    texts: list[InverseText] = []
+    for block in blocks:
+        if isinstance(block, YamlMapping) and "formulas" in block.entries:
+            formulas += _formulas(block, robot)
+        else:
+            texts.append(_solution(block, lines))
+    return tuple(formulas), tuple(texts)
+
+
+def _formulas(node: Node, robot: Robot) -> Iterator[Solution]:
+    """Formulas for single unknowns, whose names are entries of T."""
     block = reading.mapping(node, "inverse_kinematics", ("formulas",), ("given", "notation", "note"))
-    own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    own = own_names(robot)
     pose = Abbreviations({name: Name(name) for name in POSE_NAMES if name not in own})
-    needed, optional = ("unknown", "value", "printed"), ("angle", "status", "correct", "kind", "printed_as", "note")
-    found = []
     for formula in reading.items(block.entries["formulas"][1], "formulas"):
-        item = reading.mapping(formula, "a formula", needed, optional)
+        item = reading.mapping(formula, "a formula", ("unknown", "value", "printed"), _FORMULA)
         value = read_printed(required_text(item, "value"), robot)
         printed = read_printed(required_text(item, "printed"), robot, pose)
         correct = read_printed(required_text(item, "correct"), robot, pose) if "correct" in item.entries else None
-        found.append(
-            Solution(
-                unknown=required_text(item, "unknown").text,
-                value=value.formula,
-                printed=_lacking(printed, value),
-                is_angle=reading.flag(item, "angle"),
-                correction=_lacking(correct, value) if correct else None,
-                status=reading.status(item),
-                remark=reading.remark(item),
-            )
+        yield Solution(
+            unknown=required_text(item, "unknown").text,
+            value=value.formula,
+            printed=_lacking(printed, value),
+            is_angle=reading.flag(item, "angle"),
+            correction=_lacking(correct, value) if correct else None,
+            status=reading.status(item),
+            remark=reading.remark(item),
         )
-    return tuple(found)
 
 
 def _lacking(printed: Printed, value: Printed) -> Printed:
     """A formula about whose value nothing is known cannot be decided either."""
     return replace(printed, unknown=printed.unknown or value.unknown)
+
+
+def _solution(node: Node, lines: Sequence[str]) -> InverseText:
+    """A whole solution, as lines of text or as LaTeX."""
+    item = reading.mapping(node, "inverse_kinematics", (), ("lines", "latex", *_SOLUTION))
+    if ("lines" in item.entries) is ("latex" in item.entries):
+        raise CheckError(
+            "inverse_kinematics needs either 'lines', 'latex' or 'formulas'",
+            remedy='write lines: ["theta2 = atan2(+-sqrt(1 - D**2), D)", ...]',
+            location=item.location,
+        )
+    content = item.entries["lines" if "lines" in item.entries else "latex"][1]
+    texts = content.items if isinstance(content, YamlSequence) else [content]
+    parts = tuple(reading.printed_text(reading.scalar(text, "a line"), lines) for text in texts)
+    order = reading.word(item, "atan2", ORDERS, "")
+    asked = Asked(item.location, _task(item), order == "xy" if order else None)
+    return InverseText(parts, asked, "latex" in item.entries, False, reading.status(item), reading.remark(item))
+
+
+def _task(item: YamlMapping) -> Task | None:
+    node = reading.child(item, "task")
+    if node is None:
+        return None
+    words = (
+        [reading.scalar(word, "a row of the task").text for word in node.items]
+        if isinstance(node, YamlSequence)
+        else reading.scalar(node, "task").text.replace(",", " ").split()
+    )
+    try:
+        return chosen_task(words, 6)
+    except DeriveError as error:
+        raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy, location=node.location) from None
 
 
 def solution_findings(model: Model, solutions: Sequence[Solution]) -> Iterator[Finding]:
