@@ -24,7 +24,8 @@ import numpy.typing as npt
 from mpc_casadi import LIMITS, ROBOT, STEP, generated_model, step_function
 
 import derive
-from derive.motion.output.code import module_of
+from derive.motion.output.code import MODULE
+from derive.motion.torques.functions import module_of
 
 PLAN = Path(__file__).with_name("swing-path.yaml")
 HORIZON, STEPS = 8, 80
@@ -85,7 +86,7 @@ def generated_motion(plan: Path) -> ModuleType:
     """
     with tempfile.TemporaryDirectory() as folder:
         derive.move(plan, code=folder)
-        return module_of(Path(folder))
+        return module_of(Path(folder) / MODULE, "motion_casadi")
 
 
 def follow(model: ModuleType, path: ModuleType) -> Run:

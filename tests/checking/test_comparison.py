@@ -10,7 +10,7 @@ import pytest
 
 from derive.checking.comparison import check_expression, check_file
 from derive.checking.files import corpus_from_bytes
-from derive.checking.formulas.edits import Evaluator, is_token, spots
+from derive.checking.formulas.edits import float_value, is_token, spots
 from derive.checking.formulas.findings import FileReport, Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import CorpusFile, Printed
 from derive.checking.style_finding import Example, StyleEvidence, find_style
@@ -308,23 +308,22 @@ def tree(text: str) -> Expression:
 
 @pytest.mark.parametrize("text", FORMULAS)
 def test_what_stands_there_gives_the_formula_itself(text: str) -> None:
-    whole, evaluate = tree(text), Evaluator(NUMBERS)
-    for spot in spots(whole, evaluate):
+    whole = tree(text)
+    for spot in spots(whole, NUMBERS):
         assert spot.formula(spot.node) == whole
-        assert spot.value(evaluate(spot.node)) == evaluate(whole)
+        assert spot.value(float_value(spot.node, NUMBERS)) == float_value(whole, NUMBERS)
 
 
 @pytest.mark.parametrize("text", FORMULAS)
 @pytest.mark.parametrize("new", [Name("x"), number(2)])
 def test_value_and_formula_of_a_change_agree(text: str, new: Expression) -> None:
-    evaluate = Evaluator(NUMBERS)
-    for spot in spots(tree(text), evaluate):
-        changed = Evaluator(NUMBERS)(spot.formula(new))
-        assert spot.value(evaluate(new)) == pytest.approx(changed, rel=1e-14)
+    for spot in spots(tree(text), NUMBERS):
+        changed = float_value(spot.formula(new), NUMBERS)
+        assert spot.value(float_value(new, NUMBERS)) == pytest.approx(changed, rel=1e-14)
 
 
 def test_angles_of_plain_sines_and_cosines_are_no_places() -> None:
-    found = [spot.node for spot in spots(tree("a*cos(q1 + q2)"), Evaluator(NUMBERS))]
+    found = [spot.node for spot in spots(tree("a*cos(q1 + q2)"), NUMBERS)]
     assert found == [tree("a*cos(q1 + q2)"), Name("a"), tree("cos(q1 + q2)")]
     assert is_token(tree("cos(q1 + q2)"))
     assert not is_token(tree("cos(q1 + 1)"))

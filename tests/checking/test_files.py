@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy
-from derive.checking.solutions import POSE_NAMES
 
 from derive.checking.comparison import check_file
 from derive.checking.files import check_path, corpus_from_bytes
@@ -17,6 +16,7 @@ from derive.checking.formulas.findings import FileReport, Finding, Role, judge
 from derive.checking.formulas.printed import CorpusFile
 from derive.checking.formulas.vector_formula import read_vector, value_of
 from derive.checking.frames_file import compose, point, rotation, translation
+from derive.checking.inverse.block import POSE_NAMES
 from derive.checking.methods_file import ARMS, SETS, cases
 from derive.errors import CheckError, DeriveError, ExpressionError, Location
 from derive.model.model import Model
@@ -251,20 +251,20 @@ def test_what_is_no_frame_is_refused() -> None:
 
 @pytest.mark.parametrize("name", list(SETS))
 def test_every_link_of_every_arm_is_a_case_of_rotations_and_unit_axes(name: str) -> None:
-    joints = "".join(case.joint[0] for case in cases(name))
+    joints = "".join(joint[0] for joint, _ in cases(name))
     assert joints == "".join(types for types, _ in ARMS)
-    for case in cases(name):
+    for _, values in cases(name):
         for name_of_rotation in ("Rp", "Rn", "R0"):
-            assert np.allclose(case.values[name_of_rotation] @ case.values[name_of_rotation].T, np.eye(3))
-        assert np.linalg.norm(case.values["z_prev"]) == pytest.approx(1)
+            assert np.allclose(values[name_of_rotation] @ values[name_of_rotation].T, np.eye(3))
+        assert np.linalg.norm(values["z_prev"]) == pytest.approx(1)
 
 
 @pytest.mark.parametrize("name", list(SETS))
 @pytest.mark.parametrize(("result", "text"), [("F", "m*a"), ("N", "I @ wd + cross(w, I @ w)")])
 def test_newton_and_euler_hold_at_every_link(name: str, result: str, text: str) -> None:
     equation = read_vector(text, Location("<test>"))
-    for case in cases(name):
-        assert np.allclose(value_of(equation, case.values), case.values[result], rtol=0, atol=1e-12)
+    for _, values in cases(name):
+        assert np.allclose(value_of(equation, values), values[result], rtol=0, atol=1e-12)
 
 
 SOLVED = """\

@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 import yaml
-from derive.checking.inverse.solutions import check_inverse, inverse_text
 
 from derive.api.robots import load
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.check import check_inverse, inverse_text
 from derive.checking.latex.check import check_latex
 from derive.checking.latex.formula import read_latex
 from derive.checking.report import Item, errata_items, repaired_text

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 import xacro
-from derive.exchange.xacro_expressions import forbidden, guarded
 
 from derive.errors import RobotFileError
-from derive.exchange.source import MARK, ChainSource, open_urdf, opened, relative
+from derive.exchange.source import MARK, ChainSource, forbidden, guarded, open_urdf, opened, relative
 from tests.exchange.urdfs import J, urdf
 
 XACRO = """\

@@ -10,7 +10,7 @@ import pytest
 from flint import arb
 
 from derive.errors import DeriveError, Location
-from derive.exchange.body_chain import Body, body_chain, is_world, quaternion, roll_pitch_yaw
+from derive.exchange.body_chain import RigidBody, body_chain, is_world, quaternion, roll_pitch_yaw
 from derive.exchange.certificate import ball
 from derive.exchange.formats import FORMS, GIVEN, exported
 from derive.exchange.numeric import angle_text, text, with_numbers, with_positive_axes
@@ -46,7 +46,7 @@ def test_roll_pitch_yaw_and_quaternion_are_the_rotation(x: tuple[int, int, int])
 
 def test_a_body_and_what_is_taken_away_again_is_the_body() -> None:
     with exactly():
-        link, other = (Body.of(link) for link in dressed("planar-3r").links[:2])
+        link, other = (RigidBody.of(link) for link in dressed("planar-3r").links[:2])
         back = link + other + other.negative
         assert all(abs(a - b) < 1e-60 for a, b in zip(back.entries, link.entries, strict=True))
         assert back.link(dressed("planar-3r").links[0]) == dressed("planar-3r").links[0]
@@ -54,16 +54,16 @@ def test_a_body_and_what_is_taken_away_again_is_the_body() -> None:
 
 def test_bodies_that_exist_are_possible_and_points_rods_and_plates_are_limits_of_them() -> None:
     with exactly():
-        one = Body(arb(1), vector((0, 0, 0)), (vector((2, 0, 0)), vector((0, 3, 0)), vector((0, 0, 4))))
+        one = RigidBody(arb(1), vector((0, 0, 0)), (vector((2, 0, 0)), vector((0, 3, 0)), vector((0, 0, 4))))
         assert one.is_possible
-        assert not Body(arb(-1), one.com, one.inertia).is_possible
-        assert not Body(one.mass, one.com, (one.inertia[0], one.inertia[1], vector((0, 0, 6)))).is_possible
+        assert not RigidBody(arb(-1), one.com, one.inertia).is_possible
+        assert not RigidBody(one.mass, one.com, (one.inertia[0], one.inertia[1], vector((0, 0, 6)))).is_possible
         links = numeric("puma560-corke").links
-        assert [i for i, body in enumerate(map(Body.of, links), 1) if not body.is_possible] == [1, 3]
+        assert [i for i, body in enumerate(map(RigidBody.of, links), 1) if not body.is_possible] == [1, 3]
     with exactly():
         for mass, moments in ((1, (0, 0, 0)), (1, (0, 3, 3)), (1, (1, 3, 4)), (0, (0, 0, 0)), (0, (1, 2, 2))):
             rows = [vector(tuple(m if i == j else 0 for j in range(3))) for i, m in enumerate(moments)]
-            assert Body(arb(mass), vector((0, 0, 0)), (rows[0], rows[1], rows[2])).is_possible
+            assert RigidBody(arb(mass), vector((0, 0, 0)), (rows[0], rows[1], rows[2])).is_possible
 
 
 def test_the_drag_of_rotors_is_known_where_axes_keep_their_angles() -> None:

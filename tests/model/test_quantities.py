@@ -259,6 +259,7 @@ def test_what_exceeds_the_budget_of_the_model_is_not_derived_and_skew_symmetry_n
     assert not entries.B.is_short(1000)
     with pytest.raises(TooManyTerms):
         entries.christoffel(1, 1, 2).entry(1, 1)
+    monkeypatch.undo()
     assert of("planar-2r-perugia").is_skew(limit=60)
     assert not of("planar-2r-perugia").is_skew(limit=0)
 

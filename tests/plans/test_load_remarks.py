@@ -6,12 +6,11 @@ import re
 
 import numpy as np
 import pytest
-from derive.plans.ineffective import OF_PATHS
-from derive.plans.load_remarks import remarks_on_loads
 from sympy import Rational, cos, pi, sin
 
 from derive.errors import DeriveError, RobotFileError
 from derive.motion.motion import Motion
+from derive.plans.checks import OF_PATHS, remarks_on_loads
 from derive.plans.disturbance import Disturbance
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import BaseCurve

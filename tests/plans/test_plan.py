@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from derive.plans.data import plan_text, waypoints
 
 from derive.errors import DeriveError, RobotFileError, UnknownRobotError
 from derive.motion.motion import Motion
-from derive.plans.catalogue import new_plan_text, plan_bytes, plan_names
+from derive.plans.catalogue import new_plan_text, plan_bytes, plan_names, plan_text, waypoints
 from derive.plans.cells import PlanCells
 from derive.plans.plan import plan_from_bytes
 from derive.plans.points import Step

@@ -13,9 +13,10 @@ from scipy.interpolate import CubicSpline
 from sympy import Expr, Float, Integer, Rational, nsimplify, pi, sqrt
 
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import TIME, Piece, basis, joined, power_coefficients, sampled
 from derive.plans.profile import UNIT_PEAKS, Cosine, Curve, Profile, rest_to_rest, spline, trapezoid, via_velocities
+from derive.plans.segments import Segment
 
 ZERO = Integer(0)
 

@@ -7,15 +7,15 @@ from fractions import Fraction
 from functools import cache
 
 import pytest
-from derive.checking.inverse.joint_combinations import JointCombinations, Known, unit_vector
-from derive.checking.inverse.solutions import check_inverse, inverse_text
 
 from derive.api.robots import load
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.check import KINDS, shown
+from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
+from derive.checking.inverse.order import Known, unit_vector
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import PoseNames, places
+from derive.checking.inverse.printed import JointCombinations
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Pi, add, multiply, negate, number

@@ -281,7 +281,7 @@ START = Location("notes.tex")
 
 
 def sides(text: str, document: bool = False) -> list[list[str]]:
-    return [[" ".join(side.text.split()) for side in e.sides] for e in equations(text, START, document=document)]
+    return [[" ".join(side.text.split()) for side in e] for e in equations(text, START, document=document)]
 
 
 @pytest.mark.parametrize(

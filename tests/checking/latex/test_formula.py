@@ -14,7 +14,7 @@ from derive.checking.latex.formula import read_latex
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import LatexNames, Symbol
-from derive.checking.latex.pieces import MATRIX_MARK, Piece, display_piece
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, display_piece
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
@@ -262,7 +262,7 @@ def test_what_is_misplaced_says_where(text: str, offset: int) -> None:
 START = Location("notes.tex")
 
 
-def piece(text: str) -> Piece:
+def piece(text: str) -> LatexPiece:
     return display_piece(text, 0, len(text), text, START)
 
 

@@ -13,8 +13,8 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.conic import line_points
 from derive.inverse.closed.elementary_solver import CONIC_TERMS, Branch, Solver
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.formulas import Derivation
-from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind
+from derive.inverse.closed.formulas import GraphDerivation
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
 from derive.inverse.closed.pairs import without_angle, without_length
 from derive.inverse.closed.pose import Pose
 from derive.inverse.closed.solve import solve
@@ -234,7 +234,7 @@ def test_a_pair_of_the_first_degree_loses_its_angle_or_its_slide() -> None:
 
 def pose_of(name: str) -> Pose:
     robot = Robot.load(name)
-    return Derivation(robot, robot.inverse.task).pose
+    return GraphDerivation(robot, robot.inverse.task).pose
 
 
 def test_a_rotation_has_two_numbers_with_parallel_axes_and_nine_in_space() -> None:
@@ -279,9 +279,9 @@ def test_equal_lengths_do_not_make_a_position_depend_on_the_orientation(joints: 
 @pytest.mark.parametrize("name", ["planar-3r", "puma560-corke"])
 def test_each_joint_follows_from_those_before_it_and_sums_are_those_of_their_joints(name: str) -> None:
     robot = Robot.load(name)
-    graph = Derivation(robot, robot.inverse.task).graph()
+    graph = GraphDerivation(robot, robot.inverse.task).graph()
     assert [graph.joint_node(k).unknown.joints for k in range(robot.n)] == [(k,) for k in range(robot.n)]
-    sums = [node for node in graph.nodes if node.kind is Kind.SUM]
+    sums = [node for node in graph.nodes if node.kind is NodeKind.SUM]
     assert sums
     for node in graph.nodes:
         assert all(need < node.index for need in node.needs)

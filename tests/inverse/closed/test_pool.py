@@ -13,12 +13,12 @@ from derive.inverse.closed.conditions import entry_conditions
 from derive.inverse.closed.evidence import Change, Evidence
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import Node, SolutionGraph
-from derive.inverse.closed.nodes import Equation, Formula, Kind, Source
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
 from derive.inverse.closed.pool import ENTRIES, HIGHER, Cut, Links, Pool, dimension, frame_atoms, identity_atoms
 from derive.inverse.closed.search import Search
 from derive.inverse.closed.solve import solve
 from derive.inverse.closed.unknowns import InverseDomain, State, shifted
-from derive.inverse.closed.walk import Run
+from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.words.solutions import inverse_kinematics
 from derive.mechanics.vectors import Frame, dot, hat, matmul, multiply, transpose
 from derive.model.model import Model
@@ -168,12 +168,12 @@ def planar_graph() -> SolutionGraph:
     (one,), (two,) = ((domain.unknown(k),) for k in (0, 1))
     c2, s2 = map(domain.ring.generator, two.generators)
     square = x * x + y * y - a1 * a1 - a2 * a2
-    law = Equation({(1, 0): 2 * (a1 * a2), (0, 0): -square}, 2, Source(1, 2, "p.p"))
-    first = Equation({(1, 0): a1 + a2 * c2, (0, 1): -(a2 * s2), (0, 0): -x}, 1, Source(1, 2, "p[1]"))
-    second = Equation({(1, 0): a2 * s2, (0, 1): a1 + a2 * c2, (0, 0): -y}, 1, Source(1, 2, "p[2]"))
+    law = NodeEquation({(1, 0): 2 * (a1 * a2), (0, 0): -square}, 2, Provenance(1, 2, "p.p"))
+    first = NodeEquation({(1, 0): a1 + a2 * c2, (0, 1): -(a2 * s2), (0, 0): -x}, 1, Provenance(1, 2, "p[1]"))
+    second = NodeEquation({(1, 0): a2 * s2, (0, 1): a1 + a2 * c2, (0, 0): -y}, 1, Provenance(1, 2, "p[2]"))
     nodes = (
-        Node(0, (two,), (Formula(Kind.TYPE_2, (law,)),), (), 2),
-        Node(1, (one,), (Formula(Kind.TYPE_3, (first, second)),), (0,), 1),
+        Node(0, (two,), (NodeFormula(NodeKind.TYPE_2, (law,)),), (), 2),
+        Node(1, (one,), (NodeFormula(NodeKind.TYPE_3, (first, second)),), (0,), 1),
     )
     reach = a1 * a1 + a2 * a2 + x * x + y * y
     return SolutionGraph(robot, domain, ("x", "y"), (), (), reach, nodes, shifts, (), 2, True, True)
@@ -198,7 +198,7 @@ def pose_at(q: np.ndarray, a1: float, a2: float) -> list[list[np.ndarray]]:
 def test_every_configuration_is_among_the_solutions_of_its_pose_and_all_lead_there() -> None:
     q = np.random.default_rng(3).uniform(-3, 3, (2, 200))
     pose = pose_at(q, 0.7, 0.4)
-    run = Run(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
+    run = GraphWalk(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
     found = []
     for leaf in run.leaves():
         assert np.all(leaf.exists)
@@ -215,7 +215,7 @@ def test_every_configuration_is_among_the_solutions_of_its_pose_and_all_lead_the
 def test_on_the_boundary_there_is_one_branch_and_beyond_it_none(x: float, branches: int) -> None:
     zero, one = np.zeros(1), np.ones(1)
     pose = [[one, zero, zero, np.array([x])], [zero, one, zero, zero], [zero, zero, one, zero]]
-    run = Run(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
+    run = GraphWalk(planar_graph(), FloatField({"a1": 0.7, "a2": 0.4}), pose)
     leaves = list(run.leaves())
     assert sum(int(np.all(leaf.exists)) for leaf in leaves) == branches
     assert all(np.isfinite(run.angles(leaf)).all() for leaf in leaves)
@@ -224,7 +224,7 @@ def test_on_the_boundary_there_is_one_branch_and_beyond_it_none(x: float, branch
 def test_where_a_folded_arm_can_turn_freely_the_joint_is_said_to_be_free() -> None:
     zero, one = np.zeros(1), np.ones(1)
     pose = [[one if i == j else zero for j in range(4)] for i in range(3)]
-    run = Run(planar_graph(), FloatField({"a1": 0.5, "a2": 0.5}), pose, near=[np.array([0.3]), zero])
+    run = GraphWalk(planar_graph(), FloatField({"a1": 0.5, "a2": 0.5}), pose, near=[np.array([0.3]), zero])
     leaf = next(run.leaves())
     assert np.all(leaf.exists)
     assert np.all(leaf.free[0])

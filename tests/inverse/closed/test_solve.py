@@ -14,6 +14,7 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.solve import solve
+from derive.inverse.closed.walk import GraphWalk
 from derive.mechanics.floats import value_at
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Number
@@ -50,8 +51,10 @@ def numbers_of(robot: Robot, rng: np.random.Generator) -> dict[str, float]:
     return values | {symbol: float(rng.uniform(0.2, 1)) for symbol in missing}
 
 
-def run_at(graph: SolutionGraph, pose: np.ndarray, values: dict[str, float], given: Any = ()) -> Run:
-    return Run(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose], list(map(np.float64, given)))
+def run_at(graph: SolutionGraph, pose: np.ndarray, values: dict[str, float], given: Any = ()) -> GraphWalk:
+    return GraphWalk(
+        graph, FloatField(values), [[np.float64(x) for x in row] for row in pose], list(map(np.float64, given))
+    )
 
 
 def assert_the_solutions_are_those_of(graph: SolutionGraph, q: np.ndarray, values: dict[str, float]) -> None:

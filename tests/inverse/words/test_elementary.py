@@ -12,10 +12,10 @@ import pytest
 import sympy
 
 from derive.algebra.ring import Polynomial, Ring
-from derive.inverse.closed.nodes import Source
-from derive.inverse.words.derivation import Derivation, pose_names
+from derive.inverse.closed.nodes import Provenance
+from derive.inverse.words.derivation import PrintedDerivation, pose_names
 from derive.inverse.words.elementary import Scribe, Sign, Solved
-from derive.inverse.words.origins import Form, Origin, origin
+from derive.inverse.words.origins import Origin, OriginForm, origin
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.point import value_of
 from derive.lecture.sympy_conversion import expression_to_sympy
@@ -153,7 +153,7 @@ joints:
 
 def test_the_equations_of_a_step_hold_the_unknown_on_their_left_and_what_is_known_on_their_right() -> None:
     robot = Robot.from_text(PLANAR)
-    steps = Derivation(planar_graph(), robot, robot.style).steps
+    steps = PrintedDerivation(planar_graph(), robot, robot.style).steps
     assert [step.unknown for step in steps] == list(sympy.symbols("q2 q1"))
     q1, q2, a1, a2, px, py = sympy.symbols("q1 q2 a1 a2 px py")
     assert steps[0].equations[0].left == 2 * a1 * a2 * sympy.cos(q2)
@@ -258,12 +258,12 @@ TOLERANCE = mpmath.mpf(10) ** -20
 
 def test_columns_are_counted_behind_the_twist_and_positions_are_those_of_the_last_frame_that_has_them() -> None:
     robot = ARMS["standard"]
-    assert origin(robot, Source(5, 5, "R[3,2]"), to_end=False) == Origin(Form.ENTRY, 5, 5, ((3, 3),))
-    assert origin(robot, Source(3, 6, "R[3,2]"), to_end=False) == Origin(Form.ENTRY, 3, 6, ((3, 2),))
-    assert origin(robot, Source(2, 4, "p[3]"), to_end=False) == Origin(Form.ENTRY, 2, 6, ((3, 4),))
-    assert origin(robot, Source(2, 4, "p.p"), to_end=False).form is Form.SQUARES
+    assert origin(robot, Provenance(5, 5, "R[3,2]"), to_end=False) == Origin(OriginForm.ENTRY, 5, 5, ((3, 3),))
+    assert origin(robot, Provenance(3, 6, "R[3,2]"), to_end=False) == Origin(OriginForm.ENTRY, 3, 6, ((3, 2),))
+    assert origin(robot, Provenance(2, 4, "p[3]"), to_end=False) == Origin(OriginForm.ENTRY, 2, 6, ((3, 4),))
+    assert origin(robot, Provenance(2, 4, "p.p"), to_end=False).form is OriginForm.SQUARES
     robot = ARMS["scara"]
-    assert origin(robot, Source(1, 1, "p[3]"), to_end=False) == Origin(Form.ENTRY, 1, 1, ((3, 4),))
+    assert origin(robot, Provenance(1, 1, "p[3]"), to_end=False) == Origin(OriginForm.ENTRY, 1, 1, ((3, 4),))
 
 
 def numbers(model: Model, rng: random.Random) -> dict[sympy.Expr, mpmath.mpf]:
@@ -296,7 +296,7 @@ def test_an_equation_is_the_difference_of_the_entries_that_are_compared(arm: Rob
             ends = [valued(frame(rows), {}) for rows in (arm.base, arm.tool)]
             for equation in (equation for step in found.steps for equation in step.equations):
                 place, *eliminated = equation.origins
-                if place.form is Form.ENTRY and not eliminated:
+                if place.form is OriginForm.ENTRY and not eliminated:
                     base, first = (sympy.eye(4), ends[0]) if place.has_base else (ends[0], sympy.eye(4))
                     tool, last = (sympy.eye(4), ends[1]) if place.has_tool else (ends[1], sympy.eye(4))
                     left = sympy.prod(matrices[: place.first], start=base)

@@ -16,7 +16,7 @@ from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain
 from derive.inverse.numeric.in_numbers import ArrayDomain, array_value
 from derive.inverse.words.branch_names import Placed, Shape, Word, placed
-from derive.inverse.words.elementary import Line
+from derive.inverse.words.elementary import PrintedLine
 from derive.inverse.words.postures import LOOKED_AT, postures
 from derive.inverse.words.reach import Reach
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
@@ -149,7 +149,7 @@ def test_printed_solutions_stand_in_the_order_of_the_graph_under_its_names(name:
     assert met >= LOOKED_AT
 
 
-def in_numbers(inverse: InverseKinematics, lines: Sequence[Line]) -> np.ndarray:
+def in_numbers(inverse: InverseKinematics, lines: Sequence[PrintedLine]) -> np.ndarray:
     """The joint variables of a solution at the poses looked at, not a number where it is none."""
     looked, robot = postures(inverse.robot, inverse.graph), inverse.robot
     variables = [sympy.Symbol(joint.variable) for joint in robot.joints]

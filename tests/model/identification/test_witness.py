@@ -27,7 +27,7 @@ from derive.model.identification.nearest_bodies import (
 from derive.model.identification.possible import possible
 from derive.model.identification.regressor_null_space import bare_chain, directions, parameters_of
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
-from derive.model.identification.witness import NoSuchBodies, Witness, coefficients, function_matrix, is_semidefinite
+from derive.model.identification.witness import NoSuchBodies, Witness, function_matrix, is_semidefinite
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO, number
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from derive.motion.simulation.control import NEEDS, Controller
 
 from derive.motion.motion import Motion
 from derive.motion.simulation import held
 from derive.motion.simulation.held import held_arm
 from derive.motion.simulation.simulation import Run
-from derive.motion.simulation.stages import stages_of
+from derive.motion.simulation.stages import NEEDS, Controller, stages_of
 from derive.motion.simulation.stepping import DIVERGED, Plant, integrated, smooth
 from derive.motion.simulation.sticking import Contact, exact, stepped
 from derive.motion.torques import functions

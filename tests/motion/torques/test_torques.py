@@ -13,8 +13,8 @@ from sympy import Rational, cos, sin
 from derive.arrays import Array
 from derive.mechanics.floats import ArrayDomain
 from derive.motion.motion import Motion
-from derive.motion.torques.base_torques import ArrayDomain, BaseTorques
-from derive.motion.torques.bodies import Body, OpenLink
+from derive.motion.torques.base_torques import BaseTorques
+from derive.motion.torques.bodies import CarriedBody, OpenLink
 from derive.motion.torques.loads import loads
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import BaseCurve
@@ -229,14 +229,14 @@ def test_computed_torque_follows_on_a_base_that_turns() -> None:
     assert run.energy_error < 1e-6
 
 
-def cloud(seed: int) -> tuple[Body, np.ndarray, np.ndarray]:
+def cloud(seed: int) -> tuple[CarriedBody, np.ndarray, np.ndarray]:
     """A body of five points: its mass, centre and inertia by their sums."""
     random = np.random.default_rng(seed)
     masses, places = random.uniform(1, 2, 5), random.normal(size=(5, 3))
     mass, com = masses.sum(), masses @ places / masses.sum()
     off = places - com
     inertia = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, off, strict=True))
-    return Body(float(mass), com, np.array(inertia)), masses, places
+    return CarriedBody(float(mass), com, np.array(inertia)), masses, places
 
 
 def test_two_bodies_are_one_of_all_their_points_and_two_that_are_nothing_are_nothing() -> None:
@@ -247,7 +247,7 @@ def test_two_bodies_are_one_of_all_their_points_and_two_that_are_nothing_are_not
     assert both.com == pytest.approx(masses @ places / masses.sum())
     about_origin = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, places, strict=True))
     assert both.about(np.zeros(3)) == pytest.approx(np.array(about_origin))
-    none = Body(0.0, np.zeros(3), np.zeros((3, 3)))
+    none = CarriedBody(0.0, np.zeros(3), np.zeros((3, 3)))
     assert (none + none).mass == 0
     assert not (none + none).inertia.any()
 
@@ -267,7 +267,7 @@ def test_a_payload_stands_in_the_frame_of_the_tool() -> None:
         " tool: [[1, 0, 0, a], [0, 0, -1, 0], [0, 1, 0, 0.2], [0, 0, 0, 1]]}"
     )
     payload = Payload(number(2), (number(1), number(2), number(3)), (number(4), number(5), number(6)))
-    body = Body.payload(robot, payload, {"a": 0.5})
+    body = CarriedBody.payload(robot, payload, {"a": 0.5})
     assert body.com.tolist() == [1.5, -3, 2.2]
     assert np.diag(body.inertia).tolist() == [4, 6, 5]
 
@@ -278,7 +278,7 @@ def test_an_open_link_has_ten_symbols_that_nobody_else_has() -> None:
     assert free_symbols(opened.robot) == opened.names
     again = OpenLink.of(opened.robot)
     assert not set(again.names) & set(opened.names)
-    body = Body.last_link(robot, parameter_values(robot))  # type: ignore[arg-type]
+    body = CarriedBody.last_link(robot, parameter_values(robot))  # type: ignore[arg-type]
     assert opened.values(body)[opened.names[0]] == 0.09
     assert opened.robot.links[-1].mass == Name(opened.names[0])
 
