@@ -101,5 +101,6 @@ def test_the_public_interface_says_what_it_takes_and_gives() -> None:
 def test_the_page_of_the_interface_documents_every_public_name() -> None:
     """With its module, or as a class of its own."""
     page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"automodule:: (\S+)", page)) <= set(modules())
     documented = re.findall(r"^\.\. auto(?:module|class):: (\S+)$", page, re.MULTILINE)
     assert [name for name, home in _HOMES.items() if not {home, f"derive.{name}"} & {*documented}] == []
