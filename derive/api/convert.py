@@ -1,4 +1,4 @@
-"""The same arm otherwise, from Python: by the table of the other convention, or of bodies that exist."""
+"""The same arm otherwise, from Python: by the table of the other convention, or with physically consistent bodies."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def convert(
 
 
 def possible(robot: RobotLike) -> Possible:
-    """The nearest bodies that exist and give the same torques.
+    """The nearest physically consistent bodies that give the same torques.
 
     Args:
         robot: Path of a robot file, a name of the catalogue, or a robot; its symbols all have numbers.

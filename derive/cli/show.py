@@ -108,7 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool) -> list[tuple[str, Any]]:
-    """The quantities with their names; of dynamics it is told, too, which links no body can be."""
+    """The quantities with their names; for dynamics, also which links are physically inconsistent."""
     from derive.api.robots import tell
     from derive.model.quantities import DESCRIBED
     from derive.model.quantity_names import parse

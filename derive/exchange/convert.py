@@ -27,7 +27,7 @@ class Converted:
     text: str  # its file
     robot: Robot  # what it says
     conversion: Conversion  # how it was made
-    bodies: tuple[str, ...] = ()  # what was changed of the links before, where bodies that exist were asked for
+    bodies: tuple[str, ...] = ()  # changes of the links where physically consistent bodies were asked for
 
     @property
     def notes(self) -> tuple[str, ...]:

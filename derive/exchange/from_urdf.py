@@ -56,7 +56,7 @@ class ImportOptions:
     convention: str | None = None
     snap: str | float | Fraction = SNAP  # angles closer to simple fractions of pi are taken for them [rad]
     name: str | None = None  # of the robot, or what the names of all arms begin with; None for that of the URDF
-    inertia: str = "given"  # ``given``, or ``possible``: the nearest bodies that exist and move the same
+    inertia: str = "given"  # ``given``, or ``possible``: the nearest physically consistent ones
     symbols: bool = False  # whether lengths are named, d1, a2, ..., with their numbers as parameters
     packages: Sequence[str | Path] = ()  # folders in which xacro looks for packages, or ``NAME=DIR``
     arguments: Mapping[str, str] = field(default_factory=dict)  # of xacro

@@ -41,7 +41,7 @@ class Control:
 class Plan:
     """A motion as its file describes it."""
 
-    robot: Robot  # the robot
+    robot: Robot
     title: str  # free text for people
     sample: Expression  # time between two rows of a table [s]
     places: Mapping[str, Location]  # of robot, sample, period and formulas, by ``robot``, ``curves, q1``, ``base, x``

@@ -71,7 +71,7 @@ class CheckResult:
     """How a folder differs from what a build would write."""
 
     robot: str  # name of the robot
-    folder: Path  # the folder
+    folder: Path
     stale: tuple[str, ...]  # files with other contents
     missing: tuple[str, ...]  # files that are not there
     extra: tuple[str, ...]  # files of an earlier build that this one would not write

@@ -46,7 +46,7 @@ def too_large(lacks: Iterable[float]) -> str:
 
 
 def impossible_links(robot: Description, values: Mapping[str, Fraction | float]) -> dict[int, float]:
-    """By link what `lack_of` its tensor is, where it has numbers and no body has it."""
+    """By link what `lack_of` its tensor is, where it has numbers and is physically inconsistent."""
     lacks = {}
     for index, link in enumerate(robot.links):
         cells = [getattr(link.inertia, key) for key in INERTIA]

@@ -16,7 +16,7 @@ from derive.robot.robot import Robot
 class Source:
     """One robot, ready to be printed."""
 
-    robot: Robot  # the robot
+    robot: Robot
     program: Program  # its functions as tapes
     version: str  # version of the tool, stated in every output
     files: tuple[str, ...] = ()  # names of all files of this build, for the page that lists them

@@ -1,4 +1,4 @@
-"""Operation counts on well known arms are those that README and ``bench/results`` state, and below everybody else's.
+"""Operation counts on well known arms are those of docs/benchmarks.md and ``bench/results``, and below all others.
 
 Multiplications, additions and divisions; signs are free, sines and cosines apart, work on parameters alone apart.
 """

@@ -66,7 +66,7 @@ class Left:
     before: str = ""  # what stands raised before it, as 0 in ``{}^0T_6``
     before_sub: str = ""  # what stands lowered before it
     dots: int = 0  # derivatives with respect to time
-    primes: int = 0  # primes
+    primes: int = 0
     arguments: str = ""  # what follows in brackets, such as q
     is_determinant: bool = False  # whether a determinant is meant
     factor: str = ""  # a vector that it is multiplied with, as in C(q, qd) qd

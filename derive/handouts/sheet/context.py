@@ -28,7 +28,7 @@ class Context:
     version: str  # version of the tool
     poses: RobotPoses | None = None  # where its frames are, for figures; None where nothing is drawn
     policy: SheetPolicy = POLICY  # how much is printed
-    robot: Robot = field(init=False)  # the robot
+    robot: Robot = field(init=False)
     # Whether the convention is the standard one, in which joint i moves about z of frame i-1.
     is_standard: bool = field(init=False)
     # Whether the closed form of the dynamics is derived: it has links, few joints.

@@ -122,7 +122,7 @@ class BodyItem:
     """A quantity of one link or rotor."""
 
     symbol: Box  # what it is called
-    quantity: Entries  # the quantity
+    quantity: Entries
     group: int  # which letter its intermediate terms have
     symmetric: bool = False  # whether the entries below the diagonal may be left out
 

@@ -80,7 +80,7 @@ class Change:
 class Possible:
     """A robot whose links are physically consistent."""
 
-    robot: Robot  # the robot
+    robot: Robot
     changes: tuple[Change, ...]  # the links that changed
     border: tuple[int, ...] = ()  # links, from 1, that torques keep at limits of bodies: a point, a thin rod
 

@@ -35,7 +35,7 @@ class Cone(Enum):
 class Limit:
     """An affine function of x, in a cone."""
 
-    cone: Cone  # the cone
+    cone: Cone
     constant: Array  # its value at x = 0
     slope: Array  # a row for each value, a column for each variable
 

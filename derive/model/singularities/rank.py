@@ -34,7 +34,7 @@ MAX_STEPS = 400  # choices of factors that are followed
 class Zero:
     """A factor that is zero."""
 
-    factor: Factor  # the factor
+    factor: Factor
     value: int | None = None  # which of its solutions is meant, see `CommonZeros.images`; None for all
 
     @property

@@ -72,7 +72,7 @@ def verified_code(motion: Motion, name: str | None = None) -> VerifiedCode:
 class MotionCode:
     """The code of a motion."""
 
-    motion: Motion  # the motion
+    motion: Motion
     prefix: str  # how its names begin in C
 
     @cached_property

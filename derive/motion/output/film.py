@@ -63,7 +63,7 @@ def ffmpeg() -> str:
 class Film:
     """A motion in pictures."""
 
-    motion: Motion  # the motion
+    motion: Motion
     run: Run | None = None  # a simulation of it, which is shown instead; the way that is wanted is faint
 
     @property
