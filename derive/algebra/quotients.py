@@ -63,8 +63,9 @@ class QuotientRing:
         algebraic = [opaque(e) for e in renamed]
         plain = [_without_division(e) for e in algebraic]
         atoms = collect(plain, ())
-        # roots and constant angles may be related in ways that the ring does not know: sqrt(x y) = sqrt(x) sqrt(y)
-        units_are_plain = all(isinstance(unit, Name) for unit in atoms.units)
+        # roots and constant angles may be related in ways that the ring does not know: sqrt(x y) = sqrt(x) sqrt(y),
+        # and so are multiples of an angle too large to be expanded: cos(26 x) = 2 cos(13 x)^2 - 1
+        units_are_plain = all(isinstance(unit, Name) and atoms.is_common(unit) for unit in atoms.units)
         has_others = atoms.roots or atoms.pi_rests or atoms.inverses
         self.faithful = algebraic == renamed and units_are_plain and not has_others
         self.domain = PolynomialDomain(robot, plain, max_terms=MAX_PRODUCT_TERMS)

@@ -191,3 +191,9 @@ def test_a_formula_equals_itself_rewritten_and_not_itself_changed(seed: int) -> 
     assert not changed.equal
     assert changed.exact
     assert changed.counter_example is not None
+
+
+@pytest.mark.parametrize(("one", "other"), [("cos(26*a1)", "2*cos(13*a1)**2 - 1"), ("cos(pi/5)", "(1 + sqrt(5))/4")])
+def test_angles_that_the_ring_takes_for_unrelated_are_compared_at_points(one: str, other: str) -> None:
+    formulas = (read_formula(text, SCARA.robot) for text in (one, other))
+    assert compare(SCARA.robot, *formulas) == Verdict(equal=True, exact=False)
