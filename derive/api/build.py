@@ -38,7 +38,7 @@ def build(
         targets: Such as ``native``, ``javascript``, or ``all``, beside those of a usual build. Those that the folder
             holds already are renewed with them.
         only: Whether the folder shall hold the named targets alone.
-        force: Whether to build even what has not changed.
+        force: Whether to build again even if nothing has changed.
         effort: ``full``, or ``quick`` for programs with up to a third more operations.
 
     Returns:

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 DESCRIPTION = """\
 Derive the equations of each ROBOT, write NumPy, CasADi and LaTeX files to DIR/<robot>/, and compare every generated
-function with an independent recursion before the folder is put in place. Without ROBOT, the whole catalogue is built.
+function with an independent recursion before the folder is put in place. Without ROBOT, all built-in robots are built.
 
-A folder is replaced as a whole or not at all. What has not changed is not built again; targets that the folder holds
-already stay, and are renewed where they are stale.
+A folder is replaced as a whole or not at all. Robots that have not changed are not built again; targets that the
+folder already holds are kept, and rebuilt where they are out of date.
 
   derive build my-arm.yaml
   derive build scara-perugia puma560-corke --target numpy,c --jobs 2
@@ -30,14 +30,14 @@ already stay, and are renewed where they are stale.
 def configure(parser: argparse.ArgumentParser) -> None:
     """The robots, where to and how."""
     add = parser.add_argument
-    add("robots", metavar="ROBOT", nargs="*", help="robot file or catalogue name (default: the whole catalogue)")
+    add("robots", metavar="ROBOT", nargs="*", help="robot file or built-in robot (default: all built-in robots)")
     add_shared(parser, "folder", default=Path("generated"), help="parent folder (default: generated)")
-    add("--target", metavar="NAME", action="append", help="targets beside the usual ones, or all; several: A,B")
-    add("--only", action="store_true", help="these targets alone; other files of derive in the folder are removed")
-    add("--jobs", metavar="N", type=positive, default=1, help="robots built at once (default 1)")
-    add("--check", action="store_true", help="write nothing; list what is stale and exit with 1")
-    add_shared(parser, "force", help="build even what has not changed")
-    add("--effort", choices=("full", "quick"), default="full", help="quick: no search, up to a third more operations")
+    add("--target", metavar="NAME", action="append", help="further targets, separated by commas, or all")
+    add("--only", action="store_true", help="build only these targets; derive's other files in the folder are removed")
+    add("--jobs", metavar="N", type=positive, default=1, help="number of robots built in parallel (default 1)")
+    add("--check", action="store_true", help="write nothing; list what is out of date and exit with 1")
+    add_shared(parser, "force", help="build again even if nothing has changed")
+    add("--effort", choices=("full", "quick"), default="full", help="quick: no search for cheaper programs")
     add_shared(parser, "quiet", "json")
 
 

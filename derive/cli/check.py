@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 DESCRIPTION = """\
 Read corpus files (a block `robot:` and a list `expected:` of printed quantities) and say for each printed entry whether
 it has the same form as the derived one, is equal to it, or is wrong. Equality is decided exactly; what is wrong is
-shown with the right expression, the smallest change that repairs it, and numbers at which the two differ. What a file
-marks as an erratum is checked as printed, and its correction too. Printed products of frames (a list `items:`) and
-Newton-Euler equations are read as well. Of an entry with a name that the robot does not know nothing can be said; the
-other entries of its file are compared all the same.
+shown with the right expression, the smallest change that repairs it, and numbers at which the two differ. A known
+erratum is checked as printed, and so is its correction. Printed products of frames (a list `items:`) and Newton-Euler
+equations are read as well. Entries with unknown names are skipped
+(exit status 2); the rest is checked.
 
 One formula can be checked without a file, as plain text or as LaTeX. LaTeX may hold several equations and matrices,
-each entry with a verdict of its own, and needs no quantity where its left sides say it. Of a .tex file the displays
-are read; what is not understood there is listed as not compared.
+each entry with its own verdict; --quantity is not needed where the left sides name the quantity. Of a .tex file the
+displayed equations are read; those that are not understood are listed as not compared.
 
-A printed solution of the inverse kinematics is checked as a whole: --quantity inverse, its lines as text between
-semicolons or as LaTeX; all branches, some, or wrong and what repairs it.
+A printed inverse kinematics is checked as a whole with --quantity inverse: its lines as text separated by semicolons,
+or as LaTeX. The verdict says whether all branches are given, some, or which line is wrong and what repairs it.
 
 Formulas may use the shorthand of lecture notes: c12 is cos(q1 + q2), qd1 and qdd1 are velocity and acceleration of q1.
-Exit status 0 all equal, 1 something wrong, 2 a file or formula that cannot be read, an unknown name among them.
+Exit status: 0 all equal, 1 something is wrong, 2 a file, formula or name cannot be read.
 
   derive check notes.yaml
   derive check scara-perugia --quantity 'T[1,4]' --expression 'a1*c1 + a2*c12'

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from typing import Any
 
 DESCRIPTION = """\
-Print a script with which the shell completes commands, options, names of robots, plans, quantities, targets and files.
-The shell reads it when it starts; derive itself is not run while you type. Print it again after an update of derive.
+Print a script that makes the shell complete commands, options, robots, plans, quantities, targets and files.
+The shell reads the script when it starts; derive is not run while you type. Print it again after updating derive.
 
   derive completion bash > ~/.local/share/bash-completion/completions/derive
   derive completion zsh > ~/.zfunc/_derive

@@ -18,7 +18,7 @@ Write the robot file of the same arm in the other Denavit-Hartenberg convention,
 tau are the same functions. Standard to modified puts Trans(x, a_n) Rot(x, alpha_n) into the tool; back puts Rot(x,
 alpha_0) Trans(x, a_0) into the base. Centres of mass, tensors and rotors are seen from the new frames.
 
-There and back gives the same table: comments in the file say what goes back into it.
+Converting twice restores the original table: comments in the file store what is needed.
 
   derive convert stanford-deluca --convention modified -o stanford-mdh.yaml
   derive convert planar-2r-perugia --derivation
@@ -34,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "inertia")
     add("--name", metavar="NAME", help="name of the new robot (default: the same)")
     add_shared(parser, "force", "quiet", "json")
-    add("--derivation", action="store_true", help="print how the factors are regrouped, and that the product is equal")
+    add("--derivation", action="store_true", help="print how the factors are regrouped into an equal product")
     add_shared(parser, "format", choices=("text", "latex"), help="form of the derivation: text (default) or latex")
 
 

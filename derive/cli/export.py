@@ -12,7 +12,7 @@ Write a robot for another program.
 
 urdf: ROS and others; mjcf: MuJoCo; rtb: a Python script for roboticstoolbox (DHRobot); corke: a MATLAB function for
 SerialLink; rigidbodytree: a MATLAB function for the Robotics System Toolbox; csv: the table and the links as numbers.
-What a format cannot say is remarked on standard error and stands in the file's first comment.
+Features that the format lacks are listed on standard error and in the file's first comment.
 
   derive export kuka-kr5 --format urdf -o kr5.urdf
   derive export puma560-corke --format mjcf --inertia possible -o puma.xml

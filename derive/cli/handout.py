@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 DESCRIPTION = """\
-Write the equations of ROBOT as a handout: table, transforms, Jacobian, dynamics, as far as the robot file gives them.
+Write the equations of ROBOT as a handout: table, transforms, Jacobian and, where links are given, dynamics.
 
-Without --tex, --pdf and --html the LaTeX file is written. Options win over the block handout: of the robot file.
+Without --tex, --pdf and --html the LaTeX file is written. Options take precedence over the robot file's handout: block.
 
   derive handout scara-perugia --pdf --html --lang it
   derive handout my-arm.yaml --pdf --parts table,transforms,jacobian --derivation steps
@@ -34,26 +34,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """The robot, the forms, and what is shown."""
     add, parts = parser.add_argument, _reader(lambda text: chosen_parts(text.split(",")))
     add_shared(parser, "robot")
-    add("--tex", action="store_true", help="the LaTeX file; it stands alone (default)")
-    add("--pdf", action="store_true", help="the LaTeX file and the PDF; needs latexmk and pdflatex")
-    add("--html", action="store_true", help="a web page in one file")
-    add_shared(parser, "folder", help="folder of the files (default: the current one); of a fragment, its file")
+    add("--tex", action="store_true", help="write a complete LaTeX file (default)")
+    add("--pdf", action="store_true", help="write LaTeX and PDF; needs latexmk and pdflatex")
+    add("--html", action="store_true", help="write a web page in one file")
+    add_shared(parser, "folder", help="folder for the files (default: the current one); with --fragment, the file")
     add("--parts", metavar="A,B", type=parts, help="only these parts, such as table,jacobian,inertia")
     add_shared(parser, "lang")
-    add("--derivation", choices=[choice.value for choice in Derivation], help="results, or the steps to them too")
+    add("--derivation", choices=[choice.value for choice in Derivation], help="print results, or the steps as well")
     letters = "such as angle=vartheta,inertia=M"
     add("--notation", metavar="NAME=VALUE", type=_reader(_notation), action="append", help=letters)
     grouped = parser.add_mutually_exclusive_group()
     add_shared(grouped, "style", help="how expressions are grouped, as for derive show")
     from_notes = "group expressions as these notes do: a .tex file or a corpus file, see derive style"
     grouped.add_argument("--style-from", metavar="NOTES", help=from_notes)
-    pages = "most pages on paper, the least useful left out (default: 20; 0: all)"
+    pages = "largest number of pages; less important parts are left out (default: 20; 0: no limit)"
     add("--pages", metavar="N", type=_reader(chosen_pages), help=pages)
-    add("--exercise", action="store_true", help="an exercise with room for answers, and its solutions")
-    add("--plan", metavar="PLAN", help="a motion plan of this robot: a part about it, and the arm of the page plays it")
+    add("--exercise", action="store_true", help="write an exercise with room for answers, and its solutions")
+    add("--plan", metavar="PLAN", help="add a part about this motion plan; the web page plays it")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
     add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
-    add_shared(parser, "at", help="joint values that are drawn and computed, in the units of the robot file")
+    add_shared(parser, "at", help="joint values for the figure and the numbers, in the units of the robot file")
     add_shared(parser, "force", "quiet", "json")
 
 

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 DESCRIPTION = """\
 Read a URDF, or a .xacro file, and write the robot file of one of its chains.
 
-Axes become lines in space, and these a Denavit-Hartenberg table by common normals, with a constant base and tool. The
-file's head has a bound of the distance between poses of the table and of the URDF, over all joint values, which is
-proven in ball arithmetic; `derive verify` tests it again. Without -o the file is printed.
+The Denavit-Hartenberg table follows from the joint axes by common normals, with a constant base and tool. The head of
+the file states a bound on the pose error between table and URDF over all joint values, proven in ball arithmetic;
+`derive verify` tests it again. Without -o the file is printed.
 
   derive import panda.urdf --tip panda_hand -o panda.yaml
   derive import ur5.urdf --chain base..tool0 -o ur5.yaml
@@ -32,21 +32,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """The URDF, which chain of it, and where the robot file goes."""
     add = parser.add_argument
     add("file", metavar="FILE", help="URDF or .xacro file; - reads a URDF from standard input")
-    add("--tip", metavar="LINK", help="last link of the chain (default: the only one that carries no other)")
-    add("--chain", metavar="BASE..TIP", help="first and last link; the way may lead up the tree first")
-    add("--all", action="store_true", help="a robot file for every tip, in the folder -o")
+    add("--tip", metavar="LINK", help="end link of the chain (default: the only leaf link)")
+    add("--chain", metavar="BASE..TIP", help="first and end link; the chain may first lead up the tree")
+    add("--all", action="store_true", help="one robot file for every end link, in the folder given by -o")
     add(
         "--convention",
         metavar="NAME",
         help="standard or modified (default: that of the table that the URDF carries, else standard)",
     )
-    add("--snap", default="1e-6", metavar="RAD", help="angles so close to fractions of pi are these (default 1e-6)")
+    add("--snap", default="1e-6", metavar="RAD", help="round angles this close to fractions of pi (default 1e-6)")
     add_shared(parser, "inertia")
-    add("--symbols", action="store_true", help="lengths by name, d1, a2, ..., with their numbers as parameters")
+    add("--symbols", action="store_true", help="name the lengths d1, a2, ... and store their numbers as parameters")
     add("--name", help="name of the robot (default: that of the URDF)")
     add_shared(parser, "out", help="file to write, with --all a folder (default: standard output)")
     add_shared(parser, "force", "quiet", "json")
-    packages = "where xacro looks for packages, or NAME=DIR; repeatable"
+    packages = "folder in which xacro looks for packages, or NAME=DIR; repeatable"
     add("--packages", metavar="DIR", action="append", default=[], help=packages)
     add("--arg", metavar="NAME=VALUE", action="append", default=[], help="argument of xacro; repeatable")
 

@@ -20,18 +20,18 @@ COMMANDS = {
     "list": "list the built-in robots, or motion plans",
     "show": "print quantities of a robot: T, J, B, C, g, A[1], ...",
     "plot": "draw the arm with its frames, or its workspace",
-    "build": "derive, generate and verify models; the main job",
-    "handout": "a sheet to hand out: LaTeX, PDF and web page",
+    "build": "derive the equations, generate code and verify it",
+    "handout": "write a handout: LaTeX, PDF and web page",
     "check": "compare printed formulas with derived ones",
     "style": "find the style of a book from some of its formulas",
     "verify": "compare generated functions with an independent recursion",
-    "move": "a motion from via points: speeds, torques, work; plots, films, simulation",
-    "import": "a robot file from a URDF, with a proven bound of its error",
-    "export": "a robot for another program: URDF, MJCF, MATLAB, ...",
-    "convert": "the same arm in the other Denavit-Hartenberg convention",
-    "new": "write a commented robot file, or a motion plan, to start from",
+    "move": "compute a motion: speeds, torques, work, plots, animations, simulation",
+    "import": "convert a URDF to a robot file, with a proven error bound",
+    "export": "write a robot for another program: URDF, MJCF, MATLAB, ...",
+    "convert": "convert a robot to the other Denavit-Hartenberg convention",
+    "new": "write a commented robot file or motion plan to start from",
     "schema": "print the JSON Schema of the robot file or the motion plan",
-    "completion": "print what lets a shell complete commands, options, robots and quantities",
+    "completion": "print a completion script for the shell",
 }
 # Commands that read robot files.
 OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "new")
@@ -43,7 +43,7 @@ A fit of a hundred rows takes half a millisecond on one thread, and up to a hund
 
 # Objects after which Python looks for garbage; its own 700 cost a tenth of a command that is mostly imports.
 COLLECTED_AFTER = (500_000, 10, 10)
-_DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
+_DESCRIPTION = "Turn a Denavit-Hartenberg table into symbolic equations and verified NumPy, CasADi, C and LaTeX files."
 _EPILOG = """\
 ROBOT is the path of a robot file or a name that `derive list` shows.
 exit status: 0 done, 1 a check failed, 2 wrong input

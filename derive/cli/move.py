@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from derive.motion.simulation.simulation import Run
 
 DESCRIPTION = """\
-Read a plan (the robot, points, the way between them) and print what each segment asks of the joints.
+Read a motion plan (robot, points, paths between them) and print what each segment requires of the joints.
 
 PLAN is the path of a motion plan or a name that `derive list --plans` shows; `derive new NAME --plan ROBOT` writes one
-to start from. Exit status 1: a limit of the robot is exceeded, the simulation diverges, or increments do not close.
+to start from. Exit status 1: a limit of the robot is exceeded, the simulation diverges, or increments do not converge.
 
   derive move scara-pick-and-place
   derive move scara-pick-and-place --plot tau.svg --csv run.csv
@@ -30,21 +30,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """The plan and what is written."""
     add = parser.add_argument
     add("plan", metavar="PLAN", help="motion plan, or the name of a built-in one")
-    add("--simulate", action="store_true", help="run the arm under the plan's control law; files then show that")
+    add("--simulate", action="store_true", help="simulate the closed loop; output files then contain the simulation")
     add("--joints", action="store_true", help="print a row for each joint, with RMS of torque, power and work")
     add("--show", action="store_true", help="print q(t) of every joint and segment instead of the table")
-    add("--hand", action="store_true", help="print the curve of the hand, and how far each joint moves it, instead")
-    add("--increments", metavar="N", type=positive, help="go to each point by N displacements of the hand with J^+")
+    add("--hand", action="store_true", help="print the end-effector path and what each joint adds to its speed")
+    add("--increments", metavar="N", type=positive, help="follow the path in N steps of differential kinematics (J^+)")
     add_shared(parser, "format", choices=("text", "latex"), help="form of --show and --hand: text (default) or latex")
     add("--html", metavar="FILE", type=Path, help="write a web page on which the arm plays the motion")
-    add("--part", metavar="FILE", type=Path, help="write the handout's part about the plan as a sheet: .tex or .pdf")
-    add_shared(parser, "lang", help="language of page and sheet: en, it, pt (default: that of the robot file)")
+    add("--part", metavar="FILE", type=Path, help="write the handout's part about the plan: .tex or .pdf")
+    add_shared(parser, "lang", help="language of page and part: en, it, pt (default: that of the robot file)")
     add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample; - prints them")
     add("--plot", metavar="FILE", type=Path, help="draw q, qd, qdd and tau with their peaks: .pdf, .svg or .png")
-    add("--gif", metavar="FILE", type=Path, help="write a film of the arm")
-    add("--mp4", metavar="FILE", type=Path, help="likewise, where ffmpeg is installed")
+    add("--gif", metavar="FILE", type=Path, help="write an animation of the arm")
+    add("--mp4", metavar="FILE", type=Path, help="write a video of the arm; needs ffmpeg")
     add_shared(parser, "folder", help="write the motion as code: motion.h, motion.c, motion_casadi.py")
-    add("--name", help="what stands before _motion in C (default: the robot's name)")
+    add("--name", help="prefix of _motion in C (default: the robot's name)")
     add_shared(parser, "force", "quiet", "json")
 
 

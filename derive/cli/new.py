@@ -15,8 +15,8 @@ from derive.robot.reading.size_limits import FILE_LIMITS
 
 DESCRIPTION = """\
 Write NAME.yaml, a commented robot file that builds as it is: a typical arm of N joints (3: anthropomorphic, 4: SCARA,
-5 and 6: with a wrist, 7: redundant, any other number: planar), or a copy of another robot, its comments and units kept,
-under the new name; or a motion plan for a robot, or a copy of a built-in one.
+5 and 6: with a wrist, 7: redundant, any other number: planar), or a copy of another robot under the new name, with its
+comments and units; or a motion plan for a robot, or a copy of a built-in plan.
 
   derive new my-arm --joints 3
   derive new my-puma --from puma560-corke
@@ -95,7 +95,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME", help="name of the robot or plan, [a-z0-9-]+; the file is NAME.yaml")
     parser.add_argument("--joints", type=positive, metavar="N", help="number of joints (default 2)")
     parser.add_argument("--from", dest="model", metavar="ROBOT", help="copy this robot file, built-in robot or plan")
-    parser.add_argument("--plan", metavar="ROBOT", help="a motion plan for this robot instead")
+    parser.add_argument("--plan", metavar="ROBOT", help="write a motion plan for this robot instead")
     add_shared(parser, "force", "quiet", "json")
 
 

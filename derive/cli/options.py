@@ -20,19 +20,22 @@ _BODIES: dict[str, Any] = {"choices": ("given", "possible"), "default": "given"}
 
 # Names and settings by what `add_shared` calls them.
 SHARED: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
-    "robot": (("robot",), {"metavar": "ROBOT", "help": "robot file or catalogue name"}),
+    "robot": (("robot",), {"metavar": "ROBOT", "help": "robot file or built-in robot"}),
     "out": (_OUT, {"metavar": "FILE", "type": file_or_stdout, "help": "file to write (default: standard output)"}),
     "folder": (_OUT, {"metavar": "DIR", "type": Path}),
     "at": (("--at",), {"metavar": "V1,V2,...", "action": "append", "default": []}),
     "format": (("--format",), {"metavar": "FORMAT"}),
     "style": (("--style",), {"metavar": "STYLE"}),
     "task": (("--task",), {"metavar": "ROWS"}),
-    "inertia": (("--inertia",), _BODIES | {"help": "bodies as given, or the nearest that exist"}),
+    "inertia": (
+        ("--inertia",),
+        _BODIES | {"help": "keep inertias, or replace inconsistent ones by the closest valid ones"},
+    ),
     "lang": (("--lang",), {"metavar": "CODE", "help": "language: en, it, pt or another that has a message catalogue"}),
     "force": (("--force",), _FLAG | {"help": "overwrite files that exist"}),
-    "strict": (("--strict",), _FLAG | {"help": "remarks on the robot file are errors"}),
-    "quiet": (("--quiet",), _FLAG | {"help": "no progress and no report"}),
-    "json": (("--json",), _FLAG | {"help": "machine-readable output, errors included"}),
+    "strict": (("--strict",), _FLAG | {"help": "treat warnings about the robot file as errors"}),
+    "quiet": (("--quiet",), _FLAG | {"help": "print no progress and no report"}),
+    "json": (("--json",), _FLAG | {"help": "print JSON, errors included"}),
 }
 _POINT = {"-q": "--at"}
 # Of each command the names that options had; they are understood and not shown.

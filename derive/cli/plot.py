@@ -26,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "robot")
     add_shared(parser, "out", type=Path, required=True, help="figure to write: .pdf, .svg or .png")
     add_shared(parser, "at", help="joint values, in the units of the robot file (default rad and m)")
-    add("--workspace", action="store_true", help="draw where the end effector reaches, and its size")
+    add("--workspace", action="store_true", help="draw the workspace of the end effector, with its size")
     add("--size", metavar="FACTOR", type=magnification, default=1.0, help="enlarge the figure (default 1)")
     add_shared(parser, "force", "quiet", "json")
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from derive.robot.robot import Robot
 
 DESCRIPTION = """\
-Print quantities of a robot in the lecture form.
+Print symbolic quantities of a robot in textbook notation.
 
 Indices count from 1; further indices pick an entry: 'B[1,2]', 'T[][1,4]'. A matrix is printed as a grid where it
 fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed. Names of books are
@@ -57,10 +57,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     grouped = "how expressions are grouped: compact, by-geometry, expanded, or options as in a robot file, such as "
     add_shared(parser, "style", help=grouped + "'compact, gravity: body' (default: as the robot file says)")
     add("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)")
-    short = "short names for Christoffel symbols or for constants, with their definitions (B, C, N, Bdot, g, tau)"
+    short = "abbreviate Christoffel symbols or constants, with their definitions (B, C, N, Bdot, g, tau)"
     add("--abbreviate", choices=ABBREVIATIONS, help=short)
     add_shared(parser, "task", help="task of inverse kinematics and singularities: pose, position, or rows (x,y,phi)")
-    add("--given", metavar="JOINTS", help="joints that the inverse kinematics is given, such as q3")
+    add("--given", metavar="JOINTS", help="joints whose values are known to the inverse kinematics, such as q3")
     point = "joint values in the order of the table and in the units of the robot file, and name=value of anything else"
     add_shared(parser, "at", help=point)
     add("--rates", metavar="V1,V2,...", help="joint velocities, in the units of the robot file per second")
@@ -68,7 +68,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     precision = parser.add_mutually_exclusive_group()
     add = precision.add_argument
     add("--digits", type=digit_count, metavar="N", help=f"significant digits of numbers in text and LaTeX ({DIGITS})")
-    add("--exact", action="store_true", help="all digits, as fractions and roots; without --at so are Python and JSON")
+    add("--exact", action="store_true", help="exact fractions and roots (default for Python and JSON without --at)")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -9,11 +9,12 @@ from derive.cli.options import add_shared
 from derive.cli.terminal import DONE, FAILED, one_line, print_json
 
 DESCRIPTION = """\
-Print the block `style:` of a robot file with which most of some printed formulas come out as they are printed, and as
-comments which do not, and why. The formulas are those of corpus files (a block `robot:` and a list `expected:`), all of
+Find the `style:` block with which derive prints most of the given formulas as they are printed; comments list those
+that differ, and why. The formulas are those of corpus files (a block `robot:` and a list `expected:`), all of
 one book, or are given one by one, in the shorthand of lecture notes or as LaTeX.
 
-Formulas without a sum tell nothing. Exit status 0 found, 1 a formula is wrong, 2 a formula that cannot be read.
+A formula with a single term carries no information about the style.
+Exit status: 0 found, 1 a formula is wrong, 2 a formula cannot be read.
 
   derive style notes.yaml
   derive style planar-2r-perugia --example 'B[1,2] = Il2 + ml2*l2**2 + ml2*a1*l2*c2 + kr2*Im2'

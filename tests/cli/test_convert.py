@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from derive.cli import convert
 from derive.robot.robot import Robot
 from tests.cli.command import PENDULUM, derive, refused
 
@@ -67,7 +66,3 @@ def test_a_file_that_is_no_robot_is_refused_at_its_place(tmp_path: Path) -> None
     done = derive("convert", "arm.yaml", folder=tmp_path)
     assert done.status == 2
     assert done.stderr.startswith("derive: error: arm.yaml:7:6: links row 1: unknown key 'mas'")
-
-
-def test_the_command_says_that_there_and_back_is_the_same() -> None:
-    assert "There and back gives the same table" in convert.DESCRIPTION
