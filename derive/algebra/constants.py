@@ -194,7 +194,7 @@ def _evaluate(expression: Expression, numbers: Mapping[str, Expression]) -> Cons
             return multiply(sine(value_of(angle)), reciprocal(cosine(value_of(angle))))
         case Call(function, arguments):
             if function not in _FUNCTIONS:
-                raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")
+                raise QuantityError(f"'{function}' is not allowed in a cell", allowed="allowed: sin, cos, tan, sqrt")
             return _FUNCTIONS[function](value_of(arguments[0]))
 
 

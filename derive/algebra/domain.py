@@ -218,13 +218,14 @@ class PolynomialDomain:
                 return self.cosine_sine(argument)[1]
             case Call(function):
                 raise ExpressionError(
-                    f"{function} in an algebraic expression", allowed="sums and products of sines, cosines and names"
+                    f"{function} in an algebraic expression",
+                    allowed="allowed: sums and products of sines, cosines and names",
                 )
 
     def _number_root(self, value: Fraction) -> Polynomial:
         """A rational's square root from those of primes."""
         if value < 0:
-            raise ExpressionError("square root of a negative number", allowed="real values")
+            raise ExpressionError("square root of a negative number", allowed="allowed: real values")
         if value == 0:
             return self.ring.zero
         factor, primes = square_free(value)
@@ -279,7 +280,8 @@ class PolynomialDomain:
         if count.denominator != 1 or count > MAX_MULTIPLE:
             shown = size if positive else -size
             raise ExpressionError(
-                f"the multiple {shown} of one angle", allowed=f"whole multiples up to {MAX_MULTIPLE} of a common part"
+                f"the multiple {shown} of one angle",
+                allowed=f"allowed: whole multiples up to {MAX_MULTIPLE} of a common part",
             )
         cosine, sine = self.ring.one, self.ring.zero
         for _ in range(int(count)):

@@ -120,7 +120,7 @@ def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool 
     reported = formula_printout(chosen, quantity, formula, latex=latex)
     finding, *others = reported.report.findings
     if others:
-        raise CheckError(f"{len(others) + 1} formulas", allowed="one", remedy="use derive.check_latex")
+        raise CheckError(f"{len(others) + 1} formulas", allowed="allowed: one", remedy="use derive.check_latex")
     return _verdict(finding, reported)
 
 

@@ -102,7 +102,7 @@ def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
     if item.shape is not None and item.shape != right.shape:
         raise CheckError(
             f"{item.quantity}: printed with {item.shape[0]} rows and {item.shape[1]} columns",
-            allowed=f"{right.shape[0]} rows and {right.shape[1]} columns",
+            allowed=f"allowed: {right.shape[0]} rows and {right.shape[1]} columns",
         )
     erratum = item.status == "erratum"
     yield from (_entry(model, item, right, entry, Role.PRINTED, erratum) for entry in item.entries)
@@ -123,7 +123,7 @@ def _entry(
     if entry.row > rows or entry.column > columns:
         raise CheckError(
             f"{item.quantity}: entry {entry.row},{entry.column}",
-            allowed=f"rows 1 to {rows}, columns 1 to {columns}",
+            allowed=f"allowed: rows 1 to {rows}, columns 1 to {columns}",
             location=entry.location,
         )
     row = 0 if (rows, columns) == (1, 1) else entry.row

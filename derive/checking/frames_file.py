@@ -47,7 +47,7 @@ def rotation(axis: str, angle: Expr) -> Matrix:
         angle: Expr [rad], a number or a SymPy expression.
     """
     if axis not in _FIRST_ROW:
-        raise ExpressionError(f"axis {axis!r}", allowed="x, y or z")
+        raise ExpressionError(f"axis {axis!r}", allowed="allowed: x, y or z")
     turn = _scalar(angle)
     # the turn takes axis i to axis j, cyclically: [c -s; s c] in rows and columns i, j
     i = _FIRST_ROW[axis]
@@ -82,7 +82,9 @@ def compose(*frames: Matrix) -> Matrix:
     """The product of frames from left to right, exact and reduced."""
     shapes = [getattr(frame, "shape", None) for frame in frames]
     if not frames or any(shape != (4, 4) for shape in shapes[:-1]) or shapes[-1] not in ((4, 4), (4, 1)):
-        raise ExpressionError(f"frames of shapes {shapes}", allowed="4x4 matrices, the last one 4x4 or a point 4x1")
+        raise ExpressionError(
+            f"frames of shapes {shapes}", allowed="allowed: 4x4 matrices, the last one 4x4 or a point 4x1"
+        )
     factors = [[[expression_from_sympy(entry) for entry in row] for row in frame.tolist()] for frame in frames]
     domain = PolynomialDomain(NO_ROBOT, [e for rows in factors for row in rows for e in row], rates=False)
     # multiplied in the ring modulo s^2 + c^2 = 1, not by SymPy, which reduces nothing
@@ -103,7 +105,9 @@ def _scalar(value: Expr) -> Expr:
     except sympy.SympifyError:
         found = None
     if not isinstance(found, sympy.Expr) or found.is_Matrix:
-        raise ExpressionError(f"value of type {type(value).__name__}", allowed="a number or a SymPy expression")
+        raise ExpressionError(
+            f"value of type {type(value).__name__}", allowed="allowed: a number or a SymPy expression"
+        )
     return expression_to_sympy(expression_from_sympy(found))
 
 
@@ -137,7 +141,7 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
     for key, text in reading.pairs(item, "correct", "a correction"):
         match = _PLACE.fullmatch(key.text)
         if match is None:
-            raise CheckError(f"place {quoted(key.text)}", allowed="row,column", location=key.location)
+            raise CheckError(f"place {quoted(key.text)}", allowed="allowed: row,column", location=key.location)
         corrections[int(match[1]), int(match[2])] = text
     yield from _compared(item, name, reading.child(item, "matrix"), right, corrections)
     for form in reading.items(reading.child(item, "forms"), "forms"):
@@ -170,7 +174,7 @@ def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
 def _elementary(name: str, arguments: list[str], where: Location, known: Mapping[str, Matrix]) -> Matrix:
     if name == "Ref":
         if arguments[0] not in known:
-            raise CheckError(f"Ref to {quoted(arguments[0])}", allowed="the id of an earlier item")
+            raise CheckError(f"Ref to {quoted(arguments[0])}", allowed="allowed: the id of an earlier item")
         return known[arguments[0]]
     turns = name.startswith("Rot")
     numbers = [expression_to_sympy(_formula(argument, where)) for argument in (arguments[1:] if turns else arguments)]
@@ -193,7 +197,7 @@ def _compared(
     said = reading.remark(item)
     rows = reading.rows(matrix, "matrix", "a row")
     if (len(rows), *{len(row) for row in rows}) != right.shape:
-        raise CheckError(f"{name}: printed in another shape", allowed=f"{right.shape}", location=item.location)
+        raise CheckError(f"{name}: printed in another shape", allowed=f"allowed: {right.shape}", location=item.location)
     for i, row in enumerate(rows, 1):
         for j, cell in enumerate(row, 1):
             correction, derived = corrections.get((i, j)), right[i - 1, j - 1]

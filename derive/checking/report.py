@@ -251,7 +251,7 @@ def errata_report(printouts: Sequence[Printout], titles: Mapping[str, str] | Non
         f"named for {found} of them."
     )
     if undecidable:
-        lines[-1] += f" Of {len(undecidable)} more nothing can be said: names that the robot does not know."
+        lines[-1] += f" {len(undecidable)} more were skipped: they use names that the robot does not have."
     lines.append("")
     for title, group in groupby(errors, key=lambda item: item.document.title):
         lines += [f"## {_plain((titles or {}).get(title, title) or 'Formulas')}", ""]

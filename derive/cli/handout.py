@@ -103,12 +103,12 @@ def run(arguments: argparse.Namespace) -> int:
     of_handouts = [*formats, *(name for name in ("exercise", "json", "plan") if getattr(arguments, name))]
     no_folder = arguments.out and (arguments.out == STDOUT or arguments.out.suffix in (".tex", ".pdf", ".html"))
     if arguments.fragment is None and no_folder:
-        allowed = "a handout goes into a folder, a fragment into a file"
-        raise OutputError(f"-o {arguments.out} without --fragment", allowed=allowed, remedy="name a folder")
+        allowed = "allowed: a handout goes into a folder, a fragment into a file"
+        raise OutputError(f"-o {arguments.out} works only with --fragment", allowed=allowed, remedy="name a folder")
     if arguments.fragment is None and arguments.width is not None:
-        raise OutputError("--width without --fragment", remedy="a sheet is as wide as its page")
+        raise OutputError("--width works only with --fragment", remedy="leave it out: a handout is as wide as its page")
     if arguments.fragment is not None and of_handouts:
-        allowed = "a fragment is LaTeX on standard output or in -o FILE"
+        allowed = "allowed: a fragment is LaTeX on standard output or in -o FILE"
         raise OutputError(f"--fragment with --{of_handouts[0]}", allowed=allowed)
     options = {
         **keywords(arguments, "parts", "derivation", "style"),
@@ -134,6 +134,6 @@ def run(arguments: argparse.Namespace) -> int:
         if found is not None:
             print(f"style of {arguments.style_from}: {found.style}; {found.summary}")
         if result.shortened:
-            print("shortened to its number of pages, as its first page says; --pages 0 prints everything")
+            print("shortened to fit --pages; page 1 lists what is missing; --pages 0 prints everything")
         print(f"{len(result.parts)} parts in {result.seconds:.1f} s")
     return 0

@@ -120,7 +120,7 @@ def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool)
                 option = "--abbreviate" if arguments.abbreviate else "--at"
                 raise QuantityError(f"{option} with {name}", remedy=f"ask for {name} without {option}")
             if name == "aspects" and arguments.format in ("latex", "python"):
-                raise QuantityError(f"--format {arguments.format} with {name}", allowed="text and json")
+                raise QuantityError(f"--format {arguments.format} with {name}", allowed="allowed: text and json")
             shown.append((name, model.quantity(name)))
             continue
         if close := near_miss(name, DESCRIBED):

@@ -102,7 +102,7 @@ def remarks_told(*, strict: bool) -> Iterator[None]:
             usual(message, category, *place, **more)
         elif str(message) not in told:
             told.add(str(message))
-            print(f"derive: {coloured('remark:', YELLOW, sys.stderr)} {one_line(str(message))}", file=sys.stderr)
+            print(f"derive: {coloured('warning:', YELLOW, sys.stderr)} {one_line(str(message))}", file=sys.stderr)
 
     with warnings.catch_warnings():
         warnings.simplefilter("error" if strict else "always", RobotFileWarning)

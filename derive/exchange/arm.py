@@ -217,8 +217,8 @@ def _only_tip(urdf: Urdf) -> str:
         remedy = "give a robot with a joint that moves"
         raise RobotFileError(f"{urdf.source}: no joint moves", remedy=remedy)
     if len(ends) > 1:
-        found = f"{urdf.source}: {len(ends)} links carry no other"
-        raise RobotFileError(found, allowed=_some(ends), remedy="write --tip LINK, or --all")
+        found = f"{urdf.source}: the URDF has {len(ends)} end links: {_some(ends)}"
+        raise RobotFileError(found, remedy="choose one with --tip LINK, or import all with --all")
     return ends[0]
 
 

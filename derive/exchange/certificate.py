@@ -111,7 +111,7 @@ def ball(cell: Expression, known: Mapping[str, Expression] | None = None) -> Rea
             return ball(known[name], known)
         case Call(function, (argument,)):
             return getattr(ball(argument, known), function)()
-    raise QuantityError("a table with symbols has no poses in numbers", remedy="give them numbers under parameters:")
+    raise QuantityError("a table with symbols has no numeric poses", remedy="give them numbers under parameters:")
 
 
 def along_z(theta: Real, d: Real) -> Frame:

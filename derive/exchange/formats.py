@@ -78,7 +78,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     """A robot in the format of another program."""
     if to not in FORMS:
         allowed = f"allowed: {', '.join(FORMS)}"
-        raise DeriveError(f"no format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
+        raise DeriveError(f"unknown format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
     form = FORMS[to]
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
@@ -124,7 +124,7 @@ def _remarks_of_mujoco(arm: BodyChain) -> Iterator[str]:
     written = written_bodies(arm)
     bodies = [(str(each.joints.stop), each.body) for each in written if each.body is not None]
     if refused := [link for link, body in bodies if not body.is_possible]:
-        yield f"MuJoCo refuses link {', '.join(refused)}: no body has such an inertia; inertia possible finds others"
+        yield f"MuJoCo refuses link {', '.join(refused)}: inconsistent inertia; inertia: possible finds a valid one"
     if gone := [str(link) for each in written for link in each.joints[1:]]:
         yield (
             f"MuJoCo has no body for link {', '.join(gone)}, without mass or with mass along a joint's axis alone, "

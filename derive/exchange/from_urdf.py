@@ -98,9 +98,9 @@ class Imported:
         ends = " to ".join(self.links)
         count = f"{self.robot.n} joint{'s' * (self.robot.n > 1)}"
         head = f"{count} ({kinds}), {self.robot.convention.value}, {ends}; base and tool constant"
-        snapped = "nothing snapped"
+        snapped = "no angles rounded"
         if n := len(self.changes):
-            snapped = f"snapped: {n} angle{'s' * (n > 1)}, largest change {max(self.changes):.2g} rad"
+            snapped = f"{n} angle{'s' * (n > 1)} rounded, largest change {max(self.changes):.2g} rad"
         return (head, f"{snapped}; {self.certificate}", *self.notes)
 
     def as_dict(self) -> dict[str, object]:
@@ -303,7 +303,7 @@ def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
             yield f"link {body.link}: negative mass {float(body.mass):g} kg"
         xx, yy, zz, xy, xz, yz = body.inertia
         if lack := missing_moment((xx, yy, zz, xy, xz, yz)):
-            yield f"link {body.link}: no body has its inertia (A + B < C by {lack:.2g} kg m^2)"
+            yield f"link {body.link}: physically inconsistent inertia (A + B < C by {lack:.2g} kg m^2)"
     for axis in arm.axes:
         joint = axis.joint
         if joint.limits is not None and axis.limits is None:

@@ -30,8 +30,8 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
         shown = ", ".join(missing[:MOST_SYMBOLS]) + (", ..." if len(missing) > MOST_SYMBOLS else "")
         example = ",".join(f"{name}=0.5" for name in missing[:2])
         raise DeriveError(
-            f"{robot.name}: no number for {shown}",
-            allowed="other programs take numbers alone",
+            f"{robot.name}: symbols without a number: {shown}",
+            allowed="other programs accept numbers only",
             remedy=f"give them under parameters:, or write --values {example}",
         )
     cells = {name: _filled(getattr(robot, name), values) for name in ("joints", "base", "tool", "gravity", "links")}

@@ -56,7 +56,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
     macro = next((child for child in root if _XACRO.match(str(child.tag))), None)
     if macro is not None:
         found = f"an element {quoted('xacro:' + str(macro.tag).rpartition('}')[2])}"
-        raise reader.refused(macro, found, "give it as a file: derive import expands xacro in files alone")
+        raise reader.refused(macro, found, "give it as a file: derive import expands xacro in files only")
     bodies: dict[str, UrdfBody | None] = {}
     joints: dict[str, UrdfJoint] = {}
     for element in sorted(elements, key=lambda element: element.tag == "joint"):  # joints name links
@@ -119,11 +119,13 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
     has_types = root is not None and root.getroottree().docinfo.internalDTD is not None
     if has_types or (errors and b"<!DOCTYPE" in data):
         place = Location(source, data[: max(data.find(b"<!DOCTYPE"), 0)].count(b"\n") + 1)
-        raise RobotFileError("a document type definition", remedy="write the file without DOCTYPE", location=place)
+        raise RobotFileError(
+            "a document type definition is not accepted", remedy="write the file without DOCTYPE", location=place
+        )
     if root is None or errors:
         found = " ".join(errors[0].message.split())[:120] if errors else "an empty file"
         place = Location(source, max(errors[0].line, 1), max(errors[0].column, 1)) if errors else Location(source)
-        raise RobotFileError(f"no XML: {found}", remedy="give a well-formed URDF", location=place)
+        raise RobotFileError(f"not XML: {found}", remedy="give a well-formed URDF", location=place)
     prefixes = sorted({error.message.split()[2] for error in parser.error_log if error.type == unbound})
     slips += [f"the XML prefix {prefix} is not bound" for prefix in prefixes]
     return root, (*slips, *(f"the XML namespace {quoted(name)} is passed over" for name in _without_default(root)))

@@ -31,7 +31,9 @@ _LETTER = 8.0  # a bold letter [pt]
 def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str = "") -> str:
     """LaTeX of a part or a quantity, without a document around it."""
     if width and _WIDTH.fullmatch(width) is None:
-        raise QuantityError(f"width {quoted(width)}", allowed="a number with pt, mm, cm, in or em, such as 84mm")
+        raise QuantityError(
+            f"width {quoted(width)}", allowed="allowed: a number with pt, mm, cm, in or em, such as 84mm"
+        )
     name, context = " ".join(name.split()), context_of(robot, options)
     section = section_of(context, name) if name in PARTS else _quantity(context, name)
     if section is None:
@@ -63,7 +65,9 @@ def _quantity(context: Context, name: str) -> Section:
     if row.name == "inverse" and entry is None:
         blocks = tuple(formulas(context))
         if not blocks:
-            raise QuantityError(f"formulas for {name} of {context.robot.name}", allowed="arms that have a closed form")
+            raise QuantityError(
+                f"formulas for {name} of {context.robot.name}", allowed="allowed: arms that have a closed form"
+            )
         return Section("", "", blocks)
     dynamics, entries, lay_out = context.dynamics, context.entries, context.layouter.lay_out
     match row.name if entry is None and not indices else "":

@@ -73,7 +73,9 @@ def read_formula(
                 raise error.at(place(text, token.offset, start)) from None
     found, limit = substitute(expression, meanings), FORMULA_LIMITS.expanded_terms
     if expanded_terms(found, limit) > limit:  # abbreviations may have made it long
-        raise CheckError("formula has too many terms when multiplied out", allowed=f"at most {limit}", location=start)
+        raise CheckError(
+            "formula has too many terms when multiplied out", allowed=f"allowed: at most {limit}", location=start
+        )
     return found
 
 
@@ -108,7 +110,7 @@ class _Vocabulary:
         if match is None or not variables:
             raise UnknownNameError(
                 f"unknown name {quoted(name)}",
-                allowed="symbols of the robot file, joint variables, their velocities and tokens such as c1, s12, qd1",
+                allowed="allowed: symbols and joint variables of the robot, velocities, tokens such as c1, s12, qd1",
                 remedy=self._hint(name),
             )
         renamed = [_RENAME[match[1]](variable) for variable in variables]
@@ -119,7 +121,7 @@ class _Vocabulary:
     def _sine_or_cosine(self, token: str, function: str, digits: str) -> Expression:
         """The function of the sum of the joint angles whose labels are the digits."""
         if len(digits) > MAX_TOKEN_DIGITS:
-            raise CheckError(f"token {quoted(token)}", allowed=f"at most {MAX_TOKEN_DIGITS} digits")
+            raise CheckError(f"token {quoted(token)}", allowed=f"allowed: at most {MAX_TOKEN_DIGITS} digits")
         # two ways to read the digits that sum the same angles are one: c12 is cos(q1 + q2) in either order
         readings: dict[frozenset[str], tuple[str, ...]] = {}
         whole = ((variable,) for variable in self.revolute.get(digits, ()))

@@ -103,7 +103,9 @@ def expression_from_sympy(expression: Any) -> Expression:
         tree = sympy.sympify(expression, strict=True)
     except sympy.SympifyError:
         kind = type(expression).__name__
-        raise ExpressionError(f"an expression of type {kind}", allowed="numbers and SymPy expressions") from None
+        raise ExpressionError(
+            f"an expression of type {kind}", allowed="allowed: numbers and SymPy expressions"
+        ) from None
     return _tree(tree, {})
 
 

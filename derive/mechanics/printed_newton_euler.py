@@ -169,9 +169,9 @@ def _recursion(
 ) -> PrintedRecursion[S]:
     """Outward, then inward; ``base``: in the axes of frame 0, else those of link i in frame i."""
     if robot.convention is not Convention.STANDARD:
-        raise QuantityError("Newton-Euler equations of lectures", allowed="the standard convention")
+        raise QuantityError("Newton-Euler equations of lectures", allowed="allowed: the standard convention")
     if not robot.has_dynamics:
-        raise QuantityError(f"dynamics of {robot.name}", allowed="robots with `links`")
+        raise QuantityError(f"dynamics of {robot.name}", allowed="allowed: robots with `links`")
     for i, link in enumerate(robot.links, 1):
         rotor = link.motor or Motor()
         if any(cell != ZERO for cell in (rotor.mass, rotor.inertia, link.armature, link.coulomb)):

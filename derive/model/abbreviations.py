@@ -15,7 +15,7 @@ import sympy
 
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
-from derive.errors import QuantityError
+from derive.errors import QuantityError, listed
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.lecture.terms import Terms, partition
 from derive.model.dynamic_model import DynamicModel
@@ -33,9 +33,11 @@ def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matr
     way = by or ("christoffel" if quantity in BY_RATES else "coefficients")
     allowed = {"christoffel": BY_RATES, "coefficients": (*BY_CONSTANTS, *BY_RATES)}
     if way not in allowed:
-        raise QuantityError(f"abbreviations by {way!r}", allowed="christoffel or coefficients")
+        raise QuantityError(f"unknown kind of abbreviations {way!r}", allowed="allowed: christoffel or coefficients")
     if quantity not in allowed[way]:
-        raise QuantityError(f"abbreviations of {quantity!r} by {way}", allowed=", ".join(allowed[way]))
+        raise QuantityError(
+            f"abbreviations by {way} do not apply to {quantity!r}", allowed=f"they apply to {listed(allowed[way])}"
+        )
     writer = _ByChristoffel(model) if way == "christoffel" else _ByCoefficients(model)
     matrix, definitions, letter = _matrix(model, quantity, writer), writer.names.definitions(), writer.names.letter
     if len(definitions) != 1:

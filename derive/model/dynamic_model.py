@@ -91,7 +91,7 @@ class DynamicModel(IdentifiedModel):
             return len(self.kinematics.gravity_vector[i])
         coefficient = self.rate_coefficient(quantity)
         if coefficient is None:
-            raise QuantityError(f"the size of {quantity!r}", allowed="B, C, Bdot, N or g")
+            raise QuantityError(f"the size of {quantity!r}", allowed="allowed: B, C, Bdot, N or g")
         return sum(self.dynamics.expanded_size(coefficient(i, j, k)) for k in range(self.n))
 
     def _require_body(self, i: int) -> None:

@@ -121,7 +121,7 @@ class KinematicModel:
 
     def _require_index(self, i: int, first: int) -> None:
         if not first <= i <= self.n:
-            raise QuantityError(f"index {i}", allowed=f"{first} to {self.n} for {self.robot.name}")
+            raise QuantityError(f"index {i}", allowed=f"allowed: {first} to {self.n} for {self.robot.name}")
 
     # -- frames
 
@@ -313,12 +313,12 @@ class KinematicModel:
             QuantityError: Another kind, or angles that are singular in every configuration.
         """
         if kind not in ("rpy", "zyz"):
-            raise QuantityError(f"J_analytic of kind {kind!r}", allowed="rpy or zyz")
+            raise QuantityError(f"J_analytic of kind {kind!r}", allowed="allowed: rpy or zyz")
         x, y, z = self.R[:, 0 if kind == "rpy" else 2]  # the direction that the second turn tilts
         if x == 0 and y == 0:
             raise QuantityError(
                 f"the analytic Jacobian for {kind}",
-                allowed="angles that are not singular in every configuration of this arm",
+                allowed="allowed: angles that are not singular in every configuration of this arm",
                 remedy=f"use {'rpy' if kind == 'zyz' else 'zyz'}, or the geometric Jacobian J",
             )
         square = x**2 + y**2
@@ -363,7 +363,9 @@ class KinematicModel:
         if len(rows) != len(columns) or not inside:
             found = f"rows {list(rows)} and columns {list(columns)} of J"
             remedy = "name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3"
-            raise QuantityError(found, allowed=f"as many rows (1 to 6) as columns (1 to {self.n})", remedy=remedy)
+            raise QuantityError(
+                found, allowed=f"allowed: as many rows (1 to 6) as columns (1 to {self.n})", remedy=remedy
+            )
         block = [[entries[c - 1][r - 1] for c in columns] for r in rows]
         return self.form.determinant(determinant(block))
 

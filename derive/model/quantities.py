@@ -54,9 +54,9 @@ class Quantity:
         """The quantity of a model."""
         if model.n not in self.joints:
             first, last = self.joints[0], self.joints[-1]
-            allowed = f"{first} joints" if first == last else f"{first} joints or more" if last == ANY[-1] else ""
+            count = f"{first}" if first == last else f"{first} or more" if last == ANY[-1] else f"{first} to {last}"
             found = f"{self.name} of {model.robot.name}, an arm of {model.n} joint{'s' * (model.n != 1)}"
-            raise QuantityError(found, allowed=allowed or f"{first} to {last} joints")
+            raise QuantityError(found, allowed=f"allowed: {count} joints")
         if self.formula is not None:
             return self.formula(model, *indices)
         found = getattr(model, self.name)
@@ -69,7 +69,7 @@ def _frame(model: DynamicModel, *indices: int) -> Matrix:
 
 def _rows(model: DynamicModel, *rows: int) -> Matrix:
     if len(set(rows)) < len(rows) or not all(1 <= row <= 6 for row in rows):
-        raise QuantityError(f"rows {listed(map(str, rows))} of J", allowed="different rows, from 1 to 6")
+        raise QuantityError(f"rows {listed(map(str, rows))} of J", allowed="allowed: different rows, from 1 to 6")
     return model.J.extract([row - 1 for row in rows], list(range(model.n)))
 
 

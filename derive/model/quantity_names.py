@@ -32,7 +32,8 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
     match = _ASKED.fullmatch(written)
     if match is None or not match[1]:
         raise QuantityError(
-            f"quantity {quoted(text)}", allowed="a name with indices, such as T, A[2], B[1,2], christoffel[1,1,2]"
+            f"unknown quantity {quoted(text)}",
+            allowed="allowed: a name with indices, such as T, A[2], christoffel[1,1,2]",
         )
     quantity, named = (REGISTRY[match[1]], ()) if match[1] in REGISTRY else _spoken(model, match[1])
     brackets = [_integers(indices, text) for indices in match.groups()[1:] if indices is not None]
@@ -87,7 +88,7 @@ def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
             i, j = int(above[1]), next((k for k in indices if k != int(above[1])), int(above[1]))
         if above and i > j:
             meanings = f"T[{j},{i}], frame {i} in frame {j}, or T[{i},{j}], its inverse"
-            raise QuantityError(f"{quoted(word)} is read in two ways", allowed=meanings)
+            raise QuantityError(f"{quoted(word)} is ambiguous", allowed=f"it can mean {meanings}")
         return (REGISTRY["A"], (j,)) if letters == "A" and j == i + 1 else (REGISTRY["T"], (i, j))
     row = REGISTRY.get(letters) or _known(model, _key(letters), letters)
     if row is not None and indices and re.fullmatch(r"[A-Za-z]+[\d\W_]+", bare):
@@ -98,9 +99,9 @@ def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
     close = [REGISTRY.get(word.swapcase()), *(row for key in keys for row in _WORDS[key])]
     near = dict.fromkeys(row.name for row in close if row is not None and row.is_of(model.robot))
     if near:
-        raise QuantityError(f"quantity {quoted(word)}", remedy=f"did you mean {' or '.join(near)}?")
+        raise QuantityError(f"unknown quantity {quoted(word)}", remedy=f"did you mean {' or '.join(near)}?")
     names = (row.name for row in REGISTRY.values() if row.is_of(model.robot))
-    raise QuantityError(f"quantity {quoted(word)}", allowed=listed(names))
+    raise QuantityError(f"unknown quantity {quoted(word)}", allowed=f"allowed: {listed(names)}")
 
 
 def _known(model: DynamicModel, key: str, word: str) -> Quantity | None:
@@ -118,7 +119,9 @@ def _integers(text: str | None, whole: str) -> tuple[int, ...]:
         return ()
     parts = [part.strip() for part in text.split(",")]
     if not all(part.isascii() and part.isdigit() and len(part) < 4 for part in parts):
-        raise QuantityError(f"indices in {whole!r}", allowed="whole numbers from 1, separated by commas")
+        raise QuantityError(
+            f"the indices in {whole!r} are not valid", allowed="allowed: whole numbers from 1, separated by commas"
+        )
     return tuple(int(part) for part in parts)
 
 
@@ -126,11 +129,12 @@ def pick(value: Expr, entry: tuple[int, ...], text: str) -> Expr:
     """One entry of a matrix."""
     shape = getattr(value, "shape", None)
     if shape is None:
-        raise QuantityError(f"an entry of {text!r}", allowed="no entry, for it is a scalar")
+        raise QuantityError(f"{text!r} asks for an entry of a scalar", remedy="leave the indices out")
     row, column = (entry[0], 1) if len(entry) == 1 else (entry[0], entry[1])
     vector = len(entry) == 1 and shape[1] != 1
     if vector or not (1 <= row <= shape[0] and 1 <= column <= shape[1]):
         raise QuantityError(
-            f"entry {list(entry)} in {text!r}", allowed=f"rows 1 to {shape[0]}, columns 1 to {shape[1]}"
+            f"entry {list(entry)} of {text!r} is out of range",
+            allowed=f"allowed: rows 1 to {shape[0]}, columns 1 to {shape[1]}",
         )
     return value[row - 1, column - 1]

@@ -153,7 +153,7 @@ class Walker:
 def increments_of(motion: Motion, steps: int) -> list[Increments]:
     """The displacements between the points of a path, each along a straight line from where the plan is."""
     if motion.base is not None:
-        raise QuantityError("increments of an arm whose base moves", allowed="a base that stands")
+        raise QuantityError("increments of an arm whose base moves", allowed="allowed: a base that stands")
     if not motion.plan.steps:
         raise QuantityError("increments go from point to point of a path", remedy="write points: and path:")
     walker, found = Walker(motion.plan.robot, motion.values), []

@@ -65,8 +65,8 @@ def plan_bytes(path_or_name: str | Path) -> bytes:
     path = Path(text)
     if not is_there(path):
         raise UnknownRobotError(
-            f"no file and no built-in plan {quoted(text, 200)}",
-            allowed="allowed: a path to a motion plan, or a name from derive list --plans",
+            f"{quoted(text, 200)} is neither a file nor a built-in plan",
+            allowed="allowed: a path, or a name from derive list --plans",
             remedy=near_miss(path.stem, plan_names()),
         )
     return file_bytes(path)

@@ -76,7 +76,7 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
     root = read_tree(data, source)
     if not isinstance(root, YamlMapping):
         allowed = "allowed: keys such as robot, points, path"
-        raise RobotFileError("this is no motion plan", allowed=allowed, location=Location(source))
+        raise RobotFileError("this is not a motion plan", allowed=allowed, location=Location(source))
     document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
     check_structure(document, PlanFile)
     plan = _PlanReader(document, _robot(document, data)).read()

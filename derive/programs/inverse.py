@@ -250,8 +250,8 @@ def count_text(graph: SolutionGraph) -> str:
     solutions = "one solution" if most == 1 else f"up to {most} solutions"
     if graph.complete and not graph.everywhere:
         return f"Almost every reachable pose has {solutions}; special ones may have more."
-    proof = ", and no more" if graph.complete else " in closed form"
-    return f"A reachable pose has {solutions}{proof} but where joints are free."
+    proof = ", all of them listed" if graph.complete else " in closed form"
+    return f"A reachable pose has {solutions}{proof}, except where joints are free."
 
 
 def _existing(run: GraphWalk[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:

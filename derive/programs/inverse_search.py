@@ -114,8 +114,8 @@ def _summary(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
             "Damped Newton from many starts: there are no formulas, and solutions may be missing. "
             f"At most {MOST_SOLUTIONS} are listed."
         )
-    method = f"from {_eigenvalues(solution)}, each refined by Newton's method"
-    more = ", and no more but where joints are free," if graph.everywhere else ","
+    method = f"computed from {_eigenvalues(solution)}, each refined by Newton's method"
+    more = " (more only where joints are free)," if graph.everywhere else ","
     pose = "A" if graph.everywhere or not graph.complete else "Almost every"
     return f"{pose} reachable pose has up to {solution.count or solution.branches} solutions{more} {method}."
 

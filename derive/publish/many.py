@@ -95,7 +95,9 @@ def _run(
     lost = [index for index in range(len(robots)) if index not in results]
     for index in lost:  # a process died: each robot that it may have been gets one of its own
         alone = _in_processes(work, [robots[index]], 1, progress)
-        results[index] = alone.get(0) or BuildFailure(robots[index].name, DeriveError("the process that built it died"))
+        results[index] = alone.get(0) or BuildFailure(
+            robots[index].name, DeriveError("the process that built it was killed")
+        )
     return [results[index] for index in range(len(robots))]
 
 

@@ -17,7 +17,7 @@ from derive.robot.expression import names
 from derive.robot.reading.document import Document, KeyPath
 
 ROUNDING = Fraction(1, 10**9)  # part of the largest principal moment that rounding may have taken from A + B - C
-REMEDY = "for bodies that exist and give the same torques see derive export --inertia possible"
+REMEDY = "derive export --inertia possible finds consistent inertias with the same torques"
 
 Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]  # xx, yy, zz, xy, xz, yz
 
@@ -42,7 +42,7 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
 def too_large(lacks: Iterable[float]) -> str:
     """What is wrong with tensors by `missing_moment`."""
     amounts = ", ".join(f"{lack:.3g}" for lack in lacks)
-    return f"no body has it, a principal moment is {amounts} kg m^2 larger than the sum of the other two"
+    return f"physically inconsistent: one principal moment exceeds the sum of the other two by {amounts} kg m^2"
 
 
 def impossible_links(robot: Description, values: Mapping[str, Fraction | float]) -> dict[int, float]:

@@ -99,7 +99,8 @@ def joint_values(robot: Description, q: Sequence[float | str]) -> tuple[Expressi
     if len(texts) != robot.n:
         variables = ", ".join(joint.variable for joint in robot.joints)
         raise DeriveError(
-            f"{len(texts)} joint values for {robot.n} joints", allowed=f"allowed: one value for each of {variables}"
+            f"{robot.n} joint values are needed, {len(texts)} given",
+            allowed=f"allowed: one value for each of {variables}",
         )
     return tuple(
         joint_value(robot, joint, typed, joint.variable) for joint, typed in zip(robot.joints, texts, strict=True)
@@ -168,7 +169,7 @@ def typed_point(
                 allowed = f"allowed: {listed((*joints, *symbols))}"
                 raise DeriveError(f"no {quoted(name)} in {robot.name}", allowed=allowed, remedy=near_miss(name, joints))
             if name in point:
-                raise DeriveError(f"{name} twice", remedy="leave one of them out")
+                raise DeriveError(f"{name} is given twice", remedy="leave one of them out")
             point[name] = joint_value(robot, joints.get(name), text, name)
     return dict(robot.parameters) | point
 

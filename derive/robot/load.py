@@ -42,8 +42,8 @@ def catalogue_text(name: str) -> str:
     """The robot file of a built-in robot."""
     if name not in catalogue_names():
         raise UnknownRobotError(
-            f"no catalogue robot {quoted(name)}",
-            allowed="allowed: a name from derive list",
+            f"{quoted(name)} is not a built-in robot",
+            allowed="allowed: a path, or a name from derive list",
             remedy=near_miss(name, catalogue_names()),
         )
     return (_FOLDER / f"{name}{_SUFFIX}").read_text(encoding="utf-8")
@@ -73,8 +73,8 @@ def robot_file_bytes(path_or_name: str | Path) -> bytes:
     path = Path(text)
     if not is_there(path):
         raise UnknownRobotError(
-            f"no file and no catalogue robot {quoted(text, 200)}",
-            allowed="allowed: a path to a robot file, or a name from derive list",
+            f"{quoted(text, 200)} is neither a file nor a built-in robot",
+            allowed="allowed: a path, or a name from derive list",
             remedy=near_miss(path.stem, catalogue_names()),
         )
     return file_bytes(path)

@@ -209,7 +209,7 @@ def _check_coverage(
     try:
         manifest = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     except ValueError as error:
-        raise VerificationError(f"{folder.name}/MANIFEST.json is no JSON: {error}", remedy="build it again") from error
+        raise VerificationError(f"{folder.name}/MANIFEST.json is not JSON: {error}", remedy="build it again") from error
     if not isinstance(manifest, dict):
         manifest = {}
     listed = {*wanted, *manifest.get("operations", ())}

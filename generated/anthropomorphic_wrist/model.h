@@ -182,7 +182,7 @@ void anthropomorphic_wrist_analytic_jacobian_zyz_constants(const double *params,
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 8 solutions, and no more but where joints are free.
+ * A reachable pose has up to 8 solutions, all of them listed, except where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.

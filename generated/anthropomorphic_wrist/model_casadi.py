@@ -26,7 +26,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 8 solutions, and no more but where joints are free.
+beyond 1e30. A reachable pose has up to 8 solutions, all of them listed, except where joints are free.
 Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
 1. shoulder left, elbow up, wrist flipped
 2. shoulder left, elbow up, wrist not flipped

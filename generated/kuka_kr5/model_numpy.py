@@ -199,7 +199,7 @@ def analytic_jacobian_zyz(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 8 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+    A reachable pose has up to 8 solutions, all of them listed, except where joints are free. Rows are branches in a fixed order.
 
     Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
     1. shoulder left, elbow down, wrist not flipped
@@ -228,7 +228,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
         workspace branches coincide and one of them is listed.
 
     Raises:
-        ValueError: T is no pose, or of another shape.
+        ValueError: T is not a valid pose, or of another shape.
 
     Closed form, all branches at once: 206 mul, 141 add, 18 div, 4 sin, 4 cos, 8 sqrt, 21 atan2, 117 cases.
     """
@@ -252,7 +252,7 @@ def inverse_kinematics_nearest(T, q, params=None, tolerance=None):
         q, (..., 6), not a number where no solution is within the limits.
 
     Raises:
-        ValueError: T is no pose, or of another shape.
+        ValueError: T is not a valid pose, or of another shape.
     """
     if tolerance is not None:
         T = _INVERSE.poses.straightened(T, tolerance)
@@ -1938,7 +1938,7 @@ class _Poses:
             found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
         else:
             found = "its rotation mirrors: the determinant is -1"
-        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+        raise ValueError(f"{self.name}: {where} is not a valid pose: {found}")
 
 
 def _is_pose(m):

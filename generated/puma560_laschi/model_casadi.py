@@ -26,7 +26,7 @@ Every parameter has its number in this file.
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 8 solutions, and no more but where joints are free.
+beyond 1e30. A reachable pose has up to 8 solutions, all of them listed, except where joints are free.
 Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
 1. shoulder left, elbow down, wrist flipped
 2. shoulder left, elbow down, wrist not flipped

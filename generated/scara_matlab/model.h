@@ -304,7 +304,7 @@ void scara_matlab_base_parameters(double *result);
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 2 solutions, and no more but where joints are free.
+ * A reachable pose has up to 2 solutions, all of them listed, except where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.

@@ -177,7 +177,7 @@ def analytic_jacobian_rpy(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has one solution, and no more but where joints are free. Rows are branches in a fixed order.
+    A reachable pose has one solution, all of them listed, except where joints are free. Rows are branches in a fixed order.
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -196,7 +196,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
         workspace branches coincide and one of them is listed.
 
     Raises:
-        ValueError: T is no pose, or of another shape.
+        ValueError: T is not a valid pose, or of another shape.
 
     Closed form, all branches at once: 35 mul, 30 add, 2 div, 3 sin, 3 cos, 1 sqrt, 1 atan2, 22 cases.
     Once per set of parameters: 2 mul, 1 add.
@@ -221,7 +221,7 @@ def inverse_kinematics_nearest(T, q, params=None, tolerance=None):
         q, (..., 4), not a number where no solution is within the limits.
 
     Raises:
-        ValueError: T is no pose, or of another shape.
+        ValueError: T is not a valid pose, or of another shape.
     """
     if tolerance is not None:
         T = _INVERSE.poses.straightened(T, tolerance)
@@ -1252,7 +1252,7 @@ class _Poses:
             found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
         else:
             found = "its rotation mirrors: the determinant is -1"
-        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+        raise ValueError(f"{self.name}: {where} is not a valid pose: {found}")
 
 
 def _is_pose(m):

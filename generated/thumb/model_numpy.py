@@ -219,7 +219,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
         workspace branches coincide and one of them is listed.
 
     Raises:
-        ValueError: T is no pose, or of another shape.
+        ValueError: T is not a valid pose, or of another shape.
 
     Closed form, all branches at once: 377 mul, 260 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 164 cases.
     Once per set of parameters: 4 mul, 4 add, 1 cases.
@@ -244,7 +244,7 @@ def inverse_kinematics_nearest(T, q, params=None, tolerance=None):
         q, (..., 5), not a number where no solution is within the limits.
 
     Raises:
-        ValueError: T is no pose, or of another shape.
+        ValueError: T is not a valid pose, or of another shape.
     """
     if tolerance is not None:
         T = _INVERSE.poses.straightened(T, tolerance)
@@ -1966,7 +1966,7 @@ class _Poses:
             found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
         else:
             found = "its rotation mirrors: the determinant is -1"
-        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+        raise ValueError(f"{self.name}: {where} is not a valid pose: {found}")
 
 
 def _is_pose(m):

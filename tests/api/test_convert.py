@@ -32,7 +32,9 @@ def test_bodies_that_exist_are_converted_where_they_are_asked_for() -> None:
     assert made.robot == robot.convert("modified", inertia="possible")
     assert made.robot.links == convert(derive.possible(robot).robot, "modified").robot.links
     assert made.robot.links != convert(robot, "modified").robot.links
-    with pytest.raises(derive.DeriveError, match="no choice of inertia 'posible'; allowed: given, possible; did you"):
+    with pytest.raises(
+        derive.DeriveError, match="unknown choice of inertia 'posible'; allowed: given, possible; did you"
+    ):
         robot.convert("modified", inertia="posible")
 
 

@@ -25,7 +25,7 @@ def test_what_a_format_cannot_say_is_a_warning() -> None:
     with pytest.warns(RobotFileWarning) as told:
         text = derive.export("puma560-corke", "urdf")
     bodies, armature, *_ = (str(one.message) for one in told)
-    assert "links entry 3, inertia: no body has it" in bodies
+    assert "links entry 3, inertia: physically inconsistent" in bodies
     assert armature.startswith("puma560-corke: URDF cannot say the armature of q1")
     assert derive.load("puma560-corke").to_urdf() == text
 
@@ -43,7 +43,7 @@ def test_symbols_of_limits_can_be_chosen_too() -> None:
     )
     text = export(arm, "urdf", values={"a1": 1, "w": 2})
     assert 'lower="-2" upper="2"' in text
-    with pytest.raises(DeriveError, match="no number for w"):
+    with pytest.raises(DeriveError, match="without a number: w"):
         export(arm, "urdf", values={"a1": 1})
 
 

@@ -47,7 +47,7 @@ def test_joint_values_are_in_the_units_of_the_file() -> None:
     assert [to_text(value) for value in joint_values(arm, [90, "250"])] == ["pi/2", "1/4"]
     with pytest.raises(DeriveError, match="pi in the value 'pi/2' of q1"):
         joint_values(arm, ["pi/2", 0])
-    with pytest.raises(DeriveError, match="1 joint values for 2 joints"):
+    with pytest.raises(DeriveError, match="2 joint values are needed, 1 given"):
         joint_values(arm, [0.5])
 
 

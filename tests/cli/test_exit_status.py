@@ -93,7 +93,7 @@ def test_interrupt_from_the_terminal_ends_every_process_with_one_line(jobs: str,
     os.killpg(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=120)
     assert process.returncode in (130, -signal.SIGINT)
-    told = [line for line in errors.splitlines() if not line.startswith("derive: remark: ")]
+    told = [line for line in errors.splitlines() if not line.startswith("derive: warning: ")]
     assert told == ["derive: error: interrupted"]
 
 

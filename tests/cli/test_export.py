@@ -13,7 +13,7 @@ from tests.cli.command import PENDULUM, derive, is_one_message
 def test_the_file_is_written_and_remarks_are_told(tmp_path: Path) -> None:
     done = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
     assert (done.status, done.stdout) == (0, "puma.urdf\n")
-    assert "derive: remark: puma560-corke: URDF cannot say the armature of q1, q2, q3, q4, q5, q6" in done.stderr
+    assert "derive: warning: puma560-corke: URDF cannot say the armature of q1, q2, q3, q4, q5, q6" in done.stderr
     assert (tmp_path / "puma.urdf").read_text().startswith("<?xml")
     again = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
     assert again.status == 2
@@ -40,7 +40,7 @@ def test_the_report_for_scripts_holds_what_the_format_cannot_say(tmp_path: Path)
     assert (report["file"], report["format"]) == ("puma.urdf", "urdf")
     assert [remark["line"] for remark in report["remarks"]] == [31]  # of the robot file: a link that no body can be
     assert report["report"]
-    assert all(f"derive: remark: puma560-corke: {line}" in done.stderr for line in report["report"])
+    assert all(f"derive: warning: puma560-corke: {line}" in done.stderr for line in report["report"])
 
 
 def test_strict_makes_errors_of_remarks(tmp_path: Path) -> None:
@@ -52,7 +52,7 @@ def test_strict_makes_errors_of_remarks(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("planar-2r-perugia", "--to", "urdf"), "no number for a1, a2, g, ml1, l1, Il1, mm1, Im1, ...; "),
+        (("planar-2r-perugia", "--to", "urdf"), "symbols without a number: a1, a2, g, ml1, l1, Il1, mm1, Im1, ...; "),
         (("kuka-kr5", "--to", "sdf"), "'sdf' as --format; allowed: urdf, mjcf, rtb, corke, rigidbodytree, csv"),
         (("kuka-kr5",), "required: --format"),
         (("anthropomorphic-arm", "--to", "csv", "--values", "a2"), "'a2' in --values; allowed: name=value,name=value"),

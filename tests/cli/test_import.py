@@ -31,9 +31,9 @@ def test_a_file_is_written_and_reported_on(folder: Path) -> None:
     assert done.status == 0, done.stderr
     head, snapped, *notes = done.stdout.splitlines()
     assert head == "arm.yaml: 2 joints (RR), standard, l0 to tool; base and tool constant"
-    assert snapped.startswith("  snapped: 2 angles, largest change 3.3e-07 rad; pose error over all limits <= ")
+    assert snapped.startswith("  2 angles rounded, largest change 3.3e-07 rad; pose error over all limits <= ")
     assert notes == [
-        "  link l1: no body has its inertia (A + B < C by 0.1 kg m^2)",
+        "  link l1: physically inconsistent inertia (A + B < C by 0.1 kg m^2)",
         "  not read: safety_controller",
     ]
     assert "inertia" not in done.stderr, "told twice"

@@ -53,7 +53,10 @@ def test_schema_is_a_json_schema_that_accepts_a_robot_file(tmp_path: Path) -> No
 ERRORS = {
     "place": ("show arm.yaml T", {"file": "arm.yaml", "line": 4, "column": 22, "kind": "RobotFileError"}),
     "remark": ("show arm.yaml T --strict", {"file": "arm.yaml", "line": 4, "kind": "RobotFileWarning"}),
-    "name": ("show nobody T", {"kind": "UnknownRobotError", "found": "no file and no catalogue robot 'nobody'"}),
+    "name": (
+        "show nobody T",
+        {"kind": "UnknownRobotError", "found": "'nobody' is neither a file nor a built-in robot"},
+    ),
     "option": ("show arm.yaml --frob", {"kind": "DeriveError", "found": "no option '--frob'"}),
     "usage": ("export arm.yaml", {"kind": "DeriveError", "remedy": "see 'derive export --help'"}),
     "command": ("shwo", {"kind": "DeriveError"}),

@@ -94,7 +94,10 @@ class TestWrongPlans:
     def test_no_such_plan(self, tmp_path: Path) -> None:
         done = derive("move", "scara-pick", folder=tmp_path)
         assert done.status == 2
-        assert "no built-in plan 'scara-pick'; allowed: a path to a motion plan, or a name from derive" in done.stderr
+        assert (
+            "'scara-pick' is neither a file nor a built-in plan; allowed: a path, or a name from derive list --plans"
+            in done.stderr
+        )
 
     def test_options_that_do_not_belong_together(self, tmp_path: Path) -> None:
         plan = written(PENDULUM, tmp_path)

@@ -32,7 +32,7 @@ def folder(tmp_path: Path) -> Path:
 def test_a_remark_is_told_once_and_the_work_is_done(command: tuple[str, ...], folder: Path) -> None:
     done = derive(*command, folder=folder)
     assert done.status == 0
-    assert done.stderr.count(f"derive: remark: {WORDS}") == 1
+    assert done.stderr.count(f"derive: warning: {WORDS}") == 1
     assert "remark" not in done.stdout
 
 
@@ -50,7 +50,7 @@ def test_a_plan_tells_the_remarks_of_its_robot_and_strict_writes_nothing(folder:
     assert (refused.status, refused.stdout, (folder / "run.csv").exists()) == (2, "", False)
     done = derive("move", "plan.yaml", "--csv", "run.csv", folder=folder)
     assert (done.status, (folder / "run.csv").exists()) == (0, True)
-    assert done.stderr.count(f"derive: remark: {WORDS}") == done.stderr.count("\n") == 1
+    assert done.stderr.count(f"derive: warning: {WORDS}") == done.stderr.count("\n") == 1
     assert "remark" not in done.stdout
 
 
@@ -65,8 +65,10 @@ def test_a_plan_is_told_of_bodies_that_do_not_exist_as_its_robot_is(tmp_path: Pa
         f"robot: scara-matlab\npoints: {{a: [0, 0, 1, 0]}}\npath: [a, {{to: a, time: 1, {load}}}]\n"
     )
     done = derive("move", "plan.yaml", folder=tmp_path)
-    assert (done.status, done.stderr.count("no body has it")) == (0, 2)
-    assert ": path entry 2, payload, inertia: no body has it, a principal moment is 1 kg" in done.stderr
+    assert (done.status, done.stderr.count("physically inconsistent")) == (0, 2)
+    assert (
+        ": path entry 2, payload, inertia: physically inconsistent: one principal moment exceeds the sum" in done.stderr
+    )
     assert derive("move", "plan.yaml", "--strict", folder=tmp_path).status == 2
 
 
@@ -92,7 +94,7 @@ def test_python_warns_and_keeps_it(folder: Path) -> None:
 
 
 def test_degrees_that_are_typed_are_remarked_on_like_those_of_a_file(tmp_path: Path) -> None:
-    words = "derive: remark: value '90' of q1 is more than two turns in radians; if degrees are meant write pi/2\n"
+    words = "derive: warning: value '90' of q1 is more than two turns in radians; if degrees are meant write pi/2\n"
     for command in (
         ("show", "scara-perugia", "p", "--at", "90,0,0,0"),
         ("plot", "scara-perugia", "-q", "90,0,0,0", "-o", "a.svg"),
@@ -108,8 +110,11 @@ def test_bodies_that_do_not_exist_are_told_where_dynamics_are_made(name: str, tm
     assert derive("new", "my-scara", "--from", "scara-matlab", folder=tmp_path).stderr == ""
     for command in (("show", name, "B[4,4]"), ("export", name, "--to", "csv"), ("convert", name)):
         done = derive(*command, folder=tmp_path)
-        assert (done.status, done.stderr.count(f"derive: remark: {name}:")) == (0, 1)
-        assert "no body has it, a principal moment is 0.08 kg m^2 larger" in done.stderr
+        assert (done.status, done.stderr.count(f"derive: warning: {name}:")) == (0, 1)
+        assert (
+            "physically inconsistent: one principal moment exceeds the sum of the other two by 0.08 kg m^2"
+            in done.stderr
+        )
         assert derive(*command, "--strict", folder=tmp_path).status == 2
 
 
@@ -129,7 +134,7 @@ def test_bodies_that_do_not_exist_are_not_told_where_they_do_not_matter(tmp_path
 
 def test_building_a_built_in_robot_tells_it(tmp_path: Path) -> None:
     done = derive("build", "scara-matlab", "--target", "numpy", "--effort", "quick", "--json", folder=tmp_path)
-    assert done.stderr.count("no body has it") == 1
+    assert done.stderr.count("physically inconsistent") == 1
     assert len(json.loads(done.stdout)[0]["remarks"]) == 1
 
 

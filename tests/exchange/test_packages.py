@@ -37,7 +37,7 @@ PACKAGES = ("example-robot-data", "rtb-data")
 NO_TABLE = ("is floating", "is planar", "follows", "no joint moves", "joints move", "weigh")
 """Why a chain may be refused."""
 
-BROKEN = ("without links", "no XML")
+BROKEN = ("without links", "not XML")
 """Why a file may be."""
 
 

@@ -221,7 +221,7 @@ def test_bodies_that_mujoco_refuses_are_named_before_and_nothing_is_said_of_thos
     assert mujoco.MjModel.from_xml_string(made.text).nv == 4
     assert not any("refuses" in remark for remark in made.remarks)
     made = exported(numeric("puma560-corke"), "mjcf")
-    assert "MuJoCo refuses link 1, 3: no body has such an inertia; inertia possible finds others" in made.remarks
+    assert "MuJoCo refuses link 1, 3: inconsistent inertia; inertia: possible finds a valid one" in made.remarks
     with pytest.raises(ValueError, match=r"mass|inertia"):
         mujoco.MjModel.from_xml_string(made.text)
     assert callable(mjcf_text)

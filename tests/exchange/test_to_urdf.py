@@ -90,8 +90,12 @@ def test_every_robot_has_every_format_which_says_or_names_what_it_has(to: str) -
 @pytest.mark.parametrize(
     ("to", "inertia", "message"),
     [
-        ("udf", "given", "no format 'udf'; allowed: urdf, mjcf, rtb, corke, rigidbodytree, csv; did you mean 'urdf'?"),
-        ("urdf", "real", "no choice of inertia 'real'; allowed: given, possible"),
+        (
+            "udf",
+            "given",
+            "unknown format 'udf'; allowed: urdf, mjcf, rtb, corke, rigidbodytree, csv; did you mean 'urdf'?",
+        ),
+        ("urdf", "real", "unknown choice of inertia 'real'; allowed: given, possible"),
     ],
 )
 def test_an_unknown_word_gets_one_message(to: str, inertia: str, message: str) -> None:
@@ -118,7 +122,7 @@ def test_numbers_of_the_file_and_of_the_user_take_the_place_of_all_symbols() -> 
 
 
 def test_symbols_without_numbers_and_cells_without_values_are_refused() -> None:
-    with pytest.raises(DeriveError, match=r"arm: no number for b, w; .*; .*--values b=0\.5,w=0\.5"):
+    with pytest.raises(DeriveError, match=r"arm: symbols without a number: b, w; .*; .*--values b=0\.5,w=0\.5"):
         with_numbers(Robot.from_text(ARM))
     with pytest.raises(DeriveError, match="b/c has no finite value"):
         with_numbers(Robot.from_text(ARM), {"b": number(1), "w": number(1), "c": number(0)})

@@ -129,7 +129,7 @@ def test_every_solution_that_stands_alone_is_listed_and_no_more_is_not_claimed(n
         assert all(chain.distance(found, one).min() < 1e-6 for one in true)
     solved = Model(robot).inverse
     assert (solved.count, solved.complete, solved.everywhere) == (1, True, False)
-    assert headline(solved) == "1 solution of almost every pose that is reached; special ones may have more"
+    assert headline(solved) == "1 solution for almost every reachable pose; special poses may have more"
 
 
 def text_of(pattern, seed):

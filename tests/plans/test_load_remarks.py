@@ -99,11 +99,23 @@ plant: {payload: {mass: 1}}
     [
         ("i1", "i1", ""),
         ("[0.1, 0.1, 0.2]", "[0, 0, 0.2]", ""),
-        ("[0.1, 0.1, 0.2]", "[0.1, 0.1, 0.25]", r"10:\d+: path entry 2, payload, inertia: no body has it, .* 0.05 kg"),
-        ("1}}", "1, inertia: [1, 0, 3]}}", r"11:\d+: plant, payload, inertia: no body has it, .* is 2 kg"),
-        ("i3: 0.3", "i3: 0.4", r"8:9: with these values links 1, inertia: no body has it, .* is 0.1 kg m\^2 larger"),
-        ("plant: {", "plant: {i1: 0.6, ", r"11:8: with these plant links 1, inertia: no body has it, .* is 0.2 kg"),
-        ("zz: i3", "zz: 0.6", r"7:\d+: links entry 1, inertia: no body has it, .* is 0.3 kg m\^2 larger"),
+        (
+            "[0.1, 0.1, 0.2]",
+            "[0.1, 0.1, 0.25]",
+            r"10:\d+: path entry 2, payload, inertia: physically inconsistent: .* 0.05 kg",
+        ),
+        ("1}}", "1, inertia: [1, 0, 3]}}", r"11:\d+: plant, payload, inertia: physically inconsistent: .* by 2 kg"),
+        (
+            "i3: 0.3",
+            "i3: 0.4",
+            r"8:9: with these values links 1, inertia: physically inconsistent: .* by 0.1 kg",
+        ),
+        (
+            "plant: {",
+            "plant: {i1: 0.6, ",
+            r"11:8: with these plant links 1, inertia: physically inconsistent: .* by 0.2 kg",
+        ),
+        ("zz: i3", "zz: 0.6", r"7:\d+: links entry 1, inertia: physically inconsistent: .* by 0.3 kg"),
     ],
 )
 def test_what_no_body_is_is_told_once_with_its_place(old: str, new: str, message: str) -> None:

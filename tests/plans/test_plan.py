@@ -87,7 +87,7 @@ def test_a_wrong_plan_is_refused_with_its_place(old: str, new: str, message: str
         (CURVES.replace("sin(t)", "sin(w*t)"), r"the symbol 'w' has no number"),
         (CURVES.replace("time: 5", "sample: 1"), r"<?lan.yaml:2:9: curves: no time; write time: 10"),
         ("robot: planar-2r-perugia\n", r"neither path nor curves"),
-        ("[1, 2]", r"this is no motion plan"),
+        ("[1, 2]", r"this is not a motion plan"),
     ],
 )
 def test_wrong_curves_are_refused(text: str, message: str) -> None:
@@ -202,7 +202,7 @@ def test_the_schema_describes_every_key_and_has_no_null() -> None:
 
 @pytest.mark.parametrize("text", ["a\0b", "x" * 5000, "\ud800.yaml"])
 def test_what_no_file_can_be_called_is_no_plan(text: str) -> None:
-    with pytest.raises(UnknownRobotError, match="no file and no built-in plan"):
+    with pytest.raises(UnknownRobotError, match="is neither a file nor a built-in plan"):
         plan_bytes(text)
 
 
@@ -221,7 +221,7 @@ def test_hand_of_the_skeleton_goes_where_slide_29_says() -> None:
 
 
 def test_what_is_neither_a_file_nor_a_plan_is_named_with_what_was_meant() -> None:
-    with pytest.raises(UnknownRobotError, match=r"no built-in plan 'skeleton-rech'; .*did you mean 'skeleton-reach'"):
+    with pytest.raises(UnknownRobotError, match=r"'skeleton-rech' is neither .*did you mean 'skeleton-reach'"):
         plan_bytes("skeleton-rech")
     assert set(plan_names()).isdisjoint(catalogue_names())
     assert {"scara-pick-and-place", "skeleton-reach"} <= set(plan_names())

@@ -118,7 +118,9 @@ def test_a_puma_takes_every_angle_once() -> None:
     angles = {nodes[node.operands[0]].source for node in nodes if node.op in (Op.SINE, Op.COSINE)}
     assert {source.kind for source in angles if source is not None} == {NEAR}  # where free joints are, and no others
     assert inverse.branches == 8
-    assert inverse.summary == "A reachable pose has up to 8 solutions, and no more but where joints are free."
+    assert (
+        inverse.summary == "A reachable pose has up to 8 solutions, all of them listed, except where joints are free."
+    )
 
 
 def test_joints_that_are_free_are_zero_and_others_follow() -> None:

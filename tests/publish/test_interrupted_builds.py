@@ -87,7 +87,7 @@ def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
         assert process.returncode == 0
     else:
         assert process.returncode in (130, -signal.SIGINT), errors  # by Python itself after an interrupt inside of exec
-        told = [line for line in errors.splitlines() if not line.startswith("derive: remark: ")]
+        told = [line for line in errors.splitlines() if not line.startswith("derive: warning: ")]
         assert told == ["derive: error: interrupted"]
     assert descendants(mark) == []
     assert list(temporary.iterdir()) == []
@@ -110,5 +110,5 @@ def test_processes_that_die_leave_no_temporary_file(tmp_path: Path, monkeypatch:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     robots = [Robot.load("planar-2r-perugia"), Robot.load("scara-perugia")]
     done = many._run(die_over_a_file, robots, 2, None)
-    assert [str(failure.error) for failure in done] == ["the process that built it died"] * 2
+    assert [str(failure.error) for failure in done] == ["the process that built it was killed"] * 2
     assert list(tmp_path.iterdir()) == []

@@ -24,19 +24,18 @@ def remarks(inertia: str, tail: str = "") -> list[str]:
 
 def test_a_tensor_that_no_body_has_is_remarked_on_with_the_amount() -> None:
     (remark,) = remarks("xx: 0.1, yy: 0.02, zz: 0.2")
-    assert remark.startswith(
-        "arm.yaml:8:14: links entry 1, inertia: no body has it, a principal moment is 0.08 kg m^2 "
-    )
+    assert remark.startswith("arm.yaml:8:14: links entry 1, inertia: physically inconsistent: one principal moment ")
     assert "derive export --inertia possible" in remark
     (remark,) = remarks("xx: i1, yy: i1, zz: 3*i1", "parameters: {i1: 0.5}\n")
-    assert "is 0.5 kg m^2 larger" in remark
+    assert "other two by 0.5 kg m^2" in remark
 
 
 def test_several_links_are_one_remark() -> None:
     text = catalogue_text("puma560-corke").replace("inertia: {yy: 0.35}", "inertia: {xx: 0.1, yy: 0.35}")
     (remark,) = Robot.from_text(text, "my.yaml").remarks
     expected = (
-        "links entries 1, 3, inertia: no body has it, a principal moment is 0.25, 0.0075 kg m^2 larger than the sum"
+        "links entries 1, 3, inertia: physically inconsistent: one principal moment "
+        "exceeds the sum of the other two by 0.25, 0.0075 kg m^2"
     )
     assert expected in remark.found
 
@@ -48,13 +47,14 @@ def test_bodies_that_exist_planar_arms_and_symbols_are_not_remarked_on() -> None
 
 def test_a_negative_moment_is_remarked_on_of_planar_arms_too() -> None:
     (remark,) = remarks("zz: -0.2")
-    assert "a principal moment is 0.2 kg m^2 larger" in remark
+    assert "one principal moment exceeds the sum of the other two by 0.2 kg m^2" in remark
 
 
 def test_built_in_robots_are_remarked_on_like_files() -> None:
     copy = Robot.from_text(catalogue_text("puma560-corke"), "my.yaml")
     for (remark,) in (Robot.load("puma560-corke").remarks, copy.remarks):
-        assert "links entry 3, inertia: no body has it, a principal moment is 0.0075 kg m^2 larger" in remark.found
+        assert "links entry 3, inertia: physically inconsistent: " in remark.found
+        assert "by 0.0075 kg m^2" in remark.found
         assert remark.is_of_bodies
 
 

@@ -144,7 +144,7 @@ def test_what_is_no_pose_and_arrays_of_others_are_refused() -> None:
     import jax.numpy as jnp
 
     model, (q, poses) = model_of(GENERAL), poses_of(GENERAL, 2)
-    with pytest.raises(ValueError, match="is no pose"):
+    with pytest.raises(ValueError, match="is not a valid pose"):
         model.inverse_kinematics(2.0 * np.eye(4), PARAMETERS, [0.0])
     with pytest.raises(ValueError, match=r"given must have shape \(1,\)"):
         model.inverse_kinematics(poses, PARAMETERS)

@@ -72,13 +72,15 @@ def _bracketed(part: Vector) -> str:
 def read_vector(text: str, where: Location) -> Vector:
     """A printed vector equation's right-hand side."""
     if len(text) > MAX_LENGTH:
-        raise CheckError("vector equation too long", allowed=f"at most {MAX_LENGTH} characters", location=where)
+        raise CheckError(
+            "vector equation too long", allowed=f"allowed: at most {MAX_LENGTH} characters", location=where
+        )
     try:
         return _VectorBuilder().transform(_parser().parse(text))
     except UnexpectedInput as error:
         at = min(getattr(error, "pos_in_stream", None) or 0, len(text))
         found, there = f"vector equation {quoted(text, 80)}", place(text, at, where)
-        raise CheckError(found, allowed="names, numbers, + - * @, cross(a, b)", location=there) from None
+        raise CheckError(found, allowed="allowed: names, numbers, + - * @, cross(a, b)", location=there) from None
 
 
 @cache

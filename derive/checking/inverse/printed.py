@@ -138,7 +138,7 @@ class PrintedInverse:
         for line in self.lines:
             if len(self._signs(line)) > MAX_SIGNS:
                 found = f"{line.quantity} depends on {len(self._signs(line))} plus-minus signs"
-                raise CheckError(found, allowed=f"at most {MAX_SIGNS}", location=line.formulas[0].location)
+                raise CheckError(found, allowed=f"allowed: at most {MAX_SIGNS}", location=line.formulas[0].location)
 
     def changed(self, line: PrintedLine, formula: PrintedFormula, expression: Expression) -> PrintedInverse:
         """The solution with another expression in the place of one."""

@@ -168,7 +168,7 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLin
     if others and first.primed:
         if not joints(first.expression):
             where = first.formulas[0].location
-            raise CheckError("prime of a name that is no joint variable", remedy="remove it", location=where)
+            raise CheckError("prime of a name that is not a joint variable", remedy="remove it", location=where)
         yield replace(_about(vocabulary, first, others[0].formulas), primed=True)
         return
     if not others:

@@ -49,11 +49,11 @@ def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -
         if len(sides) < 2 or any(not text[a:b].strip() for a, b in sides):
             where = place(text, begin + len(text[begin:end]) - len(text[begin:end].lstrip()), start)
             raise CheckError(
-                "line that is no equation", remedy="write theta1 = ..., one quantity a line", location=where
+                "a line is not an equation", remedy="write theta1 = ..., one quantity a line", location=where
             )
         found.append([_side(text, span, robot, start, signs) for span in sides])
         if len(found) > MAX_LINES:
-            raise CheckError("too many lines", allowed=f"at most {MAX_LINES}", location=start)
+            raise CheckError("too many lines", allowed=f"allowed: at most {MAX_LINES}", location=start)
     return found, WORD.findall(text)
 
 

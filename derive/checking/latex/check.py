@@ -74,7 +74,7 @@ def check_latex(
     if not findings:
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
-        raise CheckError(f"nothing that can be compared: {skipped.reason}", remedy=remedy, location=skipped.location)
+        raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
     return LatexReport(findings, tuple(check.skipped))
 
 
@@ -99,7 +99,7 @@ class _Check:
         found = islice(equations(text, start, document=document, time=has_time), MAX_EQUATIONS + 1)
         self.equations = tuple(found)
         if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
-            allowed = f"at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
+            allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
         if not self.equations:
             raise CheckError("empty formula", remedy="write a formula or an equation", location=start)

@@ -158,7 +158,9 @@ class LatexReader:
         text, longest, deepest = piece.text, FORMULA_LIMITS.text_length, FORMULA_LIMITS.depth
         if len(text) > longest:
             where = self.location(piece.start)
-            raise CheckError(f"formula of {len(text)} characters", allowed=f"at most {longest}", location=where)
+            raise CheckError(
+                f"formula of {len(text)} characters", allowed=f"allowed: at most {longest}", location=where
+            )
         if not text.strip(" \t\r\n$"):
             raise CheckError("empty formula", remedy="write the right-hand side", location=self.location(piece.offset))
         depth = 0
@@ -166,7 +168,7 @@ class LatexReader:
             depth += 1 if match[0] in "([{" else -1
             if depth > deepest:
                 where = self.location(piece.offset + match.start())
-                raise CheckError("brackets nested too deeply", allowed=f"at most {deepest}", location=where)
+                raise CheckError("brackets nested too deeply", allowed=f"allowed: at most {deepest}", location=where)
 
     def _refusal(self, piece: LatexPiece, error: UnexpectedInput) -> CheckError:
         """The message for text that the grammar does not know."""

@@ -294,7 +294,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             shown = f"inverse function {token}^{{-1}}" if exponent else f"{token} in a formula"
             raise _refused(token.start_pos, shown, remedy=r"write \operatorname{atan2}(y, x)")
         if exponent and exponent != number(-1):
-            raise _refused(token.start_pos, "exponent of a function", allowed="^{-1} here")
+            raise _refused(token.start_pos, "exponent of a function", allowed="allowed: ^{-1} here")
         if len(arguments) == 2:
             return self._of_two(token, arguments)
         plain = token.lower().replace("tg", "tan")  # arctg
@@ -309,7 +309,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
     def _power(self, base: Value, exponent: Expression) -> Expression:
         offset = base.offset if isinstance(base, Symbol) else 0
         if not isinstance(exponent, Number) or exponent.value.denominator > 2:
-            raise _refused(offset, "exponent that is no whole number", remedy=r"write roots as \sqrt{}")
+            raise _refused(offset, "the exponent is not a whole number", remedy=r"write roots as \sqrt{}")
         # a half exponent is a root: x^(3/2) = sqrt(x)^3
         tree, value = self._tree(base), exponent.value
         if value == 0:
@@ -318,7 +318,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             tree, value = Call("sqrt", (tree,)), 2 * value
         inner = tree.exponent if isinstance(tree, Power) else 1  # powers of powers are joined
         if abs(value * inner) > FORMULA_LIMITS.exponent:
-            raise _refused(offset, "exponent too large", allowed=f"at most {FORMULA_LIMITS.exponent}")
+            raise _refused(offset, "exponent too large", allowed=f"allowed: at most {FORMULA_LIMITS.exponent}")
         return _bounded(power(tree, int(value)))
 
 
@@ -352,7 +352,7 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
             return _symbol(base, scripts)
         case "accent", (token, base):
             if not isinstance(base, Symbol):
-                raise _refused(token.start_pos, "dot over a formula", allowed="over a joint variable")
+                raise _refused(token.start_pos, "dot over a formula", allowed="allowed: over a joint variable")
             return Symbol(base.text, base.offset, base.dots + (2 if token.type == "DDOT" else 1))
         case (("subscript_group" | "index_group" | "index_subscript"), ((_, offset), *_)):
             return "".join(text for text, _ in children), offset
@@ -368,7 +368,7 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
 def _symbol(base: Value, scripts: list[tuple[str, int]]) -> Symbol:
     """A name with its scripts."""
     if not isinstance(base, Symbol):
-        raise _refused(scripts[0][1] if scripts else 0, "subscript of a formula", allowed="of a name")
+        raise _refused(scripts[0][1] if scripts else 0, "subscript of a formula", allowed="allowed: of a name")
     return Symbol(base.text + "".join(text for text, _ in scripts), base.offset, base.dots)
 
 
@@ -378,13 +378,15 @@ def _bounded(e: Expression) -> Expression:
     if isinstance(first, Number):
         bits = max(first.value.numerator.bit_length(), first.value.denominator.bit_length())
         if bits > FORMULA_LIMITS.number_bits:
-            raise CheckError("number too large or too fine", allowed=f"at most {FORMULA_LIMITS.number_bits} bits")
+            raise CheckError(
+                "number too large or too fine", allowed=f"allowed: at most {FORMULA_LIMITS.number_bits} bits"
+            )
     return e
 
 
 def _number(token: Token) -> Expression:
     if len(token) > FORMULA_LIMITS.digits:
-        raise _refused(token.start_pos, "number with too many digits", allowed=f"{FORMULA_LIMITS.digits}")
+        raise _refused(token.start_pos, "number with too many digits", allowed=f"allowed: {FORMULA_LIMITS.digits}")
     return number(Fraction(str(token).replace("{,}", ".")))
 
 

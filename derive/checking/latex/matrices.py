@@ -49,14 +49,18 @@ class Table:
     def plus(self, other: Table) -> Table:
         """The sum."""
         if self.shape != other.shape:
-            raise CheckError(f"sum of matrices {_size(self)} and {_size(other)}", allowed="matrices of one shape")
+            raise CheckError(
+                f"sum of matrices {_size(self)} and {_size(other)}", allowed="allowed: matrices of one shape"
+            )
         pairs = (zip(a, b, strict=True) for a, b in zip(self.rows, other.rows, strict=True))
         return Table(tuple(tuple(_computed(add(a.formula, b.formula), a, b) for a, b in row) for row in pairs))
 
     def times(self, other: Table) -> Table:
         """The product."""
         if self.shape[1] != other.shape[0]:
-            raise CheckError(f"product of matrices {_size(self)} and {_size(other)}", allowed="shapes that fit")
+            raise CheckError(
+                f"product of matrices {_size(self)} and {_size(other)}", allowed="allowed: shapes that fit"
+            )
         columns = tuple(zip(*other.rows, strict=True))
         return Table(tuple(tuple(_inner(row, column) for column in columns) for row in self.rows))
 
@@ -65,7 +69,7 @@ class Table:
         """Its determinant, expanded along the first row."""
         size = self.shape[0]
         if size != self.shape[1] or size > LARGEST_DETERMINANT:
-            allowed = f"square matrices of up to {LARGEST_DETERMINANT} rows"
+            allowed = f"allowed: square matrices of up to {LARGEST_DETERMINANT} rows"
             raise CheckError(f"determinant of a matrix {_size(self)}", allowed=allowed)
         formula = _expanded(tuple(tuple(entry.formula for entry in row) for row in self.rows))
         return _computed(formula, *chain(*self.rows))

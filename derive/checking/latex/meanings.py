@@ -115,7 +115,7 @@ class Meanings:
             moved = (-turn * place).applyfunc(self._written)
             return sympy.ImmutableMatrix(turn.row_join(moved).col_join(part[size:, :]))
         if part.rows != part.cols or part.rows > LARGEST_INVERSE:
-            raise QuantityError(f"inverse of {target.quantity}", allowed=f"up to {LARGEST_INVERSE} rows")
+            raise QuantityError(f"inverse of {target.quantity}", allowed=f"allowed: up to {LARGEST_INVERSE} rows")
         # the inverse as adjugate over determinant, both reduced
         determinant = self._written(part.det(method="berkowitz"))
         if determinant == 0:

@@ -155,9 +155,9 @@ class LatexNames:
             terms = [term.name for term in self._sum_of_angles(match[2]) if isinstance(term, Name)] if match else []
         if not terms:
             allowed = f"allowed: {', '.join(variables)}"
-            raise CheckError(f"derivative of {text}, which is no joint variable", allowed=allowed)
+            raise CheckError(f"derivative of {text}, which is not a joint variable", allowed=allowed)
         if dots > 2:
-            raise CheckError(f"{dots} dots", allowed="one for a velocity, two for an acceleration")
+            raise CheckError(f"{dots} dots", allowed="allowed: one for a velocity, two for an acceleration")
         return add(*(Name(velocity_name(term) if dots == 1 else acceleration_name(term)) for term in terms))
 
     def _name(self, text: str) -> str:

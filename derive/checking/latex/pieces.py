@@ -105,7 +105,9 @@ def display_piece(plain: str, begin: int, end: int, typed: str, start: Location)
             open_now.append(child)
             if len(open_now) > MAX_NESTED:
                 where = place(typed, match.start(), start)
-                raise CheckError("environments nested too deeply", allowed=f"at most {MAX_NESTED - 1}", location=where)
+                raise CheckError(
+                    "environments nested too deeply", allowed=f"allowed: at most {MAX_NESTED - 1}", location=where
+                )
         elif match["end"]:
             if match["end"] != open_now[-1].name:
                 where = place(typed, match.start(), start)

@@ -100,7 +100,7 @@ def _failing(found: InverseKinematics, step: PrintedStep, write: Print) -> Itera
         return
     where = f"where {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
     if not step.instead:
-        yield f"free {where}"
+        yield f"arbitrary {where}"
         return
     equations = step.instead[0]
     shown = " and ".join(_equation(equation, write) for equation in equations)
@@ -155,9 +155,7 @@ def headline(found: InverseKinematics) -> str:
     if not found.complete:
         return f"at most {found.graph.leaves} solutions"
     count = f"{found.count} solution{'s' if found.count != 1 else ''}"
-    count += (
-        ", and no more" if found.everywhere else " of almost every pose that is reached; special ones may have more"
-    )
+    count += " (complete)" if found.everywhere else " for almost every reachable pose; special poses may have more"
     leaves = found.graph.leaves
     return count if leaves == found.count else f"{count}; {leaves} choices of signs, some of which miss the pose"
 
@@ -168,7 +166,7 @@ def reason(found: InverseKinematics, step: PrintedStep) -> str:
         case NodeKind.GIVEN:
             return "given"
         case NodeKind.SUM:
-            return "by the angles that are known"
+            return "from the angles already found"
         case NodeKind.GENERAL:
             return _general_reason(found, step)
     return _sources(found.robot, step.equations)
@@ -179,15 +177,13 @@ def _general_reason(found: InverseKinematics, step: PrintedStep) -> str:
     hidden, others, eliminated = formula.joints
     (joint,) = step.joints
     if joint in eliminated:
-        return "by linear equations with the joints that are known"
+        return "from linear equations, given the joints found before"
     if joint in others:
         return "from the eigenvector"
     variables = [row.variable for row in found.robot.joints]
     between, without = (", ".join(variables[k] for k in sorted(joints)) for joints in ((hidden, *others), eliminated))
     size = formula.solution.eliminations[0].eigenvalues
-    return (
-        f"by the eigenvalues of a {size}x{size} matrix, of equations between {between} that hold whatever {without} are"
-    )
+    return f"from the eigenvalues of a {size}x{size} matrix: equations in {between} alone, without {without}"
 
 
 def _sources(robot: Robot, equations: Iterable[PrintedEquation]) -> str:

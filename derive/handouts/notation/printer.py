@@ -190,7 +190,9 @@ class LatexPrinter:
         if base.is_Function:
             return self._function(base, raised, depth, closed)
         if not (base.is_Add or base.is_Mul or base.is_Pow or base.is_Rational):
-            raise TargetError(f"no LaTeX for {base}", allowed="exact numbers, pi, symbols and functions of the grammar")
+            raise TargetError(
+                f"no LaTeX for {base}", allowed="allowed: exact numbers, pi, symbols and functions of the grammar"
+            )
         return _bracket(self._sum(base, depth + 1), raised, depth)
 
     def _function(self, call: Any, exponent: Box, depth: int, closed: bool) -> Pieces:

@@ -55,7 +55,7 @@ def singularities_parts(found: Singularities, write: Write) -> dict[str, Any]:
 def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None = None) -> list[str]:
     """The aspects as plain text; joint variables on a path with so many significant digits, None for all."""
     if found.why_not:
-        return [f"aspects are not told apart: {found.why_not}"]
+        return [f"aspects cannot be computed: {found.why_not}"]
     joints = [joint.variable for joint in found.inverse.robot.joints]
     lines = [_counted(found, joints)]
     for number, factor in enumerate(found.factors, 1):
@@ -88,7 +88,7 @@ def _counted(found: Aspects, joints: list[str]) -> str:
         named = listed(joints[k] for k in group.joints)
         return f"aspects ({what}) are not counted: det J depends on {named} together"
     told = "by the signs of" if found.factors else "by the sign of det J"
-    return f"{found.count} aspect{'s' if found.count > 1 else ''}, if no joint has limits: {what}; told apart {told}"
+    return f"{found.count} aspect{'s' if found.count > 1 else ''}, if no joint has limits: {what}; they differ {told}"
 
 
 def _crossing(found: Aspects, joints: list[str], digits: int | None) -> list[str]:
@@ -106,13 +106,13 @@ def _crossing(found: Aspects, joints: list[str], digits: int | None) -> list[str
         least = f"{100 * found.crossing.clearance:.2g} % of its largest value"
         return [
             "cuspidal: it changes posture without meeting a singularity. On the way from one solution of a pose to",
-            f"another one, straight from each column to the next, det J is never less than {least}:",
+            f"another one, along straight lines from column to column, det J is never less than {least}:",
             *(f"   {name:<{width}}  {'  '.join(row)}" for name, *row in rows),
         ]
     if found.shared:
         return [
             f"at {found.shared} of {poses} random poses two solutions have the same signs; no path between them that",
-            "meets no singularity was found, which does not prove that there is none",
+            "avoids singularities was found, which does not prove that none exists",
         ]
     where = f"at {poses} random poses every solution lies in an aspect of its own"
     return [f"{where}: between these the arm changes posture through singularities only"]

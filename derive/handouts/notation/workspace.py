@@ -43,12 +43,12 @@ def workspace_text(reach: Reach, write: Print) -> list[str]:
     if not reach.bounds:
         if reach.is_whole:
             if found.conditions or found.robot.n < _POSE:
-                return ["no bound: where the conditions on the pose hold every joint is real, if none has limits"]
-            return ["every pose is reached, if no joint has limits"]
+                return ["no bound: every joint is real where the conditions on the pose hold, if no joint has limits"]
+            return ["every pose is reachable if no joint has limits"]
         how = f"up to {count}" if found.count else "no closed form"
-        why = f"{variables} real under conditions of more than the position" if variables else "no square root alone"
-        return [f"no bound of the position by itself ({how}; {why})", "the boundary: derive plot --workspace"]
-    lines = ["reached, if no joint has limits:"]
+        why = f"{variables} real under conditions on more than the position" if variables else "no square root alone"
+        return [f"no bound on the position alone ({how}; {why})", "the boundary: derive plot --workspace"]
+    lines = ["reachable region, if no joint has limits:"]
     for bound in reach.bounds:
         numbers = reach.numbers(bound)
         size = ""

@@ -236,7 +236,7 @@ def _notes(_: Text, playback: Playback) -> Iterator[str]:
     if run := playback.run:
         yield _("Simulated: control law %(law)s, friction %(friction)s.", law=run.law, friction=run.friction)
         yield _(
-            "Narrow lines are what happens, broad ones what is wanted; the error is what is wanted less what happens."
+            "Narrow lines show the simulated motion, broad lines the desired one; the error is desired minus simulated."
         )
         if not run.reached:
             yield _("The simulation diverges after %(time)s s.", time=_.number(f"{run.times[-1]:.4g}"))

@@ -260,7 +260,7 @@ def _words(_: Text) -> dict[str, str]:
     return {
         "canvas": _("The robot in three dimensions, in the configuration of the sliders"),
         "hint": _("Drag to turn, right button to shift; click, then scroll to zoom. Arrow keys, + and - work too."),
-        "missing": _("This browser cannot draw in three dimensions (WebGL); sliders and pose work all the same."),
+        "missing": _("This browser cannot draw in three dimensions (WebGL); the sliders and the pose still work."),
         "joints": _("Joint variables"),
         "exact": _("value"),
         "reset": _("Reset joints"),

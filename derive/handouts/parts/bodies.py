@@ -69,7 +69,8 @@ def link_jacobians(context: Context) -> Iterator[Block]:
     opposed = ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0)
     if opposed:
         yield context.paragraph(
-            "The variables of these joints count against their axes, and their columns change sign: %(joints)s.",
+            "The variables of these joints increase against the direction of their axes, so their columns change "
+            "sign: %(joints)s.",
             joints=opposed,
         )
     if has_rotors(context.robot):

@@ -49,8 +49,8 @@ def conversion(context: Context) -> Iterator[Block]:
         yield Paragraph(f"{words[one.is_standard].capitalize()}:")
         yield Rows(tuple(equation_lines([_product(one, base if ends[0] else None, tool if ends[1] else None)])))
     yield context.paragraph(
-        "Each row of the new table has the constant factor of a neighbour; what is left over is in the base or in "
-        "the tool."
+        "Each row of the new table takes the constant factor of a neighbouring row; the remaining factor goes into "
+        "the base or the tool."
     )
     if moved := pack(_moved(context, *ends)):
         yield Rows(tuple(moved))
@@ -109,13 +109,13 @@ def _links(new: Context, found: Conversion) -> Iterator[Block]:
     pairs = enumerate(zip(found.source.links, found.result.links, strict=True), 1)
     changed = [(i, after) for i, (before, after) in pairs if before != after]
     if changed:
-        yield new.paragraph("Frame $i$ of the new table stands elsewhere on link $i$; seen from there:")
+        yield new.paragraph("Frame $i$ of the new table is at another place on link $i$; relative to it:")
     for i, link in changed:
         yield new.paragraph("Link %(index)s:", index=i)
         body = replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO)
         yield Rows(tuple(equation_lines(link_equations(new, body))))
     if found.notes:
         yield new.paragraph(
-            "A rotor whose place the conventions say otherwise stays where it is: the link that carries it makes "
-            "up for the difference."
+            "The two conventions place this rotor differently; it stays where it is, and the link that carries it "
+            "compensates for the difference."
         )

@@ -92,8 +92,8 @@ class _InversePart:
         pose, task = self.found.pose, self.found.graph.task
         if task == POSE:
             yield self.context.paragraph(
-                "Given is the pose $%(end)s$ of the end effector in the world; all values of the joint variables "
-                "are wanted with which the arm reaches it. The entries of the pose are written",
+                "Given the pose $%(end)s$ of the end effector in the world frame, find all values of the joint "
+                "variables that reach it. The entries of the pose are written",
                 end=bold("T").tex,
             )
             cells = [[joined(self._pieces(entry)) for entry in row] for row in pose.tolist()]
@@ -101,8 +101,8 @@ class _InversePart:
         else:
             entries = and_list(_, [self._math(pose[i, j]) for i, j in self.found.graph.places])
             yield self.context.paragraph(
-                "Of the pose $%(end)s$ of the end effector the entries %(entries)s are given; all values of the "
-                "joint variables are wanted with which the arm reaches them.",
+                "Given the entries %(entries)s of the pose $%(end)s$ of the end effector, find all values of the "
+                "joint variables that reach them.",
                 end=bold("T").tex,
                 entries=entries,
             )
@@ -114,8 +114,8 @@ class _InversePart:
             reason = _("Of an arm with %(n)s joints no closed form is derived.", n=n)
         else:
             reason = _(
-                "There is no order of the joints in which each one follows by itself from the pose and the joints "
-                "before it."
+                "The joints cannot be solved one after the other: in no order does each follow from the pose and "
+                "the joints before it."
             )
         rest = _(
             "Its configurations are computed in numbers: Newton's method with the Jacobian, its steps damped near "
@@ -172,9 +172,9 @@ class _InversePart:
                 count=found.count,
             )
         if found.count == 1:
-            return _("A reachable pose has one solution, and no more.")
+            return _("A reachable pose has exactly one solution.")
         words = _(
-            "A reachable pose has %(count)s solutions, real or complex, and no more: no posture is missing below.",
+            "A reachable pose has %(count)s solutions, real or complex; the list below is complete.",
             count=found.count,
         )
         if found.is_explicit and found.graph.leaves > found.count:
@@ -213,7 +213,7 @@ class _InversePart:
         if wrist and len(names) <= 3:
             words, task = _("The wrist centre:"), _("Find the wrist centre from the pose.")
             if found.robot.joints[0].d != ZERO:
-                words = _("The wrist centre, less base and the constant offset of joint 1:")
+                words = _("Wrist centre relative to frame 0, moved by the constant offset of joint 1:")
         else:
             words = _("Without base, tool and what is constant at both ends of the arm the pose is:")
             task = _("Take base, tool and what is constant at both ends of the arm off the pose.")
@@ -253,7 +253,7 @@ class _InversePart:
     ) -> Iterator[Block]:
         _, unknown = self.context.text, self._math(step.unknown)
         if step.kind is NodeKind.SUM:
-            words = _("%(unknown)s follows from the angles that are known:", unknown=unknown)
+            words = _("%(unknown)s follows from the angles already found:", unknown=unknown)
         else:
             source = sources(self.context, step.equations)
             if _is_law_of_cosines(step):
@@ -284,7 +284,7 @@ class _InversePart:
         if step.exists is not sympy.true:
             condition = f"${_relation(step.exists, self._tex)}$"
             yield _(
-                "Real for %(condition)s; with equality, at the boundary of what is reached, its two values are one.",
+                "Real if %(condition)s; at equality (workspace boundary) the two solutions coincide.",
                 condition=condition,
             )
             if merged:
@@ -357,7 +357,7 @@ class _InversePart:
         ]
         words = _("The signs in the formulas of the joints lead to these branches:")
         if any(len(line.alternatives) > 1 for step in self.found.steps for line in step.lines):
-            words = _("The signs in the formulas lead to these branches; of two values, + is the first one:")
+            words = _("The signs in the formulas lead to these branches; + denotes the first of two values:")
         yield Paragraph(words, is_answer=True)
         heads = [_("Posture")] if has_names else []
         heads += [self._math(unknown) for unknown in columns.values()]
@@ -366,8 +366,8 @@ class _InversePart:
     def of_whole_pose(self) -> Iterator[Block]:
         """What changes where the orientation is given, too, of an arm solved for its position."""
         yield self.context.paragraph(
-            "If the orientation is given besides, the arm has fewer joints than the pose has coordinates, and "
-            "fewer of the solutions are left."
+            "If the orientation is also given, the arm has fewer joints than the pose has coordinates, and fewer "
+            "solutions remain."
         )
         yield from self.conditions()
         yield Paragraph(self._number_of_solutions(), is_answer=True)

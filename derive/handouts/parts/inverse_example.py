@@ -76,7 +76,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
     yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
     words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
-    rest = _("These reach it; put into $%(end)s$, each gives the pose back with all of its digits:", end=bold("T").tex)
+    rest = _("All configurations below reach this pose (checked by substitution into $%(end)s$):", end=bold("T").tex)
     yield Paragraph(f"{words} {rest}", is_answer=True)
     yield from _results(context, solutions)
     if len(solutions) > 1:

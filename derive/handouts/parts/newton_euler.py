@@ -102,8 +102,8 @@ def _remarks(context: Context) -> Iterator[Block]:
         )
     if has_rotors(robot):
         yield context.paragraph(
-            "The rotors of the motors are no part of this recursion, which is that of the links; the inertia "
-            "matrix and the equations of motion contain them."
+            "This recursion covers the links only; the rotors of the motors are included in the inertia matrix and "
+            "the equations of motion."
         )
     added = []
     for i, link in enumerate(robot.links, 1):

@@ -109,8 +109,8 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
     if found.task:
         yield context.paragraph("Let $\\mathbf{J}'$ be the Jacobian of the task %(task)s.", task=_task(context, found))
     words = _(
-        "$%(matrix)s$ has %(rows)s rows and %(columns)s columns. Singular are the configurations in which its rank is "
-        "less than usual.",
+        "$%(matrix)s$ has %(rows)s rows and %(columns)s columns. A configuration is singular if its rank is lower "
+        "than usual.",
         matrix=matrix,
         rows=found.shape[0],
         columns=found.shape[1],

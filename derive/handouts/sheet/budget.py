@@ -218,7 +218,7 @@ def _said(document: Document, sections: dict[str, Section], touched: list[str], 
     """The shorter document with a sentence at its head that names what it lacks."""
     titles = ", ".join(section.title for section in document.sections if section.part in touched)
     sentence = text(
-        "To keep within the page limit (%(pages)s) this sheet leaves out all or some of: %(titles)s.",
+        "Omitted or shortened because of the %(pages)s-page limit: %(titles)s.",
         pages=limit,
         titles=titles,
     )

@@ -105,7 +105,7 @@ class Possible:
 def possible(robot: Robot) -> Possible:
     """The nearest physically consistent bodies that give the same torques."""
     if not robot.links:
-        raise DeriveError(f"{robot.name}: no masses and inertias", remedy="give links in the robot file")
+        raise DeriveError(f"{robot.name} has no masses and inertias", remedy="give links in the robot file")
     with exactly():
         domain = ExactDomain(robot)
         chain = bare_chain(robot, domain)
@@ -132,7 +132,7 @@ def possible(robot: Robot) -> Possible:
             if (steps := _decimal_steps(alone, target)) is not None:
                 with suppress(DeriveError):  # rounding left a link a first moment without a mass
                     return _result(robot, chain, domain, combined(among, steps), border)
-        raise DeriveError(f"{robot.name}: bodies with these torques may exist, but the search did not reach any")
+        raise DeriveError(f"{robot.name}: consistent inertias with these torques may exist, but the search found none")
 
 
 def wants_possible(inertia: str) -> bool:
@@ -140,7 +140,7 @@ def wants_possible(inertia: str) -> bool:
     if inertia not in INERTIAS:
         allowed = f"allowed: {', '.join(INERTIAS)}"
         raise DeriveError(
-            f"no choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
+            f"unknown choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
         )
     return inertia == "possible"
 

@@ -54,7 +54,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
         import clarabel
         from scipy import sparse
     except ImportError:
-        found = "finding bodies that exist needs clarabel and SciPy, which are not installed"
+        found = "finding consistent inertias needs clarabel and SciPy, which are not installed"
         raise TargetError(found, remedy=install_extra("exchange")) from None
     kinds = {
         Cone.NOT_NEGATIVE: clarabel.NonnegativeConeT,
@@ -72,7 +72,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
     found = clarabel.DefaultSolver(square, linear, matrix, constant, cones, settings).solve()
     x = np.array(found.x)
     if "Infeasible" in str(found.status) or not np.isfinite(x).all():
-        raise DeriveError(f"the search for bodies ended without any, by rounding: {found.status}")
+        raise DeriveError(f"the search for consistent inertias failed by rounding: {found.status}")
     ends = np.cumsum([len(limit.constant) for limit in limits])
     return Optimum(x, tuple(np.split(np.array(found.z), ends[:-1])))
 

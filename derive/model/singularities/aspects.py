@@ -88,7 +88,7 @@ def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Ma
     determinant = ScaledDeterminant(chain)
     look = None if determinant.basis is None else _Look(inverse, chain, determinant, singular, values)
     if look is None or (not look.is_same and singular.outcome is not Outcome.UNSOLVED):
-        return Aspects(inverse, why_not="no determinant decides the rank of J")
+        return Aspects(inverse, why_not="no single determinant decides the rank of J")
     poses = list(look.poses())
     pairs = [list(look.pairs(q)) for q in poses]
     tried = [pair for near in pairs for pair in near][:PAIRS]

@@ -151,7 +151,9 @@ def _value(graph: Graph, formula: Expr, clock: Value) -> Value:
         base = _value(graph, formula.base, clock)
         return (base if formula.exp.q == 1 else base.sqrt()) ** int(formula.exp.p)
     if formula.func not in _FUNCTIONS:
-        raise QuantityError(f"{formula} has no place in generated code", allowed="sin, cos, tan, sqrt, atan2, sign")
+        raise QuantityError(
+            f"{formula} has no place in generated code", allowed="allowed: sin, cos, tan, sqrt, atan2, sign"
+        )
     return _FUNCTIONS[formula.func](*(_value(graph, argument, clock) for argument in formula.args))
 
 

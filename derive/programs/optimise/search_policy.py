@@ -24,7 +24,7 @@ def effort_named(name: str) -> Effort:
     try:
         return Effort(name)
     except ValueError:
-        allowed = f"one of {', '.join(Effort)}"
+        allowed = f"allowed: one of {', '.join(Effort)}"
         raise DeriveError(f"unknown effort {name!r}", allowed=allowed, remedy="choose one of these") from None
 
 

@@ -83,7 +83,7 @@ class TapeDomain:
                 return argument.sin() / argument.cos()
             case Call("sqrt", (square,)):
                 return self.constant(square).sqrt()
-        raise QuantityError(f"{expression} has no place in a cell", allowed="symbols, sin, cos, tan, sqrt")
+        raise QuantityError(f"{expression} has no place in a cell", allowed="allowed: symbols, sin, cos, tan, sqrt")
 
     def cosine_sine(self, angle: Expression) -> tuple[Value, Value]:
         """Cosine and sine of a constant angle in the robot's symbols [rad]."""

@@ -146,7 +146,7 @@ def chosen_pages(text: str) -> int:
     """A number of pages that somebody wrote."""
     if not (text.isascii() and text.isdigit() and len(text) <= len(str(MOST_PAGES))):
         allowed = f"a whole number such as 20, at most {MOST_PAGES}, 0 for any number"
-        raise QuantityError(f"{quoted(text)} is no number of pages", allowed=f"allowed: {allowed}")
+        raise QuantityError(f"{quoted(text)} is not a number of pages", allowed=f"allowed: {allowed}")
     return int(text)
 
 

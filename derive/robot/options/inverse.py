@@ -68,7 +68,7 @@ def chosen_given(names: Sequence[str], variables: Sequence[str]) -> tuple[str, .
     for k, name in enumerate(names):
         if name not in variables:
             remedy = near_miss(name, variables)
-            raise QuantityError(f"{quoted(name)} is no joint variable", allowed=allowed, remedy=remedy)
+            raise QuantityError(f"{quoted(name)} is not a joint variable", allowed=allowed, remedy=remedy)
         if name in names[:k]:
             raise QuantityError(f"{quoted(name)} is given twice", allowed=allowed, remedy="remove one")
     if len(names) == len(variables):

@@ -34,8 +34,8 @@ def choice_named(kind: type[Choice], name: str, title: str = "") -> Choice:
     try:
         return kind(name)
     except ValueError:
-        allowed = ", ".join(member.value for member in kind)
-        raise QuantityError(f"{title or kind.__name__.lower()} {name!r}", allowed=allowed) from None
+        allowed = f"allowed: {listed(tuple(member.value for member in kind))}"
+        raise QuantityError(f"unknown {title or kind.__name__.lower()} {name!r}", allowed=allowed) from None
 
 
 class Order(StrEnum):
@@ -268,12 +268,14 @@ class Style:
         start = changes.pop("name", DEFAULT_STYLE)
         if start not in NAMED_STYLES:
             allowed = f"allowed: {listed(NAMED_STYLES)}, or options such as gravity: body"
-            raise QuantityError(f"style {quoted(start)}", allowed=allowed, remedy=near_miss(start, NAMED_STYLES))
+            raise QuantityError(
+                f"unknown style {quoted(start)}", allowed=allowed, remedy=near_miss(start, NAMED_STYLES)
+            )
         chosen: dict[str, Any] = {}
         for name, text in changes.items():
             if name not in STYLE_OPTIONS:
                 allowed, remedy = f"allowed: {listed(STYLE_OPTIONS)}", near_miss(name, STYLE_OPTIONS)
-                raise QuantityError(f"style option {quoted(name)}", allowed=allowed, remedy=remedy)
+                raise QuantityError(f"unknown style option {quoted(name)}", allowed=allowed, remedy=remedy)
             chosen[name] = choice_named(STYLE_OPTIONS[name], text, f"{name} of a style")
         return replace(NAMED_STYLES[start], **chosen)
 

@@ -164,7 +164,7 @@ def test_places_are_those_of_the_text_as_it_was_typed(text: str, place: str) -> 
 
 
 def test_a_line_without_an_equals_sign_is_refused_at_its_place() -> None:
-    with pytest.raises(CheckError, match="notes:2:3: line that is no equation"):
+    with pytest.raises(CheckError, match="notes:2:3: a line is not an equation"):
         sides("q1 = 1\n  atan2(a1, a2)")
 
 
@@ -286,7 +286,7 @@ def test_the_cosine_may_be_the_first_argument_where_the_file_says_so(order: str)
     ("block", "message"),
     [
         ("  note: none\n", "needs either 'lines', 'latex' or 'formulas'"),
-        ("  lines: [theta2]\n", "notes.yaml:6:11: line that is no equation"),
+        ("  lines: [theta2]\n", "notes.yaml:6:11: a line is not an equation"),
         ("  lines: ['']\n", "empty solution"),
         ("  lines: [theta2 = 0]\n  task: [x, w]\n", "notes.yaml:7:9"),
         ("  lines: [theta2 = 0]\n  atan2: yz\n", "allowed: yx, xy"),

@@ -75,7 +75,7 @@ def test_it_reads_as_the_plain_formula(latex: str, plain: str) -> None:
         (r"\cos^{-1} q_1", 1, "inverse function"),
         (r"\cos", 5, "ends too early"),
         (r"\theta_3", 1, "joint 3 is prismatic"),
-        (r"\dot{a}_1", 6, "no joint variable"),
+        (r"\dot{a}_1", 6, "not a joint variable"),
         (r"\dddot{q}_1", 1, "unknown macro"),
         (r"a_1'", 4, "prime"),
         (r"a_1 & c_1", 5, "one entry"),

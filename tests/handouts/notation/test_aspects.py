@@ -42,4 +42,4 @@ def test_a_cuspidal_arm_is_called_so_with_the_path() -> None:
 
 
 def test_an_arm_without_aspects_says_why() -> None:
-    assert text(Robot.load("thumb")) == ["aspects are not told apart: no determinant decides the rank of J"]
+    assert text(Robot.load("thumb")) == ["aspects cannot be computed: no single determinant decides the rank of J"]

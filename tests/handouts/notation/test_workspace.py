@@ -14,7 +14,7 @@ def lines(name: str, form: str) -> list[str]:
 
 def test_a_ring_is_written_with_its_radii() -> None:
     assert lines("planar-2r-perugia", "text") == [
-        "reached, if no joint has limits:",
+        "reachable region, if no joint has limits:",
         "   abs(a1 - a2) <= sqrt(px**2 + py**2) <= a1 + a2: between two circles, q2 is real",
         "2 solutions inside",
     ]

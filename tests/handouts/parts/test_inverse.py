@@ -132,7 +132,7 @@ def test_a_teacher_says_which_entries_are_squared_and_added_and_names_the_law_of
     assert "entries $(1,4)$, $(2,4)$ and $(3,4)$ of $\\mathbf{T}$, squared and added: the law of cosines." in words(
         section
     )
-    assert "A reachable pose has 2 solutions, real or complex, and no more" in words(section)
+    assert "A reachable pose has 2 solutions, real or complex" in words(section)
     assert "This happens at a singularity of the arm: $s_{2} = 0$" in words(section)
     rows = next(block for block in section.blocks if isinstance(block, Table)).rows
     assert rows == (("1", "elbow down", "$+$"), ("2", "elbow up", "$-$"))

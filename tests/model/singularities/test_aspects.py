@@ -117,7 +117,8 @@ def test_a_crx_is_cuspidal() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "why"), [("thumb", "no determinant"), ("kuka-lwr4", "more joints"), ("skeleton-root", "more joints")]
+    ("name", "why"),
+    [("thumb", "no single determinant"), ("kuka-lwr4", "more joints"), ("skeleton-root", "more joints")],
 )
 def test_arms_without_a_determinant_say_so(name: str, why: str) -> None:
     found = aspects(name)

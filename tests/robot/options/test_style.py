@@ -57,7 +57,7 @@ def test_the_block_of_the_file_has_a_key_for_every_option_and_its_values() -> No
         ("roman", r"style 'roman'; allowed: compact, by-geometry, expanded, or options such as gravity: body"),
         ("by-geometri", r"did you mean 'by-geometry'\?"),
         ("gravty: body", r"style option 'gravty'; allowed: rotations.*; did you mean 'gravity'\?"),
-        ("gravity: mass", r"gravity of a style 'mass'; usual, body, geometry"),
+        ("gravity: mass", r"unknown gravity of a style 'mass'; allowed: usual, body, geometry"),
         ("gravity: body, gravity: body", r"'gravity' twice"),
         ("", r"style ''"),
     ],
