@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-sweep test-release test-robots test-toolbox test-fast check errata generated-check verify-generated messages bench golden wheel wheel-smoke docs system-packages clean
+.PHONY: all setup models test test-sweep test-release test-pages test-robots test-toolbox test-fast check errata generated-check verify-generated messages bench golden wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -24,7 +24,7 @@ models: $(READY)
 
 # Some six minutes on two cores.
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release and not robots and not toolbox'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release and not pages and not robots and not toolbox'
 
 # More robots of the same kinds; with BASE=REVISION those that what has changed since can reach. CI takes a share.
 test-sweep: $(READY)
@@ -33,6 +33,10 @@ test-sweep: $(READY)
 # All cases with seeds that nobody has seen, all robots in all documents, interrupts at many moments: more than an hour, before a release.
 test-release: $(READY)
 	DERIVE_NEW_EXAMPLES=$$(date +%s) $(BIN)/python -m pytest -n 2 --dist worksteal -m 'sweep or release'
+
+# Every command that docs/ shows, a minute: CI runs them.
+test-pages: $(READY)
+	$(BIN)/python -m pytest -n 2 -m pages tests/docs
 
 # All chains of two packages of URDFs, 180 MB: CI runs them.
 test-robots: $(READY)
@@ -45,7 +49,7 @@ test-toolbox: $(READY)
 	DERIVE_REQUIRE_TOOLBOX=1 $(BIN)/python -m pytest -m toolbox tests/exchange/test_scripts.py tests/bench/test_trajectories.py
 
 test-fast: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep and not release and not robots and not toolbox'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep and not release and not pages and not robots and not toolbox'
 
 check: $(READY)
 	$(BIN)/ruff check .
