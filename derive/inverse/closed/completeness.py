@@ -9,7 +9,7 @@ of the graph has a value, which is so at one of many poses. Graphs with quartics
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -70,9 +70,10 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
             closes &= (ours - pose[row][column]).values == 0
         for excess in _off_circle(leaf):
             closes &= excess.values == 0
-        closing.append(closes)
-    counts = [_distinct(leaves, closing, int(k)) for k in good[:_COUNTED]]
-    return max(counts)
+        flat = [np.broadcast_to(x.values, (_SAMPLES, 1))[:, 0] for own in leaf.joints for x in own]
+        closing.append((closes[:, 0], np.stack(flat, axis=1)))
+    # Of leaves that lead to the pose each different one counts.
+    return max(len({tuple(leaf[k].tolist()) for closes, leaf in closing if closes[k]}) for k in good[:_COUNTED])
 
 
 def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> int:
@@ -112,16 +113,6 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
 def _off_circle(leaf: Leaf[Any, Any]) -> list[Any]:
     """By how much c^2 + s^2 of the joints differ from 1: a pose may be right with pairs that are of no angle."""
     return [pair[0] * pair[0] + pair[1] * pair[1] - 1 for pair in leaf.joints if len(pair) == 2]
-
-
-def _distinct(leaves: Sequence[Leaf[Residue, Any]], closing: Sequence[Any], sample: int) -> int:
-    """How many different leaves lead to the pose of one sample."""
-    found = set()
-    for leaf, closes in zip(leaves, closing, strict=True):
-        if closes[sample, 0]:
-            numbers = [np.broadcast_to(x.values, (len(closes), 1))[sample, 0] for own in leaf.joints for x in own]
-            found.add(tuple(map(int, numbers)))
-    return len(found)
 
 
 def _half_angle(sampled: InverseDomain, residues: ResidueDomain, joint: int, field: PrimeField) -> Residue:

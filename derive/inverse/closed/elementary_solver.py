@@ -139,7 +139,13 @@ class Solver(Generic[N, M]):
                 no = self.field.truth(False)
                 return [Branch((self.field.divide(-b, a),), self.field.truth(True), no, no)]
             case NodeKind.QUADRATIC:
-                return self._two_lengths(formula.equations[0])
+                # r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none.
+                f, size = self.field, self.reach * self.reach
+                a, b, c = (self.evaluate(formula.equations[0].coefficient(k)) for k in (2, 1, 0))
+                if not formula.equations[0].coefficient(1):
+                    return self._both(f.divide(-c, a), size, lambda e, root: (e * root,))
+                radicand = b * b - 4 * (a * c)
+                return self._both(radicand, a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
             case NodeKind.TYPE_2:
                 return self._angles(formula.equations[0])
             case NodeKind.TYPE_3:
@@ -164,16 +170,6 @@ class Solver(Generic[N, M]):
         for _ in range(sum(equation.dimension for equation in equations)):
             scale = scale * self.reach
         return scale
-
-    def _two_lengths(self, equation: NodeEquation) -> list[Branch[N, M]]:
-        """r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none."""
-        f = self.field
-        a, b, c = (self.evaluate(equation.coefficient(k)) for k in (2, 1, 0))
-        size = self.reach * self.reach
-        if not equation.coefficient(1):
-            return self._both(f.divide(-c, a), size, lambda e, root: (e * root,))
-        radicand = b * b - 4 * (a * c)
-        return self._both(radicand, a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
 
     def _both(self, radicand: N, size: N, value: Callable[[int, N], tuple[N, ...]]) -> list[Branch[N, M]]:
         """The branches of a square root, the second one only where it can be told from the first."""

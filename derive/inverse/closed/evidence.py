@@ -291,9 +291,6 @@ class Evidence:
         for joint, row in enumerate(self.robot.joints):
             if name == row.variable:
                 return self.slides[joint].reshape(self.poses, self._width)[:, 0]
-        return self._turn_number(name)
-
-    def _turn_number(self, name: str) -> Array:
         for g, group in enumerate(self.domain.groups):
             for u, v in combinations(range(len(group) + 1), 2):
                 names = self.domain.unknown(*group[u:v]).generators

@@ -69,7 +69,7 @@ class Provenance:
     entry: str  # which entry or invariant of both sides
     outer_left: bool = False  # whether M begins behind the offset of its first joint
     outer_right: bool = False  # whether M ends before the offset of its last joint
-    also: Provenance | None = None  # another equation, with which an unknown was eliminated (`pairs`)
+    also: Provenance | None = None  # another equation, with which an unknown was eliminated (`unknowns.without`)
 
 
 @dataclass(frozen=True)

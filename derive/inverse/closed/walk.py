@@ -19,7 +19,7 @@ from typing import Generic
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.elementary_solver import ILL, Branch, Field, M, N, Solver
 from derive.inverse.closed.graph import Node, SolutionGraph
-from derive.inverse.closed.nodes import NodeFormula, NodeKind, Unknown
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.unknowns import turned
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
@@ -126,14 +126,19 @@ class GraphWalk(Generic[N, M]):
             for known in map(self.graph.nodes.__getitem__, node.needs):
                 for unknown, numbers in zip(known.unknowns, self._value(known, chosen).numbers, strict=True):
                     scope.update(zip(unknown.generators, numbers, strict=True))
-            values = self._solve(node, scope)
-            if node.kind is NodeKind.SUM:
-                # A sum of angles is free where one of them is.
-                free = no
-                for need in node.needs:
-                    free = free | self._value(self.graph.nodes[need], chosen).free
-                values = [replace(values[0], free=free)]
-            table[branches] = values
+            if node.kind is not NodeKind.SUM:
+                table[branches] = self._solve(node, scope)
+                continue
+            # A sum of angles is free where one of them is.
+            total: tuple[N, ...] = ()
+            for part, sign in node.formulas[0].parts:
+                cosine, sine = (scope[name] for name in part.generators)
+                signed = (cosine, sine if sign > 0 else -sine)
+                total = turned(total, signed) if total else signed
+            free = no
+            for need in node.needs:
+                free = free | self._value(self.graph.nodes[need], chosen).free
+            table[branches] = [Value((total,), self.field.truth(True), free, no, no, no)]
 
     def _value(self, node: Node, chosen: Mapping[int, int]) -> Value[N, M]:
         axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
@@ -146,8 +151,6 @@ class GraphWalk(Generic[N, M]):
             return [Value(numbers, exists, no, no, yes, no) for numbers, exists in f.general(first, scope)]
         if node.kind is NodeKind.GIVEN:
             return [Value((self._of_variable(unknown.joints[0], self.given),), yes, no, no, no, no)]
-        if node.kind is NodeKind.SUM:
-            return [Value((self._sum(first, scope),), yes, no, no, no, no)]
         # Elementary: the formulas in turn, each where those before do not determine the unknown.
         solver = Solver(f, lambda p: self.evaluate(p, scope), self.reach)
         values: list[Value[N, M]] = []
@@ -166,7 +169,11 @@ class GraphWalk(Generic[N, M]):
             if f.never(open_):
                 return values
         # Where no formula serves the unknown is free, and stays where the caller has it.
-        rest = self._of_variable(unknown.joints[0], self.near) if len(unknown.joints) == 1 else self._rest(unknown)
+        rest = self._of_variable(unknown.joints[0], self.near)
+        if len(unknown.joints) > 1:
+            rest = (f.number(1), f.number(0))
+            for joint, sign in zip(unknown.joints, unknown.signs, strict=True):
+                rest = turned(rest, self._of_variable(joint, self.near), sign)
         free = Branch(rest, yes, no, no)
         return [replace(value, free=open_) for value in self._merge(node, values, open_, [free])]
 
@@ -197,34 +204,14 @@ class GraphWalk(Generic[N, M]):
         number = shift if values is None else values[place] + shift
         return self.field.cosine_sine(number) if graph.robot.joints[joint].is_revolute else (number,)
 
-    def _rest(self, unknown: Unknown) -> tuple[N, ...]:
-        """The sum of angles at the caller's configuration."""
-        total = (self.field.number(1), self.field.number(0))
-        for joint, sign in zip(unknown.joints, unknown.signs, strict=True):
-            total = turned(total, self._of_variable(joint, self.near), sign)
-        return total
-
-    def _sum(self, formula: NodeFormula, scope: Mapping[str, N]) -> tuple[N, ...]:
-        total: tuple[N, ...] = ()
-        for part, sign in formula.parts:
-            cosine, sine = (scope[name] for name in part.generators)
-            signed = (cosine, sine if sign > 0 else -sine)
-            total = turned(total, signed) if total else signed
-        return total
-
-    def _generator(self, index: int, values: Mapping[str, N]) -> N:
-        name = self.graph.domain.ring.names[index]
-        if name in values:
-            return values[name]
-        if name not in self.constants:
-            self.constants[name] = self.field.constant(self.graph.domain.generators[index].expression)
-        return self.constants[name]
-
     def _horner(self, plan: Plan, values: Mapping[str, N]) -> N:
         if isinstance(plan, Fraction):
             return self.field.number(plan)
         index, quotient, rest = plan
-        generator = self._generator(index, values)
+        name = self.graph.domain.ring.names[index]
+        if name not in values and name not in self.constants:
+            self.constants[name] = self.field.constant(self.graph.domain.generators[index].expression)
+        generator = values[name] if name in values else self.constants[name]
         if quotient == 1 or quotient == -1:
             product_ = generator if quotient == 1 else -generator
         else:

@@ -19,10 +19,9 @@ from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
-from derive.inverse.words.branch_names import Vector
 from derive.inverse.words.derivation import PrintedDerivation
 from derive.inverse.words.elementary import PrintedLine, Sign
-from derive.inverse.words.postures import postures
+from derive.inverse.words.postures import Vector, postures
 from derive.lecture.matrices import aligned_latex
 from derive.lecture.point import DIGITS, value_of, written
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
@@ -93,23 +92,7 @@ class Verification:
 class InverseKinematics:
     """How the joint variables of an arm follow from its pose, every branch.
 
-    Args:
-        graph: The graph of its elementary equations.
-        robot: The robot.
-        style: How sums are grouped.
-        asked: Task and given joints, where they are not those of the file.
-
-    Attributes:
-        graph: The graph of its elementary equations.
-        robot: The robot.
-        count: The number of solutions of a generic reachable pose, over the complex numbers.
-        complete: Whether it is certain that no solution is missing.
-        everywhere: Whether it is certain that no pose has more isolated solutions.
-        definitions: Names for what base, tool and the offsets at both ends make of the pose: the wrist centre.
-        steps: How each unknown is found, in order.
-        sums: Names of sums of joint variables: ``q2 + q3`` -> ``q23``.
-        conditions: What holds at reachable poses of an arm with fewer than six joints.
-        written: Writes a polynomial of the graph as it is printed, in the names of the pose within the arm.
+    Task and given joints are ``asked`` for where they are not those of the file.
     """
 
     def __init__(self, graph: SolutionGraph, robot: Robot, style: Style, asked: tuple[Any, ...] = ()) -> None:
@@ -117,8 +100,13 @@ class InverseKinematics:
         self._origin = (robot, style, *asked)
         self._variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
         printed = PrintedDerivation(graph, robot, style)
+        # The number of solutions of a generic reachable pose, over the complex numbers; whether it is certain that none
+        # is missing, and that no pose has more isolated ones.
         self.count, self.complete, self.everywhere = graph.count, graph.complete, graph.everywhere
+        # Names for what base, tool and the offsets at both ends make of the pose (the wrist centre), how each unknown
+        # is found, in order, and names of sums of joint variables: q2 + q3 -> q23.
         self.definitions, self.steps, self.sums = printed.definitions, printed.steps, printed.sums
+        # What holds at reachable poses of an arm with fewer than six joints, and what writes polynomials of the graph.
         self.conditions, self.written, self._pose = printed.conditions, printed.written, printed.pose
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -189,9 +177,16 @@ class InverseKinematics:
         """Every branch in closed form, named, as generated code has them; empty where there is none (`is_explicit`)."""
         if not self.is_explicit:
             return ()
-        unnamed = tuple(self._branches())
+        signs, unnamed = tuple(dict.fromkeys(sign for line in self.lines for sign in line.signs)), list[Solution]()
+        for choice in product((1, -1), repeat=len(signs)):
+            chosen = dict(zip(signs, choice, strict=True))
+            put_in = {sign: sympy.Integer(e) for sign, e in chosen.items()}
+            own = tuple(PrintedLine(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
+            written_out = {line.symbol: line.value for line in own}
+            joints = {q: written_out[q] for q in self._variables if q in written_out}
+            unnamed.append(Solution("", chosen, own, joints))
         if len(unnamed) == 1:
-            return unnamed
+            return tuple(unnamed)
         found = postures(self.robot, self.graph)
         q = dict(zip(self._variables, found.q, strict=True))
         values = self.values_at({sympy.Symbol(k): float(x) for k, x in found.parameters.items()}, q, ArrayDomain)
@@ -206,16 +201,6 @@ class InverseKinematics:
             for line in branch.lines:
                 found[line.symbol] = array_value(line.value, found)
         return np.stack([np.broadcast_to(np.asarray(found.get(symbol, own)), own.shape) for symbol, own in q.items()])
-
-    def _branches(self) -> Iterator[Solution]:
-        signs = tuple(dict.fromkeys(sign for line in self.lines for sign in line.signs))
-        for choice in product((1, -1), repeat=len(signs)):
-            chosen = dict(zip(signs, choice, strict=True))
-            put_in = {sign: sympy.Integer(e) for sign, e in chosen.items()}
-            own = tuple(PrintedLine(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
-            values = {line.symbol: line.value for line in own}
-            joints = {q: values[q] for q in self._variables if q in values}
-            yield Solution("", chosen, own, joints)
 
     # -- in numbers
 
@@ -254,8 +239,13 @@ class InverseKinematics:
         """Every solution put into T, with fifty digits, at random reachable poses."""
         found, branches, spurious, worst = True, 0, 0, mpmath.mpf(0)
         with mpmath.workdps(DIGITS):
-            for values, q in self._samples(POSES):
-                hit = False
+            rng = random.Random(12)
+            for _ in range(POSES):
+                # Numbers of parameters and of a reachable pose, and the configuration that it is made of.
+                values, q, hit = parameter_numbers(self.robot, rng), Numbers(), False
+                for joint, symbol in zip(self.robot.joints, self._variables, strict=True):
+                    q[symbol] = mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else rng.randint(20, 90)) / 101
+                values = self.values_at(values, q)
                 for solution in self.solutions:
                     numbers = solution.numbers(values)
                     if numbers is None:
@@ -266,16 +256,6 @@ class InverseKinematics:
                     hit = hit or self._same(q, numbers)
                 found = found and hit
         return Verification(POSES, branches, spurious, found, float(worst))
-
-    def _samples(self, poses: int) -> Iterator[tuple[Numbers, Numbers]]:
-        """Numbers of parameters and of a reachable pose, and the configuration that it is made of."""
-        rng = random.Random(12)
-        for _ in range(poses):
-            values = parameter_numbers(self.robot, rng)
-            q: Numbers = {}
-            for joint, symbol in zip(self.robot.joints, self._variables, strict=True):
-                q[symbol] = mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else rng.randint(20, 90)) / 101
-            yield self.values_at(values, q), q
 
     def values_at(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
         """Numbers of parameters, of the pose at a configuration q, and of the joints that are given."""

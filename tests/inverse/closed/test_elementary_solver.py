@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from derive.inverse.closed.pairs import without_angle, without_length
 
 from derive.algebra.ring import Polynomial, Ring
 from derive.inverse.closed.branches import InverseSolver
@@ -15,7 +16,6 @@ from derive.inverse.closed.elementary_solver import CONIC_TERMS, Branch, Solver
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.formulas import GraphDerivation
 from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
-from derive.inverse.closed.pairs import without_angle, without_length
 from derive.inverse.closed.pose import Pose
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain

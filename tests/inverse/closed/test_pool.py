@@ -9,12 +9,12 @@ from derive.algebra.residues import Residue
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
 from derive.inverse.closed.completeness import counted
-from derive.inverse.closed.conditions import entry_conditions
 from derive.inverse.closed.evidence import Change, Evidence
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import Node, SolutionGraph
 from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
 from derive.inverse.closed.pool import ENTRIES, HIGHER, Cut, Links, Pool, dimension, frame_atoms, identity_atoms
+from derive.inverse.closed.pose import entry_conditions
 from derive.inverse.closed.search import Search
 from derive.inverse.closed.solve import solve
 from derive.inverse.closed.unknowns import InverseDomain, State, shifted

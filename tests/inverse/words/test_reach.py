@@ -15,9 +15,8 @@ import sympy
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain
 from derive.inverse.numeric.in_numbers import ArrayDomain, array_value
-from derive.inverse.words.branch_names import Placed, Shape, Word, placed
 from derive.inverse.words.elementary import PrintedLine
-from derive.inverse.words.postures import LOOKED_AT, postures
+from derive.inverse.words.postures import LOOKED_AT, Placed, Shape, Word, placed, postures
 from derive.inverse.words.reach import Reach
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.mechanics.chain import build_chain
