@@ -121,14 +121,17 @@ class Solver(Generic[N, M]):
             pairs = zip(formula.degenerate, (first, second), strict=True)
             zeros = [self._is_zero(p, factor, own) for p, own in pairs]
             return zeros[0] | zeros[1]
-        # The determinant is A^2 + B^2: a square, so compared with the square of the usual threshold.
-        if _are_turned(formula):
-            a, b, d, e = map(self.evaluate, (*first.linear[:2], *second.linear[:2]))
-            return self.field.is_zero(a * e - b * d, self._scale(first, second, factor=factor * factor * TURNED))
+        # Where the second equation has the coefficients of the first, turned by a right angle, the determinant is
+        # A^2 + B^2: a square, so compared with the square of the usual threshold.
+        if formula.kind is NodeKind.TYPE_3 and len(formula.degenerate) == 1 and not formula.degenerate[0].is_constant:
+            (p, q, _), (r, s, _) = first.linear, second.linear
+            if (r == -q and s == p) or (r == q and s == -p):
+                a, b, d, e = map(self.evaluate, (p, q, r, s))
+                return self.field.is_zero(a * e - b * d, self._scale(first, second, factor=factor * factor * TURNED))
         # Else the unknown is lost where all leading coefficients vanish together.
         mask = self.field.truth(bool(formula.degenerate))
-        for p in formula.degenerate:
-            mask = mask & self._is_zero(p, factor, *((first,) if second is first else (first, second)))
+        for leading in formula.degenerate:
+            mask = mask & self._is_zero(leading, factor, *((first,) if second is first else (first, second)))
         return mask
 
     def solve(self, formula: NodeFormula) -> list[Branch[N, M]]:
@@ -221,7 +224,10 @@ class Solver(Generic[N, M]):
         for sign in (1, -1):
             # 1 - x^2 = (1 - x)(1 + x), and B (1 +- x) = B +- C without cancellation.
             exact = factor + sign * right
-            if not right.is_constant and _is_sum_of_squares(exact):
+            # No digits are lost in a sum of squares, p.p included: even powers whose factors have one sign.
+            terms, names = list(exact.terms()), exact.ring.names
+            even = all(e % 2 == 0 or names[i] == "p.p" for exponents, _ in terms for i, e in enumerate(exponents))
+            if not right.is_constant and even and len({coefficient > 0 for _, coefficient in terms}) == 1:
                 near = f.divide(self.evaluate(exact), self.evaluate(factor))
                 return near * (one - sign * known), near * f.number(Fraction(1, 2)) + f.number(FOLDED)
         return one - known * known, one
@@ -245,18 +251,3 @@ class Solver(Generic[N, M]):
 
 # Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients.
 CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
-
-
-def _is_sum_of_squares(p: Polynomial) -> bool:
-    """Whether no digits are lost in a sum, p.p included: even powers whose factors have one sign."""
-    terms, names = list(p.terms()), p.ring.names
-    even = all(e % 2 == 0 or names[i] == "p.p" for exponents, _ in terms for i, e in enumerate(exponents))
-    return even and len({coefficient > 0 for _, coefficient in terms}) == 1
-
-
-def _are_turned(formula: NodeFormula) -> bool:
-    """Whether of two equations A c + B s = C the second has the coefficients of the first, turned by a right angle."""
-    if formula.kind is not NodeKind.TYPE_3 or len(formula.degenerate) != 1 or formula.degenerate[0].is_constant:
-        return False
-    (a, b, _), (d, e, _) = (equation.linear for equation in formula.equations)
-    return (d == -b and e == a) or (d == b and e == -a)

@@ -264,8 +264,6 @@ class GraphDerivation:
             from_base=self.links.start is not None,
         )
 
-    # -- nodes
-
     def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[NodeFormula, ...]) -> int:
         """A new node, after the sums of angles that it needs."""
         owners: dict[str, Unknown] = {}
@@ -300,8 +298,6 @@ class GraphDerivation:
         sign = self.domain.sense(unknown, forwards=True)
         parts = tuple((part, sign * own) for part, own in sorted(ways[goal], key=lambda pair: -pair[1] * sign))
         return self._append((unknown,), (NodeFormula(NodeKind.SUM, parts=parts),))
-
-    # -- formulas
 
     def _formulas(self, step: SearchStep, state: State) -> tuple[tuple[NodeFormula, ...], Unknown]:
         """The formulas of a step, the best one first, and the unknown in which they are written."""

@@ -107,18 +107,6 @@ class NodeFormula:
         return int(self.payload.branches) if self.kind is NodeKind.GENERAL else BRANCHES[self.kind]
 
     @cached_property
-    def existence(self) -> Polynomial | None:
-        """The polynomial that a real solution needs to be at least 0; None where there is always one."""
-        match self.kind:
-            case NodeKind.TYPE_2:
-                a, b, c = self.equations[0].linear
-                return a * a + b * b - c * c if c else None
-            case NodeKind.QUADRATIC:
-                a, b, c = (self.equations[0].coefficient(k) for k in (2, 1, 0))
-                return b * b - 4 * (a * c)
-        return None
-
-    @cached_property
     def degenerate(self) -> tuple[Polynomial, ...]:
         """The polynomials at whose common zeros the formula does not determine its unknown; none: it always does."""
         match self.kind:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -215,7 +214,12 @@ class _Leaving:
 
         # Of the arm's branches the one that the poses were made of.
         nearest = min(self._run.leaves(), key=_distance)
-        self._values = {**self._run.known, **self._sums(graph, nearest.joints)}
+        self._values = dict(self._run.known)
+        for unknown in graph.domain.unknowns():
+            total: Any = nearest.joints[unknown.joints[0]]
+            for joint, sign in zip(unknown.joints[1:], unknown.signs[1:], strict=True):
+                total = turned(total, nearest.joints[joint], sign)
+            self._values.update(zip(unknown.generators, total, strict=True))
         self.rank = 0
         self._basis = np.zeros((0, 6))
 
@@ -236,22 +240,6 @@ class _Leaving:
                 turn[b, a], turn[a, b] = np.sin(amount), -np.sin(amount)
             poses[k, :, :3], poses[k, :, 3] = turn @ rotation, moved
         return poses
-
-    @staticmethod
-    def _sums(graph: SolutionGraph, joints: Any) -> dict[str, Any]:
-        found: dict[str, Any] = {}
-        domain = graph.domain
-        for group in domain.groups:
-            for u, v in combinations(range(len(group) + 1), 2):
-                unknown = domain.unknown(*group[u:v])
-                total: Any = (1.0, 0.0)
-                for joint, sign in zip(unknown.joints, unknown.signs, strict=True):
-                    total = turned(total, joints[joint], sign)
-                found.update(zip(unknown.generators, total, strict=True))
-        for k, row in enumerate(graph.robot.joints):
-            if not row.is_revolute:
-                found[domain.unknown(k).generators[0]] = joints[k][0]
-        return found
 
     def adds(self, p: Polynomial) -> bool:
         """Whether the derivative of a polynomial is independent of those before; if so it joins them."""

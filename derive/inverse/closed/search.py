@@ -83,7 +83,7 @@ class Search:
             if state in done:
                 continue
             done.add(state)
-            if state.is_complete and state.slides == self._slides:
+            if state.slides == self._slides and all(len(parts) == 1 for parts in state.groups):
                 return steps
             for step, after in self.steps(state):
                 if after not in done:
@@ -224,16 +224,9 @@ class Search:
             (a, b), p = own, self.evidence.prime
             parallel: Array = a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p
             return parallel
-        places = {
-            NodeKind.TYPE_1: (1,),
-            NodeKind.QUADRATIC: (2,),
-            NodeKind.TYPE_2: (1, 2),
-            NodeKind.CONIC: (1, 2, 3, 4),
-        }[choice.kind]
-        fails: Array = np.all(own[0][:, list(places)] == 0, axis=1)
+        leading = {NodeKind.TYPE_1: [1], NodeKind.QUADRATIC: [2], NodeKind.TYPE_2: [1, 2]}
+        fails: Array = np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1)
         return fails
-
-    # -- one step
 
     def _lengths(self, effect: Effect, order: Sequence[int]) -> list[Choice]:
         degrees, linear = effect.degrees, effect.coefficients[:, :, 1]

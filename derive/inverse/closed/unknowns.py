@@ -48,11 +48,6 @@ class State:
     groups: tuple[Parts, ...]  # for each group its parts
     slides: frozenset[int]  # the slides that are known
 
-    @property
-    def is_complete(self) -> bool:
-        """Whether all angles are known; the slides are checked by the search."""
-        return all(len(parts) == 1 for parts in self.groups)
-
     def joined(self, group: int, a: int, b: int) -> State:
         """With the angle between two parts of a group; with slide a where there is no group."""
         if group < 0:
@@ -235,20 +230,19 @@ def _in_lowest_terms(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomi
 
 def shifted(robot: Robot) -> tuple[Robot, tuple[Expression, ...]]:
     """The robot with its joint variables counted from where their cells have no constants but right angles."""
-    joints, shifts = zip(*map(_shifted_joint, robot.joints), strict=True)
-    return replace(robot, joints=joints), shifts
-
-
-def _shifted_joint(joint: Joint) -> tuple[Joint, Expression]:
-    if not joint.is_revolute:
-        return replace(joint, d=ZERO), multiply(Number(Fraction(joint.sign)), joint.d)
-    exact = decompose(joint.theta)
-    right = Fraction(round(exact.pi_multiple * 2), 2)
-    kept = multiply(Number(right), Pi()) if right else ZERO
-    rest = add(joint.theta, multiply(Number(-right), Pi())) if right else joint.theta
-    if not exact.terms and exact.pi_multiple == right:
-        return joint, ZERO
-    return replace(joint, theta=kept), multiply(Number(Fraction(joint.sign)), rest)
+    joints, shifts = list[Joint](), list[Expression]()
+    for joint in robot.joints:
+        kept, rest = replace(joint, d=ZERO), joint.d
+        if joint.is_revolute:
+            kept, rest = joint, ZERO
+            exact = decompose(joint.theta)
+            right = Fraction(round(exact.pi_multiple * 2), 2)
+            if exact.terms or exact.pi_multiple != right:
+                kept = replace(joint, theta=multiply(Number(right), Pi()))
+                rest = add(joint.theta, multiply(Number(-right), Pi())) if right else joint.theta
+        joints.append(kept)
+        shifts.append(multiply(Number(Fraction(joint.sign)), rest))
+    return replace(robot, joints=tuple(joints)), tuple(shifts)
 
 
 def baked(robot: Robot) -> dict[str, Expression]:

@@ -79,9 +79,10 @@ class GraphWalk(Generic[N, M]):
         self.reach = self.field.sqrt(self.evaluate(self.graph.square_reach, self.known))
         for node in self.graph.nodes:
             self._visit(node)
-        graph, homes = self.graph, [self.graph.joint_node(i) for i in range(self.graph.robot.n)]
+        graph = self.graph
+        found = {u.joints: (node.index, k) for node in graph.nodes for k, u in enumerate(node.unknowns)}
+        homes = [found[(i,)] for i in range(graph.robot.n)]
         # Branches that only formulas for special poses have come last.
-        places = [[u.joints for u in home.unknowns].index((i,)) for i, home in enumerate(homes)]
         usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
         every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
         for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):
@@ -93,8 +94,8 @@ class GraphWalk(Generic[N, M]):
             for value in values:
                 exists, boundary = exists & value.exists, boundary | value.boundary
                 ill, doubt = ill | value.ill, doubt | value.doubt
-            joints = tuple(values[home.index].numbers[k] for home, k in zip(homes, places, strict=True))
-            free = tuple(values[home.index].free for home in homes)
+            joints = tuple(values[home].numbers[k] for home, k in homes)
+            free = tuple(values[home].free for home, _ in homes)
             yield Leaf(branches, joints, exists, free, boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
@@ -112,8 +113,6 @@ class GraphWalk(Generic[N, M]):
     def evaluate(self, p: Polynomial, values: Mapping[str, N]) -> N:
         """The number of a polynomial, by Horner's rule in its most frequent generator."""
         return self._horner(horner(p), values)
-
-    # -- the walk
 
     def _visit(self, node: Node) -> None:
         axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]

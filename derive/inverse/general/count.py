@@ -75,13 +75,13 @@ def count_solutions(
     loop = loop.with_tip if tip else loop
     if elimination.start:
         loop, pose = loop.rotated(elimination.start, pose)
-    if _flint(_finish_forms(loop, elimination.finish), loop.prime).rank() < 2:
+    if _flint(finish_forms(loop, elimination.finish), loop.prime).rank() < 2:
         return 0
     return _System(loop, pose, elimination, random.Random(seed)).count()
 
 
-def _finish_forms(loop: Loop, way: Closure) -> Array:
-    """Coefficients of cosine and sine of the (middle one of the) eliminated joints."""
+def finish_forms(loop: Loop, way: Closure) -> Array:
+    """Coefficients of cosine and sine of the (middle one of the) eliminated joints, (rows, k)."""
     if loop.tip:
         return way.eliminated_part(loop).reshape(-1, 3)[:, 1:]
     first = min(way.order[:3])
@@ -178,7 +178,17 @@ class _System:
             solved = at.solve(unit) if determinant != 0 else None
             for j in range(size):
                 values[j].append(0 if solved is None else int(solved[j, 0] * determinant))
-        return _interpolated(points, values, prime)
+        # Newton's divided differences.
+        results = []
+        for table in values:
+            for level in range(1, len(points)):
+                for k in range(len(points) - 1, level - 1, -1):
+                    table[k] = (table[k] - table[k - 1]) * pow(points[k] - points[k - level], -1, prime) % prime
+            total = nmod_poly([table[-1]], prime)
+            for k in range(len(points) - 2, -1, -1):
+                total = total * nmod_poly([-points[k] % prime, 1], prime) + table[k]
+            results.append(total)
+        return results
 
     def _solutions(self, g: Any, vector: list[Any]) -> int:
         """The number of roots of g at which the null vector is a vector of products."""
@@ -234,18 +244,3 @@ class _System:
         else:
             a, b, c = line
             yield b * b + c * c - a * a
-
-
-def _interpolated(points: Sequence[int], values: Sequence[Sequence[int]], prime: int) -> list[Any]:
-    """Polynomials with given values at points, by Newton's divided differences."""
-    results = []
-    for column in values:
-        table = list(column)
-        for level in range(1, len(points)):
-            for k in range(len(points) - 1, level - 1, -1):
-                table[k] = (table[k] - table[k - 1]) * pow(points[k] - points[k - level], -1, prime) % prime
-        total = nmod_poly([table[-1]], prime)
-        for k in range(len(points) - 2, -1, -1):
-            total = total * nmod_poly([-points[k] % prime, 1], prime) + table[k]
-        results.append(total)
-    return results

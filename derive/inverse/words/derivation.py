@@ -8,7 +8,7 @@ first and last joint stand between it and the arm, the pose within the arm gets 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -108,8 +108,6 @@ class PrintedDerivation:
         """A polynomial of the graph as it is printed."""
         return self._write(self._composed(p))
 
-    # -- polynomials of the graph as polynomials of print
-
     def _names_within_arm(self) -> dict[str, str]:
         """Names for what the pose within the arm has that no entry of the pose is, but for its sign."""
         found = dict[str, str]()
@@ -144,8 +142,6 @@ class PrintedDerivation:
                     product = product * self._images[name] ** exponent
             total = total + product
         return total
-
-    # -- nodes
 
     def _named_sums(self) -> Iterator[tuple[Expr, Expr]]:
         """``q23`` for q2 + q3; a letter where angles are subtracted or have no labels."""
@@ -182,14 +178,14 @@ class PrintedDerivation:
             own = symbol, formula.kind, equations, lines, node.branches, exists
             yield PrintedStep(*own, fails, instead, free, unknown.joints)
 
-    def _solved(self, kind: NodeKind, symbol: Expr, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
+    def _solved(self, kind: NodeKind, symbol: Expr, label: str, values: list[Linear]) -> Solved | None:
         match kind:
             case NodeKind.TYPE_2:
-                return self._scribe.one_equation(label, _three(values[0]))
+                return self._scribe.one_equation(label, values[0])
             case NodeKind.TYPE_3:
-                return Solved(self._scribe.two_equations(symbol, label, _three(values[0]), _three(values[1])))
+                return Solved(self._scribe.two_equations(symbol, label, values[0], values[1]))
             case NodeKind.TYPE_1 | NodeKind.QUADRATIC:
-                return self._scribe.length(label, _three(values[0]))
+                return self._scribe.length(label, values[0])
         return None
 
     def _free(self, formulas: Sequence[NodeFormula]) -> tuple[Expr, ...]:
@@ -250,7 +246,7 @@ class PrintedDerivation:
         signed = zip(unknown.joints, unknown.signs, strict=True)
         return add(*(multiply(Number(Fraction(sign)), cells[j]) for j, sign in signed))
 
-    def _equation(self, unknown: Unknown, equation: NodeEquation) -> tuple[PrintedEquation, tuple[Polynomial, ...]]:
+    def _equation(self, unknown: Unknown, equation: NodeEquation) -> tuple[PrintedEquation, Linear]:
         """An equation in the variable itself, and its coefficients: of cosine, sine and 1, or of r^2, r and 1.
 
         The last one stands on the right of an equation of an angle.
@@ -272,7 +268,7 @@ class PrintedDerivation:
             of = self._write(c) * cosine - self._write(s) * sine, self._write(s) * cosine + self._write(c) * sine
             terms = ((self._write(self._composed(p)), i, j) for (i, j), p in sorted(equation.terms.items()))
             left = sympy.Add(*(p * of[0] ** i * of[1] ** j for p, i, j in terms))
-            return PrintedEquation(left, sympy.S.Zero, self._origins(equation.source)), ()
+            return PrintedEquation(left, sympy.S.Zero, self._origins(equation.source)), (ring.zero,) * 3
         a, b, known = map(self._composed, equation.linear)
         a, b = a * c + b * s, b * c - a * s
         size = self._scale(known, a, b) * (-1 if self._is_turned(a, b, known) else 1)
@@ -343,8 +339,3 @@ _CONSTANTS = (
 _OF_POSE = re.compile(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]")  # entries and invariants of the pose within the arm
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 _SHORTHAND = ("c", "s")
-
-
-def _three(values: Iterable[Polynomial]) -> Linear:
-    first, second, third = values
-    return first, second, third

@@ -82,10 +82,10 @@ def placed(chain: Chain[Any], q: Sequence[Any], samples: int) -> list[Placed]:
 class Shape:
     """Which parts an arm has: the middle joint of its wrist, the elbow (from 0), whether a shoulder turns it.
 
-    ``up`` is the direction against gravity, None where the file does not say.
+    ``up`` is the direction against gravity.
     """
 
-    def __init__(self, robot: Robot, example: Placed, up: Vector | None) -> None:
+    def __init__(self, robot: Robot, example: Placed, up: Vector) -> None:
         self._robot, n = robot, robot.n
         revolute = [joint.is_revolute for joint in robot.joints]
         axes = example.axes
@@ -102,7 +102,7 @@ class Shape:
                 break
         self.shoulder = before > 1 and revolute[0] and revolute[1] and abs(axes[0] @ axes[1]) < SMALL
         self._planar = all(revolute[:before]) and all(parallel(axes[0], axis) for axis in axes[:before])
-        self._up = np.array([0.0, 0.0, 1.0]) if up is None else up
+        self._up = up
 
     def words(self, arm: Placed) -> tuple[str | None, ...]:
         """What is said of shoulder, elbow, slides and wrist; None where nothing can be said."""
@@ -269,7 +269,10 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
     met = [k for k, own in enumerate(real) if own.size]
     if len(branches) > 1 and met:
         seen = [placed(_chain(robot, known, real[k]), list(real[k]), real[k].shape[1]) for k in met]
-        shape = Shape(robot, placed(_chain(robot, known, q), list(q), LOOKED_AT)[0], _up(robot))
+        # The direction against gravity, where the robot file has one; a symbol in it counts as positive.
+        against = [-to_float(cell, dict.fromkeys(robot_symbols(robot), 1)) for cell in robot.gravity or ()]
+        up = np.array(against) / np.linalg.norm(against) if any(against) else np.array([0.0, 0.0, 1.0])
+        shape = Shape(robot, placed(_chain(robot, known, q), list(q), LOOKED_AT)[0], up)
         for k, name in zip(met, branch_names(shape, seen, [f"#{k + 1}" for k in met]), strict=True):
             names[k] = name
     return Postures(tuple(names), known, q, tuple(branches))
@@ -278,12 +281,3 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
 def _chain(robot: Robot, known: Values, q: Vector) -> Chain[Any]:
     bare = replace(robot, links=(), gravity=None)
     return build_chain(bare, ArrayDomain(bare, list(q), known))
-
-
-def _up(robot: Robot) -> Vector | None:
-    """The direction against gravity, where the robot file has one; a symbol in it counts as positive."""
-    if robot.gravity is None:
-        return None
-    down = [to_float(cell, dict.fromkeys(robot_symbols(robot), 1)) for cell in robot.gravity]
-    length = float(np.linalg.norm(down))
-    return -np.array(down) / length if length else None

@@ -8,7 +8,6 @@ import pytest
 from derive.algebra.residues import Residue
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
-from derive.inverse.closed.completeness import counted
 from derive.inverse.closed.evidence import Change, Evidence
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import Node, SolutionGraph
@@ -16,7 +15,7 @@ from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Pro
 from derive.inverse.closed.pool import ENTRIES, HIGHER, Cut, Links, Pool, dimension, frame_atoms, identity_atoms
 from derive.inverse.closed.pose import entry_conditions
 from derive.inverse.closed.search import Search
-from derive.inverse.closed.solve import solve
+from derive.inverse.closed.solve import counted, solve
 from derive.inverse.closed.unknowns import InverseDomain, State, shifted
 from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.words.solutions import inverse_kinematics
@@ -184,7 +183,7 @@ def test_nodes_have_a_value_for_each_branch_and_joints_are_found_where_they_are_
     assert graph.axes == ((0,), (0,))
     assert graph.choices == (0,)
     assert graph.leaves == graph.slots == 2
-    assert [graph.joint_node(k).index for k in (0, 1)] == [1, 0]
+    assert [node.unknown.joints for node in graph.nodes] == [(1,), (0,)]
     assert graph.places == ((0, 3), (1, 3))
 
 

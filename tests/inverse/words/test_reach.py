@@ -191,7 +191,7 @@ def looked_at(robot: Robot, q: list[float]) -> Placed:
 
 
 def words(robot: Robot, q: list[float]) -> set[str | None]:
-    return set(Shape(robot, looked_at(robot, [0.3] * robot.n), None).words(looked_at(robot, q)))
+    return set(Shape(robot, looked_at(robot, [0.3] * robot.n), np.array([0.0, 0.0, 1.0])).words(looked_at(robot, q)))
 
 
 RIGHT_ANGLE = (math.pi / 4, math.pi)  # upper arm 45 degrees upwards, forearm 45 degrees downwards
