@@ -138,9 +138,7 @@ class InverseKinematics:
     @cached_property
     def named_lines(self) -> tuple[PrintedLine, ...]:
         """The same with the names of sums of angles, ``cos(q23)``, from where these are found."""
-        known: dict[Expr, Expr] = {
-            q: q for q in (self._variables[k] for k in self.graph.given)
-        }  # what is found, by sum
+        known: dict[Expr, Expr] = {q: q for q in (self._variables[k] for k in self.graph.given)}  # found, by sum
         totals = {name: total for total, name in self.sums.items()}
         found = []
         for line in self.lines:
