@@ -247,7 +247,6 @@ R 0 0.3 0.1 45; R 0 0.1 0.4 45; R 0 0.1 0.1 -45; R 0 0.4 0 45; R 0 0 0 45; R 0 0
 cuspidal standard hard task=position | Wenger: an orthogonal cuspidal arm, d2 = 1, d3 = 2, d4 = 1.5
 R 0 0 1 -90; R 0 1 2 90; R 0 0 1.5 0
 """
-"""Arms on which solvers stumble."""
 
 
 def _of_tables(tables: str) -> tuple[ArmCase, ...]:
@@ -264,6 +263,12 @@ def _of_tables(tables: str) -> tuple[ArmCase, ...]:
         task = chosen.get("task", "pose")
         cases.append(ArmCase(name, kind, tuple(rows), convention == "modified", task=task, given=given, source=source))
     return tuple(cases)
+
+
+def arm_of(head: str, table: str, rest: str = "") -> Robot:
+    """The robot of one table, ``standard`` or ``modified`` and options, and of more lines of its file."""
+    (case,) = _of_tables(f"arm {' test '.join([*head.split(maxsplit=1), ''][:2])} | a test\n{table}")
+    return Robot.from_text(case.text + rest)
 
 
 PUBLISHED = _of_tables(PUBLISHED_TABLES)

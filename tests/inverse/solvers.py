@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import tempfile
+from dataclasses import replace
+from functools import partial
 from types import ModuleType
-
-import numpy as np
 
 import derive
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.solve import solve as solve_symbolically
-from derive.inverse.numeric.chain import POSE, POSITION, NumericChain
-from derive.inverse.numeric.newton import solve
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.publish.render import Source
@@ -20,37 +18,18 @@ from derive.robot.options.inverse import TASKS
 from derive.targets.numpy import TARGET
 from tests.inverse.arms import ArmCase
 
-ENTRIES = {"pose": POSE, "position": POSITION}
-
 
 class Refused(Exception):
     """There is no closed form, with the reason."""
 
 
-def numeric_solver(case: ArmCase):
-    chain = NumericChain.of(case.robot(choice=False), case.values)
-
-    def run(poses, given):
-        found = [
-            solve(chain, pose, entries=ENTRIES[case.task], given=dict(zip(case.given, values, strict=True)))
-            for pose, values in zip(poses, given, strict=True)
-        ]
-        width = max((len(one.q) for one in found), default=0)
-        branches = np.full((len(poses), width, chain.n), np.nan)
-        status = np.zeros((len(poses), width), dtype=np.int8)
-        for k, one in enumerate(found):
-            branches[k, : len(one.q)], status[k, : len(one.q)] = one.q, one.status
-        return branches, status
-
-    return run
-
-
-def solver_of(case: ArmCase):
+def solver_of(case: ArmCase, numeric: bool = False):
     """The closed form; its number of complex solutions is the attribute ``count``, 0 where that is not certain."""
     robot = case.robot(choice=False)
     graph = solve_symbolically(robot, TASKS[case.task], case.given)
-    if not graph.is_closed:
+    if not (numeric or graph.is_closed):
         raise Refused(graph.why_not)
+    graph = replace(graph, why_not="by numbers" * numeric)
     solver = InverseSolver.of(robot, graph, case.values)
 
     def run(poses, given):
@@ -59,6 +38,9 @@ def solver_of(case: ArmCase):
 
     run.count = graph.count if graph.complete else 0
     return run
+
+
+numeric_solver = partial(solver_of, numeric=True)
 
 
 def generated_solver(case: ArmCase, target: str = "numpy"):
