@@ -249,6 +249,20 @@ R 0 0 1 -90; R 0 1 2 90; R 0 0 1.5 0
 """
 
 
+LOST_TABLES = """
+parallel-123 standard lost | three parallel axes, then three of an offset wrist
+R 0 0.2 0.3 0; R 0 0 0.35 0; R 0 0 0.12 90; R 0 0.1 0.15 90; R 0 0.2 0.1 90; R 0 0.1 0 0
+prrprr standard lost | a slide whose equations are singular at infinity
+P 0 0 -0.4819 74.48; R 90 0 0 74.48; R -90 0.2838 0.1478 -45; P 90 0 0.172 -63; R 22.9 0.57 0 74.48; R 0 0.17 0.37 -25.8
+prrr modified lost | two solutions of a special pose
+P 90 0 0.4 0; R 180 0.3 0.4 0; R -90 0 0 0; R 90 -0.3 0.4 0
+rrrp modified lost | two solutions of a special pose
+R 90 0 0.5566 0; R -90 0 0.4889 0; R -90 0 0 0; P -90 0.3 0.3 0
+tiago standard lost given=3 | the arm of a TIAGo by its URDF: wrist of three axes, offsets at shoulder and elbow
+R 90 -0.182 -0.125 90; R 90 0.018 0 90; R 0 -0.3115 0.02 90; R 0 0 -0.02 90; R 0 0.312 0 -90; R 0 0 0 90; R 0 0 0 0
+"""
+
+
 def _of_tables(tables: str) -> tuple[ArmCase, ...]:
     cases = []
     lines = [line for line in tables.strip().splitlines() if line]
@@ -276,6 +290,9 @@ PUBLISHED = _of_tables(PUBLISHED_TABLES)
 
 HARD = _of_tables(HARD_TABLES)
 """Arms on which solvers stumble: equal, vanishing, huge lengths, axes almost parallel, several structures at once."""
+
+LOST = {case.name: case for case in _of_tables(LOST_TABLES)}
+"""Arms of which solutions were lost once: by slides whose equations end at infinity, beside singular poses."""
 
 TURNS = ("0", "90", "-90", "180")
 ODD_TURNS = ("30", "-45", "60", "20", "-70", "105", "12.5")
@@ -372,10 +389,7 @@ def _types(draw: _Draw, n: int, slides: tuple[int, int]) -> str:
 
 
 def _few(n: int, slides: tuple[int, int], task: str = "pose") -> Callable[[_Draw, str], ArmCase]:
-    def make(draw: _Draw, name: str) -> ArmCase:
-        return _shape(_types(draw, n, slides), draw).case(name, "", draw, task=task)
-
-    return make
+    return lambda draw, name: _shape(_types(draw, n, slides), draw).case(name, "", draw, task=task)
 
 
 def _planar(draw: _Draw, name: str) -> ArmCase:

@@ -45,18 +45,19 @@ numeric_solver = partial(solver_of, numeric=True)
 
 def generated_solver(case: ArmCase, target: str = "numpy"):
     """The function of the generated module, as a user gets it by ``derive build``; ``count`` as above."""
-    robot = case.robot()
     with tempfile.TemporaryDirectory() as folder:
-        return _of_module(built_module(robot, folder, target, "numpy"), robot, case)
+        return solver_of_module(built_modules(case.robot(), folder, target)[target], case)
 
 
-def built_module(robot, folder, target: str, beside: str):
-    """A module of a build that has both targets."""
-    built = derive.build(robot, folder, targets=list(dict.fromkeys([beside, target])), only=True, effort="quick")
-    spec = importlib.util.spec_from_file_location(f"model_{target}", built.folder / f"model_{target}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def built_modules(robot, folder, *targets: str):
+    """Modules of one build, by target, that of NumPy among them."""
+    targets = dict.fromkeys(["numpy", *targets])
+    built, modules = derive.build(robot, folder, targets=list(targets), only=True, effort="quick"), {}
+    for target in targets:
+        spec = importlib.util.spec_from_file_location(f"model_{target}", built.folder / f"model_{target}.py")
+        modules[target] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(modules[target])
+    return modules
 
 
 def unbuilt_solver(case: ArmCase):
@@ -66,10 +67,11 @@ def unbuilt_solver(case: ArmCase):
     text = TARGET.render(Source(robot, program, derive.__version__, TARGET.files))["model_numpy.py"]
     module = ModuleType("generated_numpy")
     exec(compile(text, "model_numpy.py", "exec", dont_inherit=True), module.__dict__)
-    return _of_module(module, robot, case)
+    return solver_of_module(module, case)
 
 
-def _of_module(module, robot, case):
+def solver_of_module(module, case):
+    """The function of a generated module."""
     if not hasattr(module, "inverse_kinematics"):
         raise Refused("no inverse_kinematics is generated")
     params = {name: case.values[name] for name in getattr(module, "PARAMETERS", ()) if name in case.values} or None
@@ -77,6 +79,6 @@ def _of_module(module, robot, case):
     def run(poses, given):
         return module.inverse_kinematics(poses, params, given if given.shape[1] else None, status=True)
 
-    graph = solve_symbolically(robot)
+    graph = solve_symbolically(case.robot())
     run.count = graph.count if graph.complete else 0
     return run
