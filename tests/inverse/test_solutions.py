@@ -118,6 +118,4 @@ def test_the_numeric_solver_finds_every_solution_too():
 
 def test_the_harness_prints_a_line_for_each_class(capsys):
     assert main(["--class", "1dof", "--random-only", "--arms", "1", "--poses", "1"]) == 0
-    head, line = [text for text in capsys.readouterr().out.splitlines() if text.strip()]
-    assert head.split()[:3] == ["class", "arms", "poses"]
-    assert line.split()[:2] == ["1dof", "1/1"]
+    assert capsys.readouterr().out.split()[:3] == ["1dof", "1/1", "arms,"]

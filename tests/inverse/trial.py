@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 
@@ -67,8 +65,8 @@ class Verdict:
     def __str__(self) -> str:
         return (
             f"{self.poses} poses, {self.found}/{self.true} solutions ({self.found / max(self.true, 1):.5%}), "
-            f"{self.spurious} spurious, {self.repeated} repeated, {self.wrong} counts wrong, "
-            f"residual {self.residual:.0e}"
+            f"{self.spurious} spurious, {self.repeated} repeated, {self.empty} empty, {self.claims} claimed, "
+            f"{self.wrong} counts wrong, residual {self.residual:.0e}"
         )
 
 
@@ -77,7 +75,6 @@ class Trial:
     case: ArmCase
     count: int = 20
     seed: int = 0
-    cache: Path | None = None
 
     def __post_init__(self):
         self.arm = self.case.arm
@@ -92,17 +89,7 @@ class Trial:
     def regular(self):
         """Random reachable poses with all their solutions."""
         q = self.configurations(self.count)
-        key = hashlib.sha256(f"3 {self.case.text} {self.case.values} {self.seed} {self.count}".encode()).hexdigest()
-        kept = self.cache / f"{key[:20]}.npz" if self.cache else None
-        if kept and kept.exists():
-            data = np.load(kept)
-            solutions = np.split(data["solutions"], data["ends"][:-1])
-        else:
-            solutions = self._all(q)
-            if kept:
-                kept.parent.mkdir(parents=True, exist_ok=True)
-                np.savez(kept, solutions=np.concatenate(solutions), ends=np.cumsum([len(s) for s in solutions]))
-        return self.poses(q, "regular", solutions)
+        return self.poses(q, "regular", self._all(q))
 
     def _all(self, q):
         """By continuation, and by many starts: both must agree."""
