@@ -20,10 +20,8 @@ from tests.inverse.coverage import brief
 from tests.inverse.solvers import Refused, generated_solver, solver_of, unbuilt_solver
 from tests.inverse.trial import Trial, Verdict
 
-FOUR = ("puma560", "ur5", "stanford", "kr5-arc")
-"""Arms of which a million poses are tried."""
-
-GENERAL = tuple([("6R-general", number) for number in range(10)] + [("5R1P-general", number) for number in range(3)])
+FOUR = ("puma560", "ur5", "stanford", "kr5-arc")  # arms of which a million poses are tried
+GENERAL = [("6R-general", number) for number in range(10)] + [("5R1P-general", number) for number in range(3)]
 BATCH = 20_000
 
 

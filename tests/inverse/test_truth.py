@@ -23,13 +23,9 @@ MORE_COUNTS |= {"jaco": 16, "crx-10ia": 16, "manseur-doty": 16}
 """Lee and Liang 1988, Raghavan and Roth 1993: sixteen at the most."""
 
 
-def chain_of(case):
-    return truth.Chain(case.arm, {"pose": truth.POSE, "position": truth.POSITION}[case.task], case.given)
-
-
 @pytest.mark.parametrize(("name", "count"), [*COUNTS.items(), *swept(*MORE_COUNTS.items())])
 def test_solutions_are_as_many_as_books_and_papers_say(name, count):
-    chain = chain_of(ARMS[name])
+    chain = Trial(ARMS[name]).chain
     q = np.random.default_rng(5).uniform(-3, 3, (3, chain.arm.n))
     everything = truth.AllSolutions(chain)
     assert everything.count == count
@@ -52,7 +48,7 @@ def test_random_arms_are_regular_the_same_again_and_in_both_conventions():
 
 def test_poses_and_slopes_of_the_truth_are_those_of_the_oracle():
     case = random_arm("6DOF-P-other", 0)
-    chain, q = chain_of(case), np.random.default_rng(1).uniform(-2, 2, (4, 6))
+    chain, q = Trial(case).chain, np.random.default_rng(1).uniform(-2, 2, (4, 6))
     assert np.allclose(chain.pose(q)[0], forward_kinematics(case.arm, q), atol=1e-13)
     exact = forward_kinematics(case.arm, q[:, None] + 1e-30j * np.eye(6)).imag[..., :3, :].reshape(4, 6, 12) / 1e-30
     units = np.tile(chain.weight, (6, 1)) * chain.scale[:, None]

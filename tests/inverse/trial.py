@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from derive.verification.oracle.frames import forward_kinematics
+from derive.verification.oracle.frames import forward_kinematics, jacobian
 from tests.inverse import truth
 from tests.inverse.arms import ArmCase
 
@@ -138,11 +138,7 @@ class Trial:
         return self.poses(q, "boundary", [np.empty((0, self.arm.n))] * len(q))
 
     def _determinant(self, q):
-        pose, axes, points = self.chain.pose(q)
-        linear = np.where(self.arm.revolute[:, None], np.cross(axes, pose[..., None, :3, 3] - points), axes)
-        turning = np.where(self.arm.revolute[:, None], axes, 0.0)
-        rows = linear if self.case.task == "position" else np.concatenate([linear, turning], axis=-1)
-        return np.linalg.det(rows[..., list(self.chain.free), :])
+        return np.linalg.det(jacobian(self.arm, q)[..., : 3 if self.case.task == "position" else 6, self.chain.free])
 
     def unreachable(self, count=4):
         """Poses that are far from every configuration's, as many starts tell."""

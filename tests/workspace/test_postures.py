@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from derive.workspace.point import TURN, Picture, PlaneMap
+from derive.workspace.point import TURN, Picture
 from derive.workspace.poses import RobotPoses
 from derive.workspace.postures import Postures
 from derive.workspace.region import Area, by_number, exact_area, formula_area
@@ -64,9 +64,8 @@ def test_postures_are_those_within_the_limits_and_none_reaches_beyond_the_arm() 
 
 
 def test_arms_of_many_joints_are_not_asked_and_hands_that_slide_are_no_wrists() -> None:
-    seen = plane("kuka-lwr4", Picture.SECTION)
-    assert Postures.of(seen.point) is None
-    assert isinstance(PlaneMap.of(seen.point, Picture.TOP), PlaneMap)
+    assert Postures.of(point("kuka-lwr4")) is None
+    assert find_wrist(point("anthropomorphic-arm")) is None  # its last axes do not meet
     slides = "[{type: revolute, a: 1}, {type: revolute, alpha: pi/2}, {type: prismatic, limits: [0.2, 1]}]"
     assert find_wrist(point(slides)) is None
 

@@ -51,10 +51,6 @@ def test_wrists_are_found(name: str, hand: float, complete: bool, planar: bool) 
     assert name.startswith("puma") or wrist.hand == pytest.approx(hand)
 
 
-def test_an_arm_whose_last_axes_do_not_meet_has_no_wrist() -> None:
-    assert find_wrist(point("anthropomorphic-arm")) is None
-
-
 def test_a_flat_workspace_has_one_view_and_no_volume() -> None:
     found = workspace("planar-2r-perugia")
     (view,) = found.views

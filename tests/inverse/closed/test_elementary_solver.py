@@ -23,6 +23,7 @@ from derive.robot.robot import Robot
 from tests.inverse.arms import arm_of
 
 RING = Ring(("x",))
+X = RING.generator("x")
 SOURCE = Provenance(1, 2, "p.p")
 
 
@@ -52,16 +53,12 @@ def rest(equation: NodeEquation, branch: Branch) -> float:
     return float(sum(_number(p) * np.prod(np.power(branch.numbers, e)) for e, p in terms))
 
 
-ONE_ANGLE = [(3, 4, 2), (3, 0, 2), (0, -4, 1), (1, 2, 0), (-2, 1, -1)]
-
-
-@pytest.mark.parametrize(("a", "b", "c"), ONE_ANGLE)
+@pytest.mark.parametrize(("a", "b", "c"), [(3, 4, 2), (3, 0, 2), (0, -4, 1), (1, 2, 0), (-2, 1, -1)])
 def test_one_equation_has_the_two_angles_that_satisfy_it(a: int, b: int, c: int) -> None:
     equation = _equation({(1, 0): a, (0, 1): b, (0, 0): -c})
     first, second = solved(NodeKind.TYPE_2, equation)
-    for branch in (first, second):
-        assert abs(rest(equation, branch)) < 1e-14
-        assert abs(np.hypot(*branch.numbers) - 1) < 1e-14
+    assert max(abs(rest(equation, branch)) for branch in (first, second)) < 1e-14
+    assert max(abs(np.hypot(*branch.numbers) - 1) for branch in (first, second)) < 1e-14
     assert np.abs(np.subtract(first.numbers, second.numbers)).max() > 0.1
 
 
@@ -94,9 +91,7 @@ def test_lengths_satisfy_their_equation(a: int, b: int, c: int, count: int) -> N
 @pytest.mark.parametrize("away", [1e-3, 1e-6, 1e-9])
 def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(away: float, sine_or_cosine: int) -> None:
     """2 c = x^2 - 2: beside c = -1 the sine is x, but for x^3, and 1 - c^2 would have lost it."""
-    ring = Ring(("x",))
-    x = ring.generator("x")
-    terms = {(1, 0) if sine_or_cosine else (0, 1): ring.number(Fraction(2)), (0, 0): 2 - x * x}
+    terms = {(1, 0) if sine_or_cosine else (0, 1): RING.number(2), (0, 0): 2 - X * X}
     both = solver_at(away).solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 2, SOURCE),)))
     assert all(branch.exists and not branch.boundary for branch in both)
     found = [branch.numbers[sine_or_cosine] for branch in both]
@@ -105,28 +100,22 @@ def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(awa
 
 @pytest.mark.parametrize(("short", "known"), [(1e-3, True), (1e-9, True), (1e-13, False)])
 def test_equations_that_are_one_turned_determine_an_angle_where_they_have_a_length(short: float, known: bool) -> None:
-    x = Ring(("x",)).generator("x")
-    rows = ({(1, 0): 3 * x, (0, 1): 4 * x, (0, 0): -5 * x}, {(1, 0): -4 * x, (0, 1): 3 * x})
+    rows = ({(1, 0): 3 * X, (0, 1): 4 * X, (0, 0): -5 * X}, {(1, 0): -4 * X, (0, 1): 3 * X})
     formula = NodeFormula(NodeKind.TYPE_3, tuple(NodeEquation(row, 1, SOURCE) for row in rows))
     assert bool(solver_at(short).degenerate(formula)) is not known
 
 
 def test_a_length_that_may_be_negative_is_no_square_and_rounding_leaves_it_its_root() -> None:
-    ring = Ring(("x",))
-    terms = {(1, 0): ring.number(Fraction(1)), (0, 0): 1 - ring.generator("x")}
+    terms = {(1, 0): RING.one, (0, 0): 1 - X}
     first, second = solver_at(-1e-16).solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 1, SOURCE),)))
     assert (bool(first.exists), bool(first.boundary), bool(second.exists)) == (True, True, False)
 
 
 def test_two_entries_of_a_rotation_are_nowhere_degenerate_and_nothing_is_computed_to_see_that() -> None:
-    first, second = _equation({(1, 0): 1, (0, 0): -1}), _equation({(0, 1): 1, (1, 0): 0, (0, 0): 0})
-    turned = [
-        _equation({(1, 0): Fraction(3, 5), (0, 1): Fraction(4, 5)}),
-        _equation({(1, 0): Fraction(-4, 5), (0, 1): Fraction(3, 5)}),
-    ]
-    for pair in ((first, second), turned):
-        solver = Solver(FloatField({}), pytest.fail, np.float64(1))
-        assert not solver.degenerate(NodeFormula(NodeKind.TYPE_3, tuple(pair)))
+    c, s = Fraction(3, 5), Fraction(4, 5)
+    solver = Solver(FloatField({}), pytest.fail, np.float64(1))
+    for rows in (({(1, 0): 1, (0, 0): -1}, {(0, 1): 1}), ({(1, 0): c, (0, 1): s}, {(1, 0): -s, (0, 1): c})):
+        assert not solver.degenerate(NodeFormula(NodeKind.TYPE_3, tuple(map(_equation, rows))))
 
 
 Array = np.ndarray
