@@ -37,13 +37,11 @@ _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 class RobotPoses:
     """Frames of a robot at any configuration.
 
-    Attributes:
-        robot: Its kinematics.
-        assumed: Symbols drawn with a number that no file gives: name, value and unit (``m`` or ``rad``).
+    `values` has the numbers of all symbols, `assumed` those that no file gives: name, value and unit (``m``, ``rad``).
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.robot = replace(robot, links=(), gravity=None)
+        self.robot = replace(robot, links=(), gravity=None)  # its kinematics
         known = parameter_values(self.robot)
         known |= {name: to_float(value, known) for name, value in robot.figure.values}
         missing = [name for name in robot_symbols(self.robot) if name not in known]
@@ -51,9 +49,9 @@ class RobotPoses:
         for pattern in PATTERNS:
             lengths = cycle(float(f"{unit * length:.1g}") for length in pattern)
             assumed = {name: ASSUMED_ANGLE if name in angles else next(lengths) for name in missing}
-            self._values: Numbers = {**known, **assumed}
+            self.values: Numbers = {**known, **assumed}
             try:
-                domain = FloatDomain(self.robot, (0.0,) * robot.n, self._values)
+                domain = FloatDomain(self.robot, (0.0,) * robot.n, self.values)
                 self._chain: Chain[Any] = build_chain(self.robot, domain)
             except (ExpressionError, ArithmeticError):
                 continue
@@ -75,7 +73,7 @@ class RobotPoses:
         found: list[Expression] = []
         for joint, bounds in zip(self.robot.joints, self.limits, strict=True):
             limits = joint.limits
-            has_numbers = limits and all(name in self._values for cell in limits for name in names(cell))
+            has_numbers = limits and all(name in self.values for cell in limits for name in names(cell))
             is_outside = bounds is not None and has_numbers and not min(bounds) <= 0.0 <= max(bounds)
             found.append(middle(joint) if is_outside else Number(Fraction(0)))
         return tuple(found)
@@ -88,21 +86,24 @@ class RobotPoses:
 
     def numbers(self, cells: Sequence[Expression]) -> tuple[float, ...]:
         """The values of cells with the numbers of the drawing."""
-        return tuple(to_float(cell, self._values) for cell in cells)
+        return tuple(to_float(cell, self.values) for cell in cells)
 
     @property
     def limits(self) -> tuple[tuple[float, float] | None, ...]:
         """Lower and upper limit of every joint [rad or m], None where the file gives none."""
         found: list[tuple[float, float] | None] = []
         for limits in (joint.limits for joint in self.robot.joints):
-            values = {**dict.fromkeys((name for cell in limits or () for name in names(cell)), 1.0), **self._values}
+            values = {**dict.fromkeys((name for cell in limits or () for name in names(cell)), 1.0), **self.values}
             found.append(limits and (to_float(limits[0], values), to_float(limits[1], values)))
         return tuple(found)
 
     def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
         """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m]."""
+        inner = list(self._joint_frames(q, math.cos, math.sin))
+        tip = (inner[-1] if inner else self._chain.base) @ self._chain.tool
+        ends = (frame @ end for frame, end in zip(inner, self._chain.ends, strict=True))
         poses = []
-        for frame in self._frames(q, math.cos, math.sin):
+        for frame in (self._chain.base, *ends, tip):
             rows = (tuple(map(float, (*row, x))) for row, x in zip(frame.rotation, frame.position, strict=True))
             poses.append((*rows, (0.0, 0.0, 0.0, 1.0)))
         return tuple(poses)
@@ -122,10 +123,10 @@ class RobotPoses:
         for index in reversed(range(len(q))):
             row, joint, value = self._chain.joints[index], self.robot.joints[index], q[index]
             if joint.is_revolute:
-                angle = joint.sign * value + to_float(joint.theta, self._values)
+                angle = joint.sign * value + to_float(joint.theta, self.values)
                 c, s, offset = np.cos(angle), np.sin(angle), row.offset
             else:
-                c, s, offset = row.cosine, row.sine, joint.sign * value + to_float(joint.d, self._values)
+                c, s, offset = row.cosine, row.sine, joint.sign * value + to_float(joint.d, self.values)
             # The motion of the joint about (along) its z axis, of the point and of the derivatives by joints beyond.
             vectors = [[c * x - s * y, s * x + c * y, z] for x, y, z in (point, *slopes.values())]
             x, y, z = vectors[0]
@@ -146,31 +147,19 @@ class RobotPoses:
         return frame @ self._chain.joints[joint].fixed
 
     @property
-    def values(self) -> Numbers:
-        """The numbers of all symbols, those that are assumed too."""
-        return self._values
-
-    @property
     def longest(self) -> float:
         """The longest length of the table [m], 1 m if there is none."""
-        return _longest(self.robot, self._values)
-
-    def _frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
-        yield self._chain.base
-        frame = self._chain.base
-        for frame, end in zip(self._joint_frames(q, cosine, sine), self._chain.ends, strict=True):
-            yield frame @ end
-        yield frame @ self._chain.tool
+        return _longest(self.robot, self.values)
 
     def _joint_frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
         """Frames 1 to n that move with the joints, each with the axis of its joint as z."""
         frame = self._chain.base
         for value, row, joint in zip(q, self._chain.joints, self.robot.joints, strict=True):
             if joint.is_revolute:
-                angle = joint.sign * value + to_float(joint.theta, self._values)
+                angle = joint.sign * value + to_float(joint.theta, self.values)
                 moved = replace(row, cosine=cosine(angle), sine=sine(angle))
             else:
-                moved = replace(row, offset=joint.sign * value + to_float(joint.d, self._values))
+                moved = replace(row, offset=joint.sign * value + to_float(joint.d, self.values))
             frame = advance(frame, moved)
             yield frame
 

@@ -137,10 +137,6 @@ class Postures:
         apart = np.abs(self._turned(self._solutions(self._places_tried) - wanted[:, None]))
         return bool((np.where(np.isnan(apart), np.inf, apart).max(axis=-1).min(axis=-1) < _SAME).all())
 
-    @cached_property
-    def _solver(self) -> InverseSolver:
-        return InverseSolver.of(self.reach.inverse.robot, self.reach.inverse.graph, self._values)
-
     def _turned(self, q: Array) -> Array:
         """Differences of the moving joints' variables without full turns."""
         turns = np.array([self.point.ranges[j].revolute for j in self.point.moving])
@@ -148,7 +144,8 @@ class Postures:
 
     def _solutions(self, places: Array) -> Array:
         """The moving joints of all postures within the limits, each once: (k, postures, joints), NaN for none."""
-        q = self._solver.solve(self.poses(places)).q[..., list(self.point.moving)]
+        solver = InverseSolver.of(self.reach.inverse.robot, self.reach.inverse.graph, self._values)
+        q = solver.solve(self.poses(places)).q[..., list(self.point.moving)]
         for k, way in enumerate(self.point.ranges[j] for j in self.point.moving):
             value = q[..., k]
             # The first full turn at or above the lower limit.

@@ -140,8 +140,13 @@ def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
     # The level line of the distance one cell away goes around the area and around every hole.
     outside = np.where(grid.reached, 0.0, np.minimum(grid.distance, (_LAYERS + 1) * grid.width))
     lines = contour_generator(z=outside.T).lines(grid.width)
-    rings = [_on_boundary(grid, np.asarray(line, dtype=float)) for line in lines]
-    areas = []
+    rings, areas = [], []
+    for line in lines:  # the nearest places that are reached from its points: (k, 2) on the boundary
+        nodes = np.asarray(line, dtype=float).T
+        rows, starts = grid.starts(np.rint(nodes).astype(int), best=True)
+        _, found, distance = plane.nearest(grid.places(nodes)[:, rows], starts)
+        order = np.lexsort((distance, rows))
+        rings.append(found[:, order[np.r_[True, np.diff(rows[order]) > 0]]].T)
     for every in (1, 2):
         area = package.Polygon()
         parts = [package.make_valid(package.Polygon(ring[::every])) for ring in rings if len(ring) > 8]
@@ -178,12 +183,3 @@ def _grown(area: Flags, layers: int) -> Flags:
         parts = [padded[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i, j in ((0, 0), *_NEIGHBOURS)]
         area = np.any(parts, axis=0)
     return area
-
-
-def _on_boundary(cells: _Cells, line: Array) -> Array:
-    """The nearest places that are reached from points around the area: (k, 2) on its boundary."""
-    nodes = line.T
-    rows, starts = cells.starts(np.rint(nodes).astype(int), best=True)
-    _, found, distance = cells.plane.nearest(cells.places(nodes)[:, rows], starts)
-    order = np.lexsort((distance, rows))
-    return np.asarray(found[:, order[np.r_[True, np.diff(rows[order]) > 0]]].T)

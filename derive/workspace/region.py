@@ -89,8 +89,17 @@ def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
     """The area that a map covers, from its critical curves."""
     if len(plane.joints) < 2:  # a line, which may close and yet covers nothing
         return Area(shapely().Polygon(), shapely().Polygon())
-    fine, coarse = (_reached_cells(plane, boundary_candidates(plane, parts), parts) for parts in (cells, cells // 2))
-    return _area(plane, fine, coarse)
+    found = []
+    for parts in (cells, cells // 2):
+        faces = _cells(plane, boundary_candidates(plane, parts))
+        if len(faces):
+            reached = is_reached(plane, _places_inside(faces))
+            # Searches may miss a cell: samples inside of it, farther from curves than these may be off, tell.
+            margin = plane.point.size * (TURN / parts) ** 2 / 2.0
+            reached[~reached] = _hold_samples(plane, faces[~reached], margin)
+            faces = faces[reached]
+        found.append(faces)
+    return _area(plane, *found)
 
 
 def formula_area(plane: PlaneMap, curves: Callable[[int], Array], holds: Callable[[Array], Array]) -> Area:
@@ -127,17 +136,6 @@ def _cells(plane: PlaneMap, segments: Array) -> Any:
 def _places_inside(faces: Any) -> Array:
     inside = shapely().point_on_surface(faces)
     return np.stack([shapely().get_x(inside), shapely().get_y(inside)])
-
-
-def _reached_cells(plane: PlaneMap, segments: Array, parts: int) -> Any:
-    """The cells that the map covers, with the range of each variable cut into so many parts."""
-    faces = _cells(plane, segments)
-    if not len(faces):
-        return faces
-    reached = is_reached(plane, _places_inside(faces))
-    # Searches may miss a cell: samples inside of it, farther from curves than these may be off, tell.
-    reached[~reached] = _hold_samples(plane, faces[~reached], plane.point.size * (TURN / parts) ** 2 / 2.0)
-    return faces[reached]
 
 
 def joined(cells: Any, size: float) -> Region:

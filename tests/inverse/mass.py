@@ -11,141 +11,39 @@ import argparse
 import sys
 import time
 from collections import defaultdict
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from derive.verification.oracle.frames import forward_kinematics
 from tests.inverse import truth
 from tests.inverse.arms import CLASSES, PUBLISHED, ArmCase, random_arm
 from tests.inverse.coverage import brief
 from tests.inverse.solvers import Refused, generated_solver, solver_of, unbuilt_solver
-from tests.inverse.trial import DUPLICATE, FOUND, REGULAR, Trial
+from tests.inverse.trial import Trial, Verdict
 
-FOUR = ("puma560", "ur5", "stanford", "kr5-arc")
-"""Arms of which a million poses are tried."""
-
-GENERAL = tuple([("6R-general", number) for number in range(10)] + [("5R1P-general", number) for number in range(3)])
+FOUR = ("puma560", "ur5", "stanford", "kr5-arc")  # arms of which a million poses are tried
+GENERAL = [("6R-general", number) for number in range(10)] + [("5R1P-general", number) for number in range(3)]
 BATCH = 20_000
 
 
-@dataclass
-class Tally:
-    poses: int = 0
-    solutions: int = 0  # true solutions that were asked for
-    lost: int = 0  # those of them that are not among the branches
-    spurious: int = 0  # branches that miss their pose by more than the bar
-    repeated: int = 0  # poses at which one solution is there twice
-    wrong: int = 0  # poses with more solutions than the graph says, or an odd number of them lost
-    residual: float = 0.0  # worst error of a branch's pose, lengths relative to the reach or one metre
-    examples: list[str] = field(default_factory=list)  # joint variables and what is wrong at their pose
-
-    def __iadd__(self, other: Tally) -> Tally:
-        for name in ("poses", "solutions", "lost", "spurious", "repeated", "wrong"):
-            setattr(self, name, getattr(self, name) + getattr(other, name))
-        self.residual = max(self.residual, other.residual)
-        self.examples = (self.examples + other.examples)[:20]
-        return self
-
-    @property
-    def is_clean(self) -> bool:
-        """Whether there is nothing to complain about."""
-        return not (self.lost or self.spurious or self.repeated or self.wrong)
-
-    def __str__(self) -> str:
-        share = f"{1 - self.lost / max(self.solutions, 1):.5%}"
-        return (
-            f"{self.poses} poses, {self.solutions - self.lost}/{self.solutions} solutions ({share}), "
-            f"{self.spurious} spurious, {self.repeated} repeated, {self.wrong} counts wrong, "
-            f"residual {self.residual:.0e}"
-        )
-
-
-def tally(case: ArmCase, q: np.ndarray, branches: np.ndarray, count: int = 0, bar: float = 1e-10, true=None) -> Tally:
-    """Judge the branches of poses that were made of known joint variables."""
-    trial = Trial(case)
-    chain = trial.chain
-    exists = np.isfinite(branches).all(axis=-1)
-    error = _errors(trial, branches, forward_kinematics(trial.arm, q))
-    error[~exists] = 0.0
-    asked = [row[None] for row in q] if true is None else true
-    owner = np.repeat(np.arange(len(q)), [len(one) for one in asked])
-    wanted = np.concatenate(asked)
-    away = np.where(exists[owner], chain.distance(np.nan_to_num(branches)[owner], wanted[:, None]), np.inf)
-    missing = np.flatnonzero(away.min(axis=1, initial=np.inf) > FOUND)
-    if missing.size:
-        missing = missing[truth.smallest_singular_value(chain, wanted[missing]) > REGULAR]
-    pairs = [(i, j) for j in range(branches.shape[1]) for i in range(j)]
-    repeated = np.zeros(len(q), dtype=bool)
-    for i, j in pairs:
-        two = np.flatnonzero(exists[:, i] & exists[:, j])
-        repeated[two] |= chain.distance(branches[two, i], branches[two, j]) < DUPLICATE
-    number = exists.sum(axis=1)
-    wrong = _wrong_counts(chain, branches, exists, number, count) if count else np.zeros(len(q), dtype=bool)
-    result = Tally(len(q), len(wanted), len(missing), int((error > bar).sum()), int(repeated.sum()), int(wrong.sum()))
-    result.residual = float(error.max(initial=0.0))
-    result.examples = [
-        f"{what} at q = {np.array2string(q[k], precision=17, separator=', ', max_line_width=10000)}"
-        for what, where in (
-            ("lost", np.unique(owner[missing])),
-            ("spurious", np.flatnonzero((error > bar).any(axis=1))),
-            ("repeated", np.flatnonzero(repeated)),
-            ("wrong count", np.flatnonzero(wrong)),
-        )
-        for k in where[:3]
-    ]
-    return result
-
-
-def _errors(trial: Trial, branches: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """(m, b) the largest error of the task's entries, lengths relative to the reach or one metre."""
-    rows, columns = trial.chain.rows, trial.chain.columns
-    reached = forward_kinematics(trial.arm, np.nan_to_num(branches))[..., rows, columns]
-    scale = np.where(np.array(columns) == 3, max(1.0, trial.chain.unit), 1.0)
-    return (np.abs(reached - poses[:, None, rows, columns]) / scale).max(axis=-1, initial=0.0)
-
-
-def _wrong_counts(chain, branches, exists, number, count):
-    """Whether there are too many solutions, or an odd number is missing while none is singular."""
-    suspects = np.flatnonzero((number > count) | ((count - number) % 2 == 1))
-    wrong = np.zeros(len(branches), dtype=bool)
-    for k in suspects:
-        own = branches[k, exists[k]]
-        regular = not len(own) or truth.smallest_singular_value(chain, own).min() > 1e-3
-        wrong[k] = number[k] > count or regular
-    return wrong
-
-
-def tried(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-10, second=None) -> Tally:
-    """Random poses of an arm through a solver."""
-    trial, total = Trial(case, seed=seed), Tally()
+def tried(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-10, second=None) -> Verdict:
+    """Random poses of an arm through a solver; the configuration of each must be among its solutions."""
+    trial, total, count = Trial(case, seed=seed), Verdict(), getattr(solver, "count", 0)
     for begin in range(0, poses, BATCH):
-        q = trial.configurations(min(BATCH, poses - begin))
-        goal, given = forward_kinematics(trial.arm, q), q[:, list(case.given)]
-        with np.errstate(all="ignore"):
-            branches = solver(goal, given)[0]
-        total += tally(case, q, branches, getattr(solver, "count", 0), bar)
+        asked = trial.poses(trial.configurations(min(BATCH, poses - begin)), "random")
+        found = [each(asked.poses, asked.given) for each in (solver, second) if each]
+        total += trial.judge(asked, lambda *_, found=found: found[0], bar, count)
         if second is not None:
-            total += _compared(trial, q, branches, second(goal, given)[0])
+            numbers = [np.isfinite(branches[..., 0]).sum(axis=1) for branches, *_ in found]
+            differ = np.flatnonzero(numbers[0] != numbers[1])
+            pairs = ((numbers[0][k], numbers[1][k], asked.q[k].tolist()) for k in differ)
+            said = [f"{one} solutions, the second solver {other}, at q = {q}" for one, other, q in pairs]
+            total += Verdict(wrong=len(differ), missing=said)
     return total
 
 
-def _compared(trial: Trial, q: np.ndarray, one: np.ndarray, other: np.ndarray) -> Tally:
-    numbers = [np.isfinite(branches).all(axis=-1).sum(axis=1) for branches in (one, other)]
-    differ = np.flatnonzero(numbers[0] != numbers[1])
-    result = Tally(wrong=len(differ))
-    result.examples = [
-        f"{numbers[0][k]} solutions, the second solver {numbers[1][k]}, at q = {q[k].tolist()}" for k in differ[:3]
-    ]
-    return result
-
-
-# -- the three bars
-
-
-def run_poses(options) -> Tally:
+def run_poses(options) -> Verdict:
     """A million poses of four arms, generated NumPy beside the compiled module."""
-    total = Tally()
+    total = Verdict()
     for case in PUBLISHED:
         if case.name in FOUR:
             solver, second = generated_solver(case), generated_solver(case, "native") if options.native else None
@@ -156,9 +54,9 @@ def run_poses(options) -> Tally:
     return total
 
 
-def run_general(options) -> Tally:
+def run_general(options) -> Verdict:
     """Poses of general arms: the joint variables they were made of, then all true solutions of the first ones."""
-    total = Tally()
+    total = Verdict()
     for kind, number in GENERAL:
         case = random_arm(kind, options.first + number)
         solver = generated_solver(case, "native") if options.native else generated_solver(case)
@@ -174,30 +72,28 @@ def run_general(options) -> Tally:
     return total
 
 
-def with_truth(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-8) -> tuple[Tally, int]:
+def with_truth(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-8) -> tuple[Verdict, int]:
     """Random poses of an arm with all their solutions, carried there from one complex pose."""
-    trial, total, unsure = Trial(case, seed=seed), Tally(), 0
+    trial, total, unsure = Trial(case, seed=seed), Verdict(), 0
     count = getattr(solver, "count", 0)
     for quiet in (3, 10, 30):
         every = truth.AllSolutions(trial.chain, seed, quiet)
         if every.count == count or not count:
             break
     if count and every.count != count:
-        total += Tally(wrong=1, examples=[f"{every.count} complex solutions, not {count}"])
+        total += Verdict(wrong=1, missing=[f"{every.count} complex solutions, not {count}"])
     for begin in range(0, poses, 250):
         q = trial.configurations(min(250, poses - begin))
         true, sure = every.real(q)
-        with np.errstate(all="ignore"):
-            branches = solver(forward_kinematics(trial.arm, q), q[:, list(case.given)])[0]
-        total += tally(case, q, branches, count, bar, true)
+        total += trial.judge(trial.poses(q, "random", true), solver, bar, count)
         unsure += int((~sure).sum())
     return total, unsure
 
 
-def run_arms(options) -> Tally:
+def run_arms(options) -> Verdict:
     """Random arms of every class in turn until the time is over."""
     end = time.monotonic() + options.seconds if options.seconds else np.inf
-    total, by_class, arms, failed = Tally(), defaultdict(Tally), defaultdict(int), defaultdict(int)
+    total, by_class, arms, failed = Verdict(), defaultdict(Verdict), defaultdict(int), defaultdict(int)
     for number in range(options.first, options.first + options.arms):
         for kind in options.kinds or CLASSES:
             if time.monotonic() > end:
@@ -212,7 +108,7 @@ def run_arms(options) -> Tally:
     return total
 
 
-def _arm(kind: str, number: int, options) -> Tally:
+def _arm(kind: str, number: int, options) -> Verdict:
     """One random arm; one that raises has lost everything."""
     case, begin = random_arm(kind, number), time.perf_counter()
     bar, poses = (1e-8, 100) if "general" in kind or "offset" in kind else (1e-10, 1000)
@@ -222,17 +118,17 @@ def _arm(kind: str, number: int, options) -> Tally:
         if options.truth:
             found += with_truth(case, solver, options.truth, options.seed + 1, bar)[0]
     except Refused as error:
-        found = Tally(wrong=1, examples=[f"refused: {error}"])
+        found = Verdict(wrong=1, missing=[f"refused: {error}"])
     except Exception as error:
-        found = Tally(wrong=1, examples=[f"raises {brief(error)}"])
+        found = Verdict(wrong=1, missing=[f"raises {brief(error)}"])
     if options.verbose or not found.is_clean:
         _report(f"{case.name} {'symbols' * bool(case.values)}", found, time.perf_counter() - begin)
     return found
 
 
-def _report(name: str, found: Tally, seconds: float) -> None:
+def _report(name: str, found: Verdict, seconds: float) -> None:
     print(f"{name}: {found}; {seconds:.1f} s", flush=True)
-    for example in found.examples:
+    for example in found.missing[:20]:
         print(f"    {example}", flush=True)
 
 

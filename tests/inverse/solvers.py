@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import tempfile
+from dataclasses import replace
+from functools import partial
 from types import ModuleType
-
-import numpy as np
 
 import derive
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.solve import solve as solve_symbolically
-from derive.inverse.numeric.chain import POSE, POSITION, NumericChain
-from derive.inverse.numeric.newton import solve
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.publish.render import Source
@@ -20,37 +18,18 @@ from derive.robot.options.inverse import TASKS
 from derive.targets.numpy import TARGET
 from tests.inverse.arms import ArmCase
 
-ENTRIES = {"pose": POSE, "position": POSITION}
-
 
 class Refused(Exception):
     """There is no closed form, with the reason."""
 
 
-def numeric_solver(case: ArmCase):
-    chain = NumericChain.of(case.robot(choice=False), case.values)
-
-    def run(poses, given):
-        found = [
-            solve(chain, pose, entries=ENTRIES[case.task], given=dict(zip(case.given, values, strict=True)))
-            for pose, values in zip(poses, given, strict=True)
-        ]
-        width = max((len(one.q) for one in found), default=0)
-        branches = np.full((len(poses), width, chain.n), np.nan)
-        status = np.zeros((len(poses), width), dtype=np.int8)
-        for k, one in enumerate(found):
-            branches[k, : len(one.q)], status[k, : len(one.q)] = one.q, one.status
-        return branches, status
-
-    return run
-
-
-def solver_of(case: ArmCase):
+def solver_of(case: ArmCase, numeric: bool = False):
     """The closed form; its number of complex solutions is the attribute ``count``, 0 where that is not certain."""
     robot = case.robot(choice=False)
     graph = solve_symbolically(robot, TASKS[case.task], case.given)
-    if not graph.is_closed:
+    if not (numeric or graph.is_closed):
         raise Refused(graph.why_not)
+    graph = replace(graph, why_not="by numbers" * numeric)
     solver = InverseSolver.of(robot, graph, case.values)
 
     def run(poses, given):
@@ -61,20 +40,24 @@ def solver_of(case: ArmCase):
     return run
 
 
+numeric_solver = partial(solver_of, numeric=True)
+
+
 def generated_solver(case: ArmCase, target: str = "numpy"):
     """The function of the generated module, as a user gets it by ``derive build``; ``count`` as above."""
-    robot = case.robot()
     with tempfile.TemporaryDirectory() as folder:
-        return _of_module(built_module(robot, folder, target, "numpy"), robot, case)
+        return solver_of_module(built_modules(case.robot(), folder, target)[target], case)
 
 
-def built_module(robot, folder, target: str, beside: str):
-    """A module of a build that has both targets."""
-    built = derive.build(robot, folder, targets=list(dict.fromkeys([beside, target])), only=True, effort="quick")
-    spec = importlib.util.spec_from_file_location(f"model_{target}", built.folder / f"model_{target}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def built_modules(robot, folder, *targets: str):
+    """Modules of one build, by target, that of NumPy among them."""
+    targets = dict.fromkeys(["numpy", *targets])
+    built, modules = derive.build(robot, folder, targets=list(targets), only=True, effort="quick"), {}
+    for target in targets:
+        spec = importlib.util.spec_from_file_location(f"model_{target}", built.folder / f"model_{target}.py")
+        modules[target] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(modules[target])
+    return modules
 
 
 def unbuilt_solver(case: ArmCase):
@@ -84,10 +67,11 @@ def unbuilt_solver(case: ArmCase):
     text = TARGET.render(Source(robot, program, derive.__version__, TARGET.files))["model_numpy.py"]
     module = ModuleType("generated_numpy")
     exec(compile(text, "model_numpy.py", "exec", dont_inherit=True), module.__dict__)
-    return _of_module(module, robot, case)
+    return solver_of_module(module, case)
 
 
-def _of_module(module, robot, case):
+def solver_of_module(module, case):
+    """The function of a generated module."""
     if not hasattr(module, "inverse_kinematics"):
         raise Refused("no inverse_kinematics is generated")
     params = {name: case.values[name] for name in getattr(module, "PARAMETERS", ()) if name in case.values} or None
@@ -95,6 +79,6 @@ def _of_module(module, robot, case):
     def run(poses, given):
         return module.inverse_kinematics(poses, params, given if given.shape[1] else None, status=True)
 
-    graph = solve_symbolically(robot)
+    graph = solve_symbolically(case.robot())
     run.count = graph.count if graph.complete else 0
     return run

@@ -8,7 +8,7 @@ import pytest
 from derive.verification.oracle.frames import forward_kinematics
 from tests.inverse import truth
 from tests.inverse.arms import CLASSES, PUBLISHED, is_regular, random_arm
-from tests.inverse.mass import GENERAL, main, tally, tried, with_truth
+from tests.inverse.mass import GENERAL, main, tried, with_truth
 from tests.inverse.solvers import solver_of
 from tests.inverse.trial import Trial
 from tests.random_robots import swept
@@ -23,13 +23,9 @@ MORE_COUNTS |= {"jaco": 16, "crx-10ia": 16, "manseur-doty": 16}
 """Lee and Liang 1988, Raghavan and Roth 1993: sixteen at the most."""
 
 
-def chain_of(case):
-    return truth.Chain(case.arm, {"pose": truth.POSE, "position": truth.POSITION}[case.task], case.given)
-
-
 @pytest.mark.parametrize(("name", "count"), [*COUNTS.items(), *swept(*MORE_COUNTS.items())])
 def test_solutions_are_as_many_as_books_and_papers_say(name, count):
-    chain = chain_of(ARMS[name])
+    chain = Trial(ARMS[name]).chain
     q = np.random.default_rng(5).uniform(-3, 3, (3, chain.arm.n))
     everything = truth.AllSolutions(chain)
     assert everything.count == count
@@ -52,68 +48,67 @@ def test_random_arms_are_regular_the_same_again_and_in_both_conventions():
 
 def test_poses_and_slopes_of_the_truth_are_those_of_the_oracle():
     case = random_arm("6DOF-P-other", 0)
-    chain, q = chain_of(case), np.random.default_rng(1).uniform(-2, 2, (4, 6))
+    chain, q = Trial(case).chain, np.random.default_rng(1).uniform(-2, 2, (4, 6))
     assert np.allclose(chain.pose(q)[0], forward_kinematics(case.arm, q), atol=1e-13)
     exact = forward_kinematics(case.arm, q[:, None] + 1e-30j * np.eye(6)).imag[..., :3, :].reshape(4, 6, 12) / 1e-30
     units = np.tile(chain.weight, (6, 1)) * chain.scale[:, None]
     assert np.allclose(chain.values_and_slopes(q)[1], np.swapaxes(exact * units, -1, -2), atol=1e-12)
 
 
-CASE = next(case for case in PUBLISHED if case.name == "elbow-offset-position")
+CASE = ARMS["elbow-offset-position"]
 
 
 @pytest.fixture(scope="module")
 def solved():
-    """Poses of one arm, their branches, and the number of solutions."""
+    """A trial of one arm, some of its poses, their branches, and the solver."""
     trial, solver = Trial(CASE), solver_of(CASE)
-    q = trial.configurations(20)
-    return q, solver(forward_kinematics(trial.arm, q), q[:, :0])[0], solver.count
+    poses = trial.poses(trial.configurations(20), "random")
+    return trial, poses, solver(poses.poses, poses.given)[0], solver
 
 
-def own_branch(q, branches, k):
-    return int(np.abs(np.nan_to_num(branches[k], nan=9.0) - q[k]).max(axis=-1).argmin())
-
-
-def test_the_tally_of_all_branches_is_clean(solved):
-    q, branches, count = solved
-    found = tally(CASE, q, branches, count)
-    assert found.is_clean, found.examples
-    assert (found.poses, found.solutions) == (20, 20)
+def test_the_verdict_on_all_branches_is_clean(solved):
+    trial, poses, branches, solver = solved
+    found = trial.judge(poses, lambda *_: (branches, None), count=solver.count)
+    assert found.is_clean, found.missing
+    assert (found.poses, found.complete, found.true, found.found) == (20, 20, 20, 20)
     assert found.residual < 1e-14
 
 
-def test_the_tally_sees_a_lost_a_wrong_and_a_repeated_solution_and_an_odd_number(solved):
-    q, branches, count = solved
-    own, some = own_branch(q, branches, 3), np.flatnonzero(np.isfinite(branches[4]).all(axis=-1))
+def test_the_verdict_sees_what_is_lost_wrong_repeated_or_too_much_and_an_odd_number(solved):
+    trial, poses, branches, solver = solved
+    own = int(np.abs(np.nan_to_num(branches[3], nan=9.0) - poses.q[3]).max(axis=-1).argmin())
+    other = np.flatnonzero(np.isfinite(branches[4]).all(axis=-1))[0]
 
-    def changed(k, row, value):
-        new = np.array(branches)
+    def changed(k, row, value, poses=poses):
+        new = np.concatenate([branches, np.full_like(branches[:, :1], np.nan)], axis=1)
         new[k, row] = value
-        return tally(CASE, q, new, count)
+        return trial.judge(poses, lambda *_: (new, None), count=solver.count)
 
     lost = changed(3, own, np.nan)
-    assert (lost.lost, lost.wrong, lost.spurious) == (1, 1, 0)
-    assert any(text.startswith("lost") for text in lost.examples)
-    assert changed(3, own, q[3] + 1e-3).spurious == 1
-    repeated = np.concatenate([branches, np.full_like(branches[:, :1], np.nan)], axis=1)
-    repeated[4, -1] = branches[4, some[0]]
-    found = tally(CASE, q, repeated, count)
-    assert (found.repeated, found.wrong) == (1, 1)
+    assert (lost.true - lost.found, lost.complete, lost.wrong, lost.spurious) == (1, 19, 1, 0)
+    assert lost.missing[0].startswith("random: 1 lost, wrong count at q = ")
+    assert changed(3, own, poses.q[3] + 1e-3).spurious == 1
+    repeated = changed(4, -1, branches[4, other])
+    assert (repeated.repeated, repeated.wrong, repeated.is_clean) == (1, 1, False)
+    assert changed(slice(None), slice(None), np.nan).empty == 20
+    away = trial.unreachable(20)
+    assert len(away.poses) == 20
+    assert changed(0, -1, np.nan, away).claims == 20
 
 
 def test_a_second_solver_that_finds_less_is_counted(solved):
-    solver = solver_of(CASE)
+    solver = solved[-1]
     assert tried(CASE, solver, 20, 0, second=solver).is_clean
     found = tried(CASE, solver, 20, 0, second=lambda poses, given: (solver(poses, given)[0][:, :1], None))
     assert found.wrong > 0
-    assert "second solver" in found.examples[0]
+    assert "second solver" in found.missing[0]
 
 
 def test_true_solutions_of_an_arm_are_all_asked_for(solved):
-    found, unsure = with_truth(CASE, solver_of(CASE), 5, 1)
-    assert found.is_clean, found.examples
+    found, unsure = with_truth(CASE, solved[-1], 5, 1)
+    assert found.is_clean, found.missing
     assert unsure == 0
-    assert found.solutions > found.poses == 5
+    assert found.true > found.poses == 5
 
 
 @pytest.mark.parametrize("way", [[], ["--build"]], ids=["alone", "built"])
@@ -129,4 +124,4 @@ def test_random_arms_are_generated_and_tried(way, capsys):
 def test_general_arms_lose_no_solution(kind, number):
     case = random_arm(kind, number)
     found = tried(case, solver_of(case), 100, 3, bar=1e-8)
-    assert found.is_clean, found.examples
+    assert found.is_clean, found.missing

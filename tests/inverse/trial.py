@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field, fields
+from itertools import combinations
 
 import numpy as np
 
-from derive.verification.oracle.frames import forward_kinematics
+from derive.verification.oracle.frames import forward_kinematics, jacobian
 from tests.inverse import truth
 from tests.inverse.arms import ArmCase
 
 ENTRIES = {"pose": truth.POSE, "position": truth.POSITION}
 
-FOUND = 1e-5
-"""A true solution is found where a branch is at most this far from it; double roots have their own."""
-
-FOUND_DOUBLE = 2e-3
-REGULAR = 1e-4
-"""Smallest singular value from which on a solution counts as regular."""
-
-REPRODUCED = 1e-9
-"""Error of a branch's pose from which on it is spurious."""
-
+FOUND = 1e-5  # a true solution is found where a branch is at most this far from it
+REGULAR = 1e-4  # smallest singular value from which on a solution must be found
+REPRODUCED = 1e-9  # error of a branch's pose from which on it is spurious
 DUPLICATE = 1e-7
 
 Solver = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -40,38 +32,42 @@ class Poses:
     q: np.ndarray  # (m, n) the configurations that they were made from; NaN for unreachable ones
     poses: np.ndarray  # (m, 4, 4)
     given: np.ndarray  # (m, k) values of the given joints
-    true: list[np.ndarray]  # for each pose its regular true solutions (k, n)
+    true: list[np.ndarray]  # for each pose the true solutions (k, n) that are asked for; singular ones may be lost
     kind: str  # ``regular``, ``singular``, ``boundary`` or ``unreachable``
 
 
 @dataclass
 class Verdict:
-    """What was found at the poses of one kind."""
+    """What was found at some poses; verdicts are added."""
 
-    poses: int = 0  # how many poses
+    poses: int = 0
     complete: int = 0  # at how many of them every true solution was found
-    true: int = 0
-    found: int = 0  # those that were found
+    true: int = 0  # true solutions that were asked for
+    found: int = 0  # those of them that were found
     spurious: int = 0  # branches that do not reproduce their pose
-    duplicates: int = 0  # branches that repeat another one
+    repeated: int = 0  # poses at which one solution is there twice
     empty: int = 0  # reachable poses without any branch
     claims: int = 0  # unreachable poses with a branch
-    residual: float = 0.0  # worst error of a branch's pose, lengths relative to the reach
-    missing: list[tuple[int, str]] = field(default_factory=list)  # (pose number, what is missing)
+    wrong: int = 0  # poses with more solutions than the graph says, or an odd number of them lost
+    residual: float = 0.0  # worst error of a branch's pose, lengths relative to the reach or one metre
     seconds: float = 0.0  # time of the solver
+    missing: list[str] = field(default_factory=list)  # for each pose with a fault what it is, and the configuration
 
     def __add__(self, other: Verdict) -> Verdict:
-        total = Verdict()
-        for name in ("poses", "complete", "true", "found", "spurious", "duplicates", "empty", "claims", "seconds"):
-            setattr(total, name, getattr(self, name) + getattr(other, name))
-        total.residual = max(self.residual, other.residual)
-        total.missing = self.missing + other.missing
-        return total
+        sums = {f.name: getattr(self, f.name) + getattr(other, f.name) for f in fields(self)}
+        return Verdict(**sums | {"residual": max(self.residual, other.residual)})
 
     @property
     def is_clean(self) -> bool:
         """Whether there is nothing to complain about."""
-        return self.complete == self.poses and not (self.spurious or self.duplicates or self.empty or self.claims)
+        return not self.missing
+
+    def __str__(self) -> str:
+        return (
+            f"{self.poses} poses, {self.found}/{self.true} solutions ({self.found / max(self.true, 1):.5%}), "
+            f"{self.spurious} spurious, {self.repeated} repeated, {self.empty} empty, {self.claims} claimed, "
+            f"{self.wrong} counts wrong, residual {self.residual:.0e}"
+        )
 
 
 @dataclass(eq=False)
@@ -79,7 +75,6 @@ class Trial:
     case: ArmCase
     count: int = 20
     seed: int = 0
-    cache: Path | None = None
 
     def __post_init__(self):
         self.arm = self.case.arm
@@ -94,17 +89,7 @@ class Trial:
     def regular(self):
         """Random reachable poses with all their solutions."""
         q = self.configurations(self.count)
-        key = hashlib.sha256(f"3 {self.case.text} {self.case.values} {self.seed} {self.count}".encode()).hexdigest()
-        kept = self.cache / f"{key[:20]}.npz" if self.cache else None
-        if kept and kept.exists():
-            data = np.load(kept)
-            solutions = np.split(data["solutions"], data["ends"][:-1])
-        else:
-            solutions = self._all(q)
-            if kept:
-                kept.parent.mkdir(parents=True, exist_ok=True)
-                np.savez(kept, solutions=np.concatenate(solutions), ends=np.cumsum([len(s) for s in solutions]))
-        return self._poses(q, [self._regular_ones(s) for s in solutions], "regular")
+        return self.poses(q, "regular", self._all(q))
 
     def _all(self, q):
         """By continuation, and by many starts: both must agree."""
@@ -116,14 +101,10 @@ class Trial:
             result.append(np.array(kept).reshape(-1, self.arm.n))
         return result
 
-    def _regular_ones(self, solutions):
-        if not len(solutions):
-            return solutions
-        return solutions[truth.smallest_singular_value(self.chain, solutions) > REGULAR]
-
-    def _poses(self, q, true, kind):
-        poses = forward_kinematics(self.arm, q)
-        return Poses(q, poses, q[:, list(self.case.given)], true, kind)
+    def poses(self, q, kind, true=None):
+        """The poses of configurations, and these as their true solutions unless there are others."""
+        true = [row[None] for row in q] if true is None else true
+        return Poses(q, forward_kinematics(self.arm, q), q[:, list(self.case.given)], true, kind)
 
     def special(self, count=8):
         """Poses of configurations with right and zero angles: many of them singular. Isolated solutions alone count."""
@@ -132,14 +113,13 @@ class Trial:
         offsets = np.where(self.arm.revolute, -self.arm.sign * self.arm.theta, 0.0)
         chosen = self.random.random(q.shape) < self.random.choice([0.3, 0.6, 1.0], (count, 1))
         q = np.where(chosen & self.arm.revolute, angles + offsets * self.random.integers(0, 2, (count, 1)), q)
-        true = [self._regular_ones(truth.by_many_starts(self.chain, one, starts=150)) for one in q]
-        return self._poses(q, true, "singular")
+        return self.poses(q, "singular", [truth.by_many_starts(self.chain, one, starts=150) for one in q])
 
-    def boundary(self, count=4, beyond=0.0):
+    def boundary(self, count=4):
         """Poses at which the determinant of J changes its sign: double roots. Only reproduction is asked."""
         chain, found = self.chain, []
         if len(chain.free) not in (len(chain.entries), 6 if self.case.task == "pose" else 3):
-            return self._poses(np.empty((0, self.arm.n)), [], "boundary")
+            return self.poses(np.empty((0, self.arm.n)), "boundary")
         for _ in range(40 * count):
             ends = self.configurations(2)
             ends[1, list(chain.given)] = ends[0, list(chain.given)]
@@ -155,17 +135,10 @@ class Trial:
             if len(found) == count:
                 break
         q = np.array(found).reshape(-1, self.arm.n)
-        result = self._poses(q, [np.empty((0, self.arm.n))] * len(q), "boundary")
-        if beyond:
-            result.poses[:, :3, 3] += beyond * self.chain.unit * self.random.choice([-1, 1], (len(q), 3))
-        return result
+        return self.poses(q, "boundary", [np.empty((0, self.arm.n))] * len(q))
 
     def _determinant(self, q):
-        pose, axes, points = self.chain.pose(q)
-        linear = np.where(self.arm.revolute[:, None], np.cross(axes, pose[..., None, :3, 3] - points), axes)
-        turning = np.where(self.arm.revolute[:, None], axes, 0.0)
-        rows = linear if self.case.task == "position" else np.concatenate([linear, turning], axis=-1)
-        return np.linalg.det(rows[..., list(self.chain.free), :])
+        return np.linalg.det(jacobian(self.arm, q)[..., : 3 if self.case.task == "position" else 6, self.chain.free])
 
     def unreachable(self, count=4):
         """Poses that are far from every configuration's, as many starts tell."""
@@ -182,49 +155,61 @@ class Trial:
         nothing = [np.empty((0, self.arm.n))] * int(far.sum())
         return Poses(np.full_like(q[far], np.nan), poses[far], given[far], nothing, "unreachable")
 
-    # -- what a solver makes of them
-
-    def judge(self, poses: Poses, solver: Solver) -> Verdict:
-        """Compare a solver's branches with the truth."""
-        verdict = Verdict(poses=len(poses.poses))
+    def judge(self, poses: Poses, solver: Solver, bar: float = REPRODUCED, count: int = 0) -> Verdict:
+        """Compare a solver's branches with the truth; with a count their number, too."""
         if not len(poses.poses):
-            return verdict
+            return Verdict()
         begin = time.perf_counter()
-        branches, _ = solver(poses.poses, poses.given)
-        verdict.seconds = time.perf_counter() - begin
-        for k, (own, true) in enumerate(zip(branches, poses.true, strict=True)):
-            own = own[np.isfinite(own).all(axis=-1)]
-            bad = self._errors(own, poses.poses[k])
-            verdict.residual = max(verdict.residual, bad.max(initial=0.0))
-            spurious = int((bad > REPRODUCED).sum())
-            verdict.spurious += spurious
-            repeated = self._repeated(own)
-            verdict.duplicates += repeated
-            verdict.true += len(true)
-            lost = [one for one in true if not len(own) or self.chain.distance(own, one).min() > FOUND]
-            verdict.found += len(true) - len(lost)
-            reachable = poses.kind != "unreachable"
-            verdict.empty += reachable and not len(own)
-            verdict.claims += not reachable and bool(len(own))
-            verdict.complete += not lost
-            said = [f"{len(lost)} of {len(true)} lost"] if lost else []
-            said += [f"{spurious} spurious ({bad.max():.1e})"] if spurious else []
-            said += [f"{repeated} repeated"] if repeated else []
-            said += ["no branch at all"] if reachable and not len(own) else []
-            said += ["claims an unreachable pose"] if not reachable and len(own) else []
-            if said:
-                verdict.missing.append((k, f"{poses.kind}: {', '.join(said)}"))
-        return verdict
+        with np.errstate(all="ignore"):
+            branches, _ = solver(poses.poses, poses.given)
+        seconds = time.perf_counter() - begin
+        exists = np.isfinite(branches).all(axis=-1)
+        number, plain = exists.sum(axis=1), np.nan_to_num(branches)
+        error = np.where(exists, self._errors(plain, poses.poses), 0.0)
+        owner, wanted = np.repeat(np.arange(len(exists)), list(map(len, poses.true))), np.concatenate(poses.true)
+        away = np.where(exists[owner], self.chain.distance(plain[owner], wanted[:, None]), np.inf)
+        missing = np.flatnonzero(away.min(axis=1, initial=np.inf) > FOUND)
+        if missing.size:
+            missing = missing[truth.smallest_singular_value(self.chain, wanted[missing]) > REGULAR]
+        lost = np.bincount(owner[missing], minlength=len(exists))
+        twice = np.zeros(len(exists), dtype=bool)
+        for i, j in combinations(range(branches.shape[1]), 2):
+            twice |= exists[:, i] & exists[:, j] & (self.chain.distance(plain[:, i], plain[:, j]) < DUPLICATE)
+        reachable = poses.kind != "unreachable"
+        faults = {
+            "lost": lost,
+            "spurious": (error > bar).sum(axis=1),
+            "repeated": twice,
+            "no branch at all": (number == 0) & reachable,
+            "claims an unreachable pose": (number > 0) & (not reachable),
+            "wrong count": self._wrong_counts(branches, exists, count) if count else np.zeros_like(twice),
+        }
+        said = []
+        for k in np.flatnonzero(np.any(list(faults.values()), axis=0)):
+            own = [what if rows.dtype == bool else f"{rows[k]} {what}" for what, rows in faults.items() if rows[k]]
+            q = np.array2string(poses.q[k], precision=17, separator=", ", max_line_width=10000)
+            said.append(f"{poses.kind}: {', '.join(own)} at q = {q}")
+        some = [int(rows.sum()) for rows in faults.values()]
+        complete, found = int((lost == 0).sum()), len(wanted) - some[0]
+        worst = float(error.max(initial=0.0))
+        return Verdict(len(exists), complete, len(wanted), found, *some[1:], worst, seconds, said)
 
-    def _errors(self, q, pose):
-        reached = forward_kinematics(self.arm, q)[..., self.chain.rows, self.chain.columns]
-        wanted = pose[self.chain.rows, self.chain.columns]
-        far = np.abs(pose[:3, 3]).max()
-        scale = np.where(np.array(self.chain.columns) == 3, max(1.0, self.chain.unit, far), 1.0)
-        return (np.abs(reached - wanted) / scale).max(axis=-1, initial=0.0)
+    def _errors(self, q, poses):
+        """(m, b) the largest error of the task's entries, lengths relative to the reach or one metre."""
+        rows, columns = self.chain.rows, self.chain.columns
+        far = np.abs(poses[:, None, :3, 3]).max(axis=-1, keepdims=True)
+        scale = np.where(np.array(columns) == 3, np.maximum(far, max(1.0, self.chain.unit)), 1.0)
+        apart = np.abs(forward_kinematics(self.arm, q)[..., rows, columns] - poses[:, None, rows, columns])
+        return (apart / scale).max(axis=-1, initial=0.0)
 
-    def _repeated(self, q):
-        return sum(self.chain.distance(q[:i], q[i]).min() < DUPLICATE for i in range(1, len(q)))
+    def _wrong_counts(self, branches, exists, count):
+        """Whether there are too many solutions, or an odd number is missing while none is singular."""
+        number = exists.sum(axis=1)
+        wrong = number > count
+        for k in np.flatnonzero((count - number) % 2 == 1):
+            own = branches[k, exists[k]]
+            wrong[k] |= not len(own) or truth.smallest_singular_value(self.chain, own).min() > 1e-3
+        return wrong
 
 
 def _nearest(chain, pose, q):

@@ -93,6 +93,14 @@ class Chain:
         """The largest difference of a joint variable, full turns aside, without units."""
         return np.abs(self.folded(a - b) / self.scale).max(axis=-1)
 
+    def different(self, q):
+        """Configurations without those that repeat an earlier one."""
+        kept = []
+        for one in q:
+            if not kept or self.distance(np.array(kept), one).min() > APART:
+                kept.append(one)
+        return self.folded(np.array(kept).reshape(-1, q.shape[-1]))
+
     def newton(self, q, target, steps=3):
         """Newton steps of the free joints; the last step's size beside the result."""
         size = np.full(q.shape[:-1], np.inf)
@@ -136,10 +144,10 @@ class AllSolutions:
         for _ in range(tries):
             ends = self._followed_to(q[open_])
             for i, found in zip(open_, ends, strict=True):
-                different = self._different(found)
+                different = self.chain.different(found)
                 sure[i] = len(different) == self.count
                 real = different[np.abs(different.imag).max(axis=1, initial=0.0) < 1e-7].real
-                results[i] = self._different(np.concatenate([results[i], real]))
+                results[i] = self.chain.different(np.concatenate([results[i], real]))
             open_ = open_[~sure[open_]]
             if not len(open_):
                 break
@@ -160,34 +168,24 @@ class AllSolutions:
         q = np.stack([self._complex() for _ in range(starts)])
         q[:, list(chain.given)] = self.start[list(chain.given)]
         q, cost = descend(chain, q, chain.values(self.start), 60)
-        return self._different(np.concatenate([known, q[cost < 1e-12]]))
+        return self.chain.different(np.concatenate([known, q[cost < 1e-12]]))
 
     def _loop(self):
         """Around a loop of poses: over a random configuration, back from another solution there to another one here."""
         middle = self._complex()
-        ends, arrived = follow(self.chain, self.solutions, self.start, middle, self._bend())
+        ends, arrived = follow(self.chain, self.solutions, self.start, middle, 0.5 * self._complex())
         if not arrived.all():
             return
         back, goal = ends[self.random.integers(len(ends))], self.solutions[self.random.integers(len(ends))]
-        ends, arrived = follow(self.chain, ends, back, goal, self._bend())
-        self.solutions = self._different(np.concatenate([self.solutions, ends[arrived]]))
-
-    def _bend(self):
-        return 0.5 * self._complex()
+        ends, arrived = follow(self.chain, ends, back, goal, 0.5 * self._complex())
+        self.solutions = self.chain.different(np.concatenate([self.solutions, ends[arrived]]))
 
     def _followed_to(self, q):
         poses, count = len(q), self.count
-        bends = np.stack([self._bend() for _ in range(poses)]).repeat(count, axis=0)
+        bends = np.stack([0.5 * self._complex() for _ in range(poses)]).repeat(count, axis=0)
         starts = np.tile(self.solutions, (poses, 1))
         ends, arrived = follow(self.chain, starts, self.start, q.repeat(count, axis=0), bends)
         return [ends[k * count : (k + 1) * count][arrived[k * count : (k + 1) * count]] for k in range(poses)]
-
-    def _different(self, q):
-        kept = []
-        for one in q:
-            if not kept or self.chain.distance(np.array(kept), one).min() > APART:
-                kept.append(one)
-        return self.chain.folded(np.array(kept).reshape(-1, q.shape[-1]))
 
 
 def follow(chain, q, start, end, bend, step=0.05):
@@ -278,11 +276,7 @@ def by_many_starts(chain, q, seed=0, starts=400):
     at[0] = q
     at[:, list(chain.given)] = q[list(chain.given)]
     at, cost = descend(chain, at, target)
-    kept = []
-    for one in chain.folded(at[cost < 1e-12]):
-        if not kept or chain.distance(np.array(kept), one).min() > APART:
-            kept.append(one)
-    return np.array(kept).reshape(-1, chain.arm.n)
+    return chain.different(at[cost < 1e-12])
 
 
 def smallest_singular_value(chain, q):

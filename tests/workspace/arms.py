@@ -2,45 +2,41 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from derive.robot.robot import Robot
 from derive.workspace.point import ArmPoint, Picture, PlaneMap, joint_ranges
 from derive.workspace.poses import RobotPoses
 
-HOLED = "[{type: revolute, a: 1}, {type: revolute, a: 0.8}]"
-"""A planar arm around whose base lies a hole of radius 0.2 m."""
-
-LIMITED = "[{type: revolute, a: 1, limits: [0, pi/2]}, {type: revolute, a: 0.5, limits: [pi/6, 2]}]"
-
-CUSPIDAL = "[{type: revolute, a: 1, alpha: -pi/2}, {type: revolute, d: 1, a: 2, alpha: pi/2}, {type: revolute, a: 1.5}]"
-"""Burdick's and Wenger's orthogonal arm, which changes posture without meeting a singularity."""
-
-CORNERED = """[{type: revolute, a: 1, alpha: -pi/2, limits: [-1, 2]},
-  {type: revolute, d: 1, a: 2, alpha: pi/2, limits: [-2, 2.5]}, {type: revolute, a: 1.5, limits: [-2.2, 1]}]"""
-"""The same within limits: from above, a small cell is reached only near the limit of joint 1."""
-
-CYLINDRICAL = """[{type: prismatic, limits: [0.2, 1]}, {type: revolute, alpha: -pi/2, limits: [-1, 2]},
-  {type: prismatic, limits: [0.3, 0.9]}]"""
-
-GANTRY = """[{type: prismatic, alpha: -pi/2, limits: [0, 1]},
-  {type: prismatic, alpha: -pi/2, theta: -pi/2, limits: [0, 2]}, {type: prismatic, limits: [0, 0.5]}]"""
-
-TUBE = "[{type: revolute, a: 2, alpha: pi/2}, {type: revolute, a: 1}, {type: revolute, a: 0.4}]"
-"""A torus with a torus inside that is not reached."""
-
-
-STRAIGHT = """[{type: revolute, a: 0.686, alpha: -pi/2, limits: [-2.674, -1.935]},
-  {type: revolute, a: 0.276, alpha: 0.7, d: 0.418}, {type: revolute, a: 0.136, alpha: -pi/2}]"""
-"""Critical curves that are straight from above run back on themselves at both ends, and are tilted by the limits."""
-
-EDGEWISE = """[{type: revolute, a: 0.562, d: -0.323, alpha: -pi/2, limits: [0.342, 3.1]},
-  {type: revolute, a: 0.483, d: 0.744}, {type: revolute, a: 0.844, d: 0.713, alpha: -1.1, limits: [-0.129, 3.1]}]"""
-"""From above joints 2 and 3 move the end along a line, parts of which belong to no limit."""
-
-CLOSED = """[{type: revolute, a: 0.238, d: 0.582, alpha: -pi/2, limits: [-1.765, -0.975]},
-  {type: revolute, a: 0.597, alpha: pi/3, limits: [-2.55, 2.792]}]"""
-"""The section is a curve without an end, which bounds an area and covers none."""
+ARMS = {
+    # a planar arm around whose base lies a hole of radius 0.2 m
+    "holed": "[{type: revolute, a: 1}, {type: revolute, a: 0.8}]",
+    "limited": "[{type: revolute, a: 1, limits: [0, pi/2]}, {type: revolute, a: 0.5, limits: [pi/6, 2]}]",
+    # Burdick's and Wenger's orthogonal arm, which changes posture without meeting a singularity
+    "cuspidal": "[{type: revolute, a: 1, alpha: -pi/2}, {type: revolute, d: 1, a: 2, alpha: pi/2}, "
+    "{type: revolute, a: 1.5}]",
+    # the same within limits: from above, a small cell is reached only near the limit of joint 1
+    "cornered": "[{type: revolute, a: 1, alpha: -pi/2, limits: [-1, 2]}, "
+    "{type: revolute, d: 1, a: 2, alpha: pi/2, limits: [-2, 2.5]}, {type: revolute, a: 1.5, limits: [-2.2, 1]}]",
+    "cylindrical": "[{type: prismatic, limits: [0.2, 1]}, {type: revolute, alpha: -pi/2, limits: [-1, 2]}, "
+    "{type: prismatic, limits: [0.3, 0.9]}]",
+    "gantry": "[{type: prismatic, alpha: -pi/2, limits: [0, 1]}, "
+    "{type: prismatic, alpha: -pi/2, theta: -pi/2, limits: [0, 2]}, {type: prismatic, limits: [0, 0.5]}]",
+    # a torus with a torus inside that is not reached
+    "tube": "[{type: revolute, a: 2, alpha: pi/2}, {type: revolute, a: 1}, {type: revolute, a: 0.4}]",
+    # critical curves that are straight from above run back on themselves at both ends, and are tilted by the limits
+    "straight": "[{type: revolute, a: 0.686, alpha: -pi/2, limits: [-2.674, -1.935]}, "
+    "{type: revolute, a: 0.276, alpha: 0.7, d: 0.418}, {type: revolute, a: 0.136, alpha: -pi/2}]",
+    # from above joints 2 and 3 move the end along a line, parts of which belong to no limit
+    "edgewise": "[{type: revolute, a: 0.562, d: -0.323, alpha: -pi/2, limits: [0.342, 3.1]}, "
+    "{type: revolute, a: 0.483, d: 0.744}, "
+    "{type: revolute, a: 0.844, d: 0.713, alpha: -1.1, limits: [-0.129, 3.1]}]",
+    # the section is a curve without an end, which bounds an area and covers none
+    "closed": "[{type: revolute, a: 0.238, d: 0.582, alpha: -pi/2, limits: [-1.765, -0.975]}, "
+    "{type: revolute, a: 0.597, alpha: pi/3, limits: [-2.55, 2.792]}]",
+}
 
 
 def limited_joints(rng: np.random.Generator) -> str:
@@ -54,10 +50,18 @@ def limited_joints(rng: np.random.Generator) -> str:
     return f"[{', '.join(rows)}]"
 
 
-def arm(joints: str, rest: str = "") -> Robot:
-    return Robot.from_text(f"name: arm\nconvention: standard\njoints: {joints}\n{rest}")
+def arm(joints: str) -> Robot:
+    """One of these arms, a built-in robot, or an arm of other joints."""
+    if joints in ARMS or joints.startswith("["):
+        return Robot.from_text(f"name: arm\nconvention: standard\njoints: {ARMS.get(joints, joints)}\n")
+    return Robot.load(joints)
 
 
-def plane(robot: Robot, picture: Picture, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> PlaneMap:
-    poses = RobotPoses(robot)
-    return PlaneMap.of(ArmPoint(poses, joint_ranges(poses), place), picture)
+@cache
+def point(joints: str, place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> ArmPoint:
+    poses = RobotPoses(arm(joints))
+    return ArmPoint(poses, joint_ranges(poses), place)
+
+
+def plane(joints: str, picture: Picture) -> PlaneMap:
+    return PlaneMap.of(point(joints), picture)

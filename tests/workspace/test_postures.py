@@ -8,30 +8,22 @@ from itertools import product
 import numpy as np
 import pytest
 
-from derive.robot.robot import Robot
-from derive.workspace.point import TURN, ArmPoint, Picture, PlaneMap, joint_ranges
+from derive.workspace.point import TURN, Picture
 from derive.workspace.poses import RobotPoses
 from derive.workspace.postures import Postures
 from derive.workspace.region import Area, by_number, exact_area, formula_area
-from derive.workspace.views import Wrist, find_workspace, find_wrist
-from tests.workspace.arms import CUSPIDAL, HOLED, LIMITED, TUBE, arm, plane
+from derive.workspace.views import find_workspace, find_wrist
+from tests.workspace.arms import arm, plane, point
 
 shapely = pytest.importorskip("shapely")
 
 
-def postures(point: ArmPoint) -> Postures:
-    """The postures of an arm, which it has."""
-    found = Postures.of(point)
-    assert found is not None
-    return found
-
-
 @pytest.mark.parametrize(
-    ("joints", "picture"), [(HOLED, Picture.TOP), (TUBE, Picture.SECTION)], ids=["planar", "torus"]
+    ("joints", "picture"), [("holed", Picture.TOP), ("tube", Picture.SECTION)], ids=["planar", "torus"]
 )
 def test_formulas_and_critical_curves_bound_the_same_area(joints: str, picture: Picture) -> None:
-    seen = plane(arm(joints), picture)
-    found = postures(seen.point)
+    seen = plane(joints, picture)
+    found = Postures.of(seen.point)
     assert found.has_formulas
     area = formula_area(seen, lambda parts: found.curves(seen, parts // 5), lambda places: found.within(seen, places))
     other = exact_area(seen, 100)
@@ -39,8 +31,8 @@ def test_formulas_and_critical_curves_bound_the_same_area(joints: str, picture: 
 
 
 def test_the_cuspidal_arm_has_four_postures_between_its_cusps_and_two_around() -> None:
-    seen = plane(arm(CUSPIDAL), Picture.SECTION)
-    found = postures(seen.point)
+    seen = plane("cuspidal", Picture.SECTION)
+    found = Postures.of(seen.point)
     assert found.are_counted
     assert not found.has_formulas
     parts = by_number(exact_area(seen, 100), lambda places: found.number(seen, places), seen.point.size)
@@ -60,45 +52,38 @@ def test_slivers_along_a_curve_belong_to_what_is_beside_them() -> None:
 
 
 def test_postures_are_those_within_the_limits_and_none_reaches_beyond_the_arm() -> None:
-    seen = plane(arm(LIMITED), Picture.TOP)
-    found = postures(seen.point)
+    seen = plane("limited", Picture.TOP)
+    found = Postures.of(seen.point)
     assert not found.has_formulas
     q = seen.point.random(200, seen.joints, seed=2)
     assert (found.number(seen, seen.places(q)) == 1).all()  # the elbow bends to one side
-    free = plane(arm("[{type: revolute, a: 1}, {type: revolute, a: 0.5}]"), Picture.TOP)
-    assert (postures(free.point).number(free, seen.places(q)) == 2).all()
-    seen = plane(arm(HOLED), Picture.TOP)
-    assert postures(seen.point).number(seen, np.array([[0.1, 1.0, 1.9], [0.0, 0.0, 0.0]])).tolist() == [0, 2, 0]
+    free = plane("[{type: revolute, a: 1}, {type: revolute, a: 0.5}]", Picture.TOP)
+    assert (Postures.of(free.point).number(free, seen.places(q)) == 2).all()
+    seen = plane("holed", Picture.TOP)
+    assert Postures.of(seen.point).number(seen, np.array([[0.1, 1.0, 1.9], [0.0, 0.0, 0.0]])).tolist() == [0, 2, 0]
 
 
 def test_arms_of_many_joints_are_not_asked_and_hands_that_slide_are_no_wrists() -> None:
-    seen = plane(Robot.load("kuka-lwr4"), Picture.SECTION)
-    assert Postures.of(seen.point) is None
-    assert isinstance(PlaneMap.of(seen.point, Picture.TOP), PlaneMap)
+    assert Postures.of(point("kuka-lwr4")) is None
+    assert find_wrist(point("anthropomorphic-arm")) is None  # its last axes do not meet
     slides = "[{type: revolute, a: 1}, {type: revolute, alpha: pi/2}, {type: prismatic, limits: [0.2, 1]}]"
-    assert wrist_of(slides) is None
+    assert find_wrist(point(slides)) is None
 
 
 Limits = tuple[float, float]
 FULL, HALF, LESS, BEYOND = (-math.pi, math.pi), (-1.6, 1.6), (-1.5, 1.5), (0.0, math.pi)
 
 
-def wrist_of(joints: str) -> Wrist | None:
-    poses = RobotPoses(arm(joints))
-    return find_wrist(ArmPoint(poses, joint_ranges(poses)))
-
-
-def allowed(angle: float, limits: Limits) -> bool:
-    """Whether an angle is within limits, by full turns."""
-    return (angle - limits[0]) % TURN <= limits[1] - limits[0] + 1e-9
-
-
-def turns_everywhere(first: Limits, middle: Limits, last: Limits) -> bool:
+def turns_everywhere(*ways: Limits) -> bool:
     """Whether one of both solutions of every orientation, off the places where they are one, is within the limits."""
-    return all(
-        any(allowed(a + s, first) and allowed(c, middle) and allowed(b + s, last) for s, c in ((0.0, m), (math.pi, -m)))
-        for a, b, m in product(*[np.linspace(0.01, TURN, 40)] * 2, np.linspace(0.02, math.pi - 0.02, 9))
+    a, m, b = np.meshgrid(
+        np.linspace(0.01, TURN, 40), np.linspace(0.02, math.pi - 0.02, 9), np.linspace(0.01, TURN, 40)
     )
+    within = [
+        np.all([(q - low) % TURN <= high - low + 1e-9 for q, (low, high) in zip(own, ways, strict=True)], axis=0)
+        for own in ((a, m, b), (a + math.pi, -m, b + math.pi))
+    ]
+    return bool(np.any(within, axis=0).all())
 
 
 @pytest.mark.parametrize("ways", [*product((FULL, HALF, LESS), (FULL, BEYOND, LESS), (FULL, HALF))])
@@ -107,12 +92,12 @@ def test_a_wrist_is_complete_if_brute_force_finds_every_orientation(ways: tuple[
         f"{{type: revolute, alpha: {alpha}, limits: [{low}, {high}]}}"
         for alpha, (low, high) in zip(("-pi/2", "pi/2", "0"), ways, strict=True)
     ]
-    found = wrist_of(f"[{{type: revolute, a: 1}}, {', '.join(cells)}]")
+    found = find_wrist(point(f"[{{type: revolute, a: 1}}, {', '.join(cells)}]"))
     assert found.complete == turns_everywhere(*ways)
 
 
 def test_limits_of_a_wrist_that_are_assumed_are_told() -> None:
-    assert [way.variable for way in find_workspace(RobotPoses(Robot.load("scara-perugia"))).assumed][-1] == "q4"
+    assert [way.variable for way in find_workspace(RobotPoses(arm("scara-perugia"))).assumed][-1] == "q4"
 
 
 @pytest.mark.parametrize(

@@ -7,24 +7,23 @@ import math
 import numpy as np
 import pytest
 
-from derive.robot.robot import Robot
-from derive.workspace.point import ArmPoint, Picture, PlaneMap, joint_ranges
+from derive.workspace.point import Picture, PlaneMap
 from derive.workspace.poses import RobotPoses
 from derive.workspace.views import Workspace, find_workspace, find_wrist
 from tests.random_robots import swept_catalogue
-from tests.workspace.arms import GANTRY, arm
+from tests.workspace.arms import arm, point
 
 shapely = pytest.importorskip("shapely")
 pytest.importorskip("matplotlib")
 
 
-def workspace(robot: Robot) -> Workspace:
-    return find_workspace(RobotPoses(robot))
+def workspace(name: str) -> Workspace:
+    return find_workspace(RobotPoses(arm(name)))
 
 
 def test_a_complete_wrist_keeps_the_hand_off_the_outside_and_the_hole() -> None:
     # a2 = 1, d4 = 0.8, d6 = 0.6: the hand is longer than the hole
-    found = workspace(Robot.load("anthropomorphic-wrist"))
+    found = workspace("anthropomorphic-wrist")
     assert [view.picture for view in found.views] == [Picture.SECTION, Picture.TOP]
     section, top = found.views
     assert abs(top.reachable.size.value - math.pi * 2.4**2) <= top.reachable.size.error
@@ -47,19 +46,13 @@ def test_a_complete_wrist_keeps_the_hand_off_the_outside_and_the_hole() -> None:
     ],
 )
 def test_wrists_are_found(name: str, hand: float, complete: bool, planar: bool) -> None:
-    poses = RobotPoses(Robot.load(name))
-    wrist = find_wrist(ArmPoint(poses, joint_ranges(poses)))
+    wrist = find_wrist(point(name))
     assert (wrist.complete, wrist.planar) == (complete, planar)
     assert name.startswith("puma") or wrist.hand == pytest.approx(hand)
 
 
-def test_an_arm_whose_last_axes_do_not_meet_has_no_wrist() -> None:
-    poses = RobotPoses(Robot.load("anthropomorphic-arm"))
-    assert find_wrist(ArmPoint(poses, joint_ranges(poses))) is None
-
-
 def test_a_flat_workspace_has_one_view_and_no_volume() -> None:
-    found = workspace(Robot.load("planar-2r-perugia"))
+    found = workspace("planar-2r-perugia")
     (view,) = found.views
     assert (view.picture, found.volume) == (Picture.TOP, None)
     assert view.dexterous.region.is_empty  # no place is reached in every orientation by two links
@@ -68,27 +61,25 @@ def test_a_flat_workspace_has_one_view_and_no_volume() -> None:
 
 @pytest.mark.sweep
 def test_a_gantry_fills_its_box() -> None:
-    found = workspace(arm(GANTRY))
+    found = workspace("gantry")
     assert [view.picture for view in found.views] == [Picture.SIDE, Picture.TOP]
     assert found.volume.value == pytest.approx(1.0 * 2.0 * 0.5, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", swept_catalogue())
 def test_millions_of_poses_lie_in_the_workspace_and_fill_it(name: str) -> None:
-    poses = RobotPoses(Robot.load(name))
-    found = find_workspace(poses)
-    point = ArmPoint(poses, joint_ranges(poses))
-    for view in found.views:
+    own = point(name)
+    for view in workspace(name).views:
         region = view.reachable.region
         if region.is_empty:
             continue
-        seen = PlaneMap.of(point, view.picture)
-        width, hit = point.size / 40, set[tuple[int, int]]()
+        seen = PlaneMap.of(own, view.picture)
+        width, hit = own.size / 40, set[tuple[int, int]]()
         for seed in range(8):
-            x, y = seen.values(point.random(250_000, seen.joints, seed + 1))[0]
+            x, y = seen.values(own.random(250_000, seen.joints, seed + 1))[0]
             outside = ~shapely.contains_xy(region, x, y)
             away = shapely.distance(region, shapely.points(x[outside], y[outside]))
-            assert away.max(initial=0.0) <= (1e-3 if view.exact else 5e-3) * point.size
+            assert away.max(initial=0.0) <= (1e-3 if view.exact else 5e-3) * own.size
             hit |= set(map(tuple, np.rint(np.stack([x, y], axis=1) / width).astype(int).tolist()))
         if len(seen.joints) <= 3:  # more joints leave the border without samples
             left, low, right, high = (round(bound / width) for bound in region.bounds)

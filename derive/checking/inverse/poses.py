@@ -22,7 +22,7 @@ from derive.checking.formulas.edits import float_value
 from derive.checking.inverse.printed import Place
 from derive.errors import DeriveError
 from derive.inverse.numeric.in_numbers import ArrayDomain
-from derive.inverse.words.branch_names import Placed, nearest, parallel, placed
+from derive.inverse.words.postures import Placed, nearest, parallel, placed
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.robot.evaluate import evaluate, parameter_values

@@ -11,9 +11,9 @@ from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.language import Text
-from derive.inverse.words.branch_names import Word
 from derive.inverse.words.derivation import PrintedEquation
 from derive.inverse.words.origins import Origin, OriginForm
+from derive.inverse.words.postures import Word
 from derive.robot.description import IDENTITY
 
 _INVERSE = Box("-1", 11.0)

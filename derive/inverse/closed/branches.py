@@ -63,20 +63,10 @@ class InverseSolver:
         near: Sequence[float] | None = None,
         tolerance: float = POLICY.orthogonal,
     ) -> Branches:
-        """All solutions of poses.
+        """All solutions of poses (..., 4, 4): (..., branches, n) and their status, angles in (-pi, pi].
 
-        Args:
-            poses: (..., 4, 4).
-            given: (..., k) variables of the given joints, in their order.
-            near: (n,) what joints take that a singular pose leaves free; zero unless given.
-            tolerance: Most by which R^T R of a pose may differ from 1; beyond rounding the nearest rotation is taken.
-
-        Returns:
-            (..., branches, n) and their status; angles in (-pi, pi].
-
-        Raises:
-            ValueError: Poses, given joints or configurations have another shape, are not finite, or poses are none.
-            TypeError: They are no real numbers.
+        The variables of given joints are (..., k), in their order; ``near`` (n,) has what joints take that a singular
+        pose leaves free, else zero; R^T R may differ from 1 by the tolerance, and the nearest rotation is taken.
         """
         goal = self._poses(poses, tolerance)
         batch, count = goal.shape[:-2], len(self.graph.given)
@@ -218,22 +208,15 @@ class InverseSolver:
         slopes = replace(part, poses=part.poses[reached]).errors(found[reached])[1]
         alone = np.linalg.svd(slopes, compute_uv=False)[..., -1] > ALONE
         for k, is_alone in zip(reached.tolist(), alone.tolist(), strict=True):
-            self._add(poses, q, status, rows[place[k]], branch[k], found[k], is_alone)
-
-    def _add(self, poses: Array, q: Array, status: Array, row: int, branch: int, found: Array, alone: bool) -> None:
-        """Add a solution that is not listed, in the place of its branch where that is none.
-
-        One of a continuum is added where there is nothing else.
-        """
-        apart = (q[row] - found) / Problem(self.chain, poses[row], self.entries, self._free).scale
-        apart -= np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
-        listed = status[row] != Status.NONE
-        again = (listed & (np.abs(apart).max(axis=-1) < POLICY.double)).any() or listed.all()
-        if listed.any() and (again or not alone):
-            return
-        place = branch % len(listed)
-        place = place if not listed[place] else int(listed.argmin())
-        q[row, place], status[row, place] = found, Status.EXACT if alone else Status.SINGULAR
+            row, home = rows[place[k]], branch[k] % q.shape[1]
+            apart = (q[row] - found[k]) / Problem(self.chain, poses[row], self.entries, self._free).scale
+            apart -= np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
+            listed = status[row] != Status.NONE
+            again = (listed & (np.abs(apart).max(axis=-1) < POLICY.double)).any() or listed.all()
+            # What is not listed goes where its branch would be; one of a continuum only where there is nothing else.
+            if not listed.any() or (is_alone and not again):
+                home = home if not listed[home] else int(listed.argmin())
+                q[row, home], status[row, home] = found[k], Status.EXACT if is_alone else Status.SINGULAR
 
     def _once(self, poses: Array, q: Array, status: Array, rescued: Array, free: Array, settled: Array) -> Array:
         """The status of candidates, `Status.NONE` for those that repeat an earlier one."""

@@ -121,14 +121,17 @@ class Solver(Generic[N, M]):
             pairs = zip(formula.degenerate, (first, second), strict=True)
             zeros = [self._is_zero(p, factor, own) for p, own in pairs]
             return zeros[0] | zeros[1]
-        # The determinant is A^2 + B^2: a square, so compared with the square of the usual threshold.
-        if _are_turned(formula):
-            a, b, d, e = map(self.evaluate, (*first.linear[:2], *second.linear[:2]))
-            return self.field.is_zero(a * e - b * d, self._scale(first, second, factor=factor * factor * TURNED))
+        # Where the second equation has the coefficients of the first, turned by a right angle, the determinant is
+        # A^2 + B^2: a square, so compared with the square of the usual threshold.
+        if formula.kind is NodeKind.TYPE_3 and len(formula.degenerate) == 1 and not formula.degenerate[0].is_constant:
+            (p, q, _), (r, s, _) = first.linear, second.linear
+            if (r == -q and s == p) or (r == q and s == -p):
+                a, b, d, e = map(self.evaluate, (p, q, r, s))
+                return self.field.is_zero(a * e - b * d, self._scale(first, second, factor=factor * factor * TURNED))
         # Else the unknown is lost where all leading coefficients vanish together.
         mask = self.field.truth(bool(formula.degenerate))
-        for p in formula.degenerate:
-            mask = mask & self._is_zero(p, factor, *((first,) if second is first else (first, second)))
+        for leading in formula.degenerate:
+            mask = mask & self._is_zero(leading, factor, *((first,) if second is first else (first, second)))
         return mask
 
     def solve(self, formula: NodeFormula) -> list[Branch[N, M]]:
@@ -139,7 +142,13 @@ class Solver(Generic[N, M]):
                 no = self.field.truth(False)
                 return [Branch((self.field.divide(-b, a),), self.field.truth(True), no, no)]
             case NodeKind.QUADRATIC:
-                return self._two_lengths(formula.equations[0])
+                # r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none.
+                f, size = self.field, self.reach * self.reach
+                a, b, c = (self.evaluate(formula.equations[0].coefficient(k)) for k in (2, 1, 0))
+                if not formula.equations[0].coefficient(1):
+                    return self._both(f.divide(-c, a), size, lambda e, root: (e * root,))
+                radicand = b * b - 4 * (a * c)
+                return self._both(radicand, a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
             case NodeKind.TYPE_2:
                 return self._angles(formula.equations[0])
             case NodeKind.TYPE_3:
@@ -164,16 +173,6 @@ class Solver(Generic[N, M]):
         for _ in range(sum(equation.dimension for equation in equations)):
             scale = scale * self.reach
         return scale
-
-    def _two_lengths(self, equation: NodeEquation) -> list[Branch[N, M]]:
-        """r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none."""
-        f = self.field
-        a, b, c = (self.evaluate(equation.coefficient(k)) for k in (2, 1, 0))
-        size = self.reach * self.reach
-        if not equation.coefficient(1):
-            return self._both(f.divide(-c, a), size, lambda e, root: (e * root,))
-        radicand = b * b - 4 * (a * c)
-        return self._both(radicand, a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
 
     def _both(self, radicand: N, size: N, value: Callable[[int, N], tuple[N, ...]]) -> list[Branch[N, M]]:
         """The branches of a square root, the second one only where it can be told from the first."""
@@ -225,7 +224,10 @@ class Solver(Generic[N, M]):
         for sign in (1, -1):
             # 1 - x^2 = (1 - x)(1 + x), and B (1 +- x) = B +- C without cancellation.
             exact = factor + sign * right
-            if not right.is_constant and _is_sum_of_squares(exact):
+            # No digits are lost in a sum of squares, p.p included: even powers whose factors have one sign.
+            terms, names = list(exact.terms()), exact.ring.names
+            even = all(e % 2 == 0 or names[i] == "p.p" for exponents, _ in terms for i, e in enumerate(exponents))
+            if not right.is_constant and even and len({coefficient > 0 for _, coefficient in terms}) == 1:
                 near = f.divide(self.evaluate(exact), self.evaluate(factor))
                 return near * (one - sign * known), near * f.number(Fraction(1, 2)) + f.number(FOLDED)
         return one - known * known, one
@@ -249,18 +251,3 @@ class Solver(Generic[N, M]):
 
 # Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients.
 CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
-
-
-def _is_sum_of_squares(p: Polynomial) -> bool:
-    """Whether no digits are lost in a sum, p.p included: even powers whose factors have one sign."""
-    terms, names = list(p.terms()), p.ring.names
-    even = all(e % 2 == 0 or names[i] == "p.p" for exponents, _ in terms for i, e in enumerate(exponents))
-    return even and len({coefficient > 0 for _, coefficient in terms}) == 1
-
-
-def _are_turned(formula: NodeFormula) -> bool:
-    """Whether of two equations A c + B s = C the second has the coefficients of the first, turned by a right angle."""
-    if formula.kind is not NodeKind.TYPE_3 or len(formula.degenerate) != 1 or formula.degenerate[0].is_constant:
-        return False
-    (a, b, _), (d, e, _) = (equation.linear for equation in formula.equations)
-    return (d == -b and e == a) or (d == b and e == -a)

@@ -14,7 +14,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import combinations
 
 import numpy as np
 
@@ -83,14 +82,17 @@ class Evidence:
         reached = self._table(links, cuts, self.pose)
         anywhere = reached if special else self._table(links, cuts, self._elsewhere())
         self.effects = {change: self._effect(reached, anywhere, k) for k, change in enumerate(self.changes)}
-        self.other = self._changed(links, allowed) if self.untold(allowed) else self.pose
-        self.allowed = np.ones(len(self.equations), dtype=bool)
-        if self.other is not self.pose:
+        self.other, self.allowed = self.pose, np.ones(len(self.equations), dtype=bool)
+        if untold := self.untold(allowed):
+            entries = self._entries()
+            for place in untold:
+                entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
+            rows = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
+            end = Frame((rows[0], rows[1], rows[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
+            self.other = frame_atoms(links.base.inverse @ end @ links.tool.inverse, links.zero, deep=deep)
             same = self._table(links, cuts, self.pose) == self._table(links, cuts, self.other)
             self.allowed = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
         self._numbers: dict[str, Array] = {}
-
-    # -- the samples
 
     def _layout(self) -> None:
         """The angles of the links of every group and the slides, for every sample: poses x (base + changes x nodes)."""
@@ -157,9 +159,7 @@ class Evidence:
 
     def turn(self, joint: int) -> tuple[Array, Array]:
         """Cosine and sine of a joint's variable in every sample."""
-        g = next(k for k, group in enumerate(self.domain.groups) if joint in group)
-        place = self.domain.groups[g].index(joint)
-        return self._difference(g, place, place + 1)
+        return self._difference(*self.domain.ends(self.domain.unknown(joint)))
 
     def _difference(self, g: int, u: int, v: int) -> tuple[Array, Array]:
         """Cosine and sine of phi_v - phi_u of a group, counted as the joint behind link u is."""
@@ -171,8 +171,6 @@ class Evidence:
         """The value at the poses themselves, nothing changed."""
         full = np.broadcast_to(value.values, (1, self._samples)).reshape(self.poses, self._width)
         return Residue(self.prime, full[None, :, 0])
-
-    # -- what the samples say
 
     def complexity(self, equation: int) -> int:
         """How much there is to an equation besides what it depends on: its entry, and how many joints M has."""
@@ -230,16 +228,6 @@ class Evidence:
         depends = np.any(others[:, :, span] != others[:, :, :1], axis=(1, 2))
         return Effect(depends, np.where(np.all(check == values[:, :, size], axis=1), degrees, 3), fitted)
 
-    def _changed(self, links: Links[Residue], given: frozenset[tuple[int, int]]) -> Atoms[Residue]:
-        """W with other numbers in place of the entries of T that the task leaves open."""
-        entries = self._entries()
-        for place in self.untold(given):
-            entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
-        rotation = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
-        end = Frame((rotation[0], rotation[1], rotation[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
-        inner = links.base.inverse @ end @ links.tool.inverse
-        return frame_atoms(inner, links.zero, deep=self.pose.moment is not None)
-
     def is_told(self, name: str) -> bool:
         """Whether an entry of W or an invariant needs nothing of the pose but what is given."""
         place = _PLACE.fullmatch(name)
@@ -288,18 +276,12 @@ class Evidence:
         if name in constants:
             value = self.residues.constant(constants[name]).values
             return np.broadcast_to(value.reshape(-1)[0], (self.poses,)).copy()
-        for joint, row in enumerate(self.robot.joints):
-            if name == row.variable:
-                return self.slides[joint].reshape(self.poses, self._width)[:, 0]
-        return self._turn_number(name)
-
-    def _turn_number(self, name: str) -> Array:
-        for g, group in enumerate(self.domain.groups):
-            for u, v in combinations(range(len(group) + 1), 2):
-                names = self.domain.unknown(*group[u:v]).generators
-                if name in names:
-                    return self._difference(g, u, v)[names.index(name)].reshape(self.poses, self._width)[:, 0]
-        raise KeyError(name)
+        unknown = self.domain.owner(name)
+        if unknown is None:
+            raise KeyError(name)
+        is_angle, (joint, *_) = unknown.is_angle, unknown.joints
+        samples = self._difference(*self.domain.ends(unknown)) if is_angle else (self.slides[joint],)
+        return samples[unknown.generators.index(name)].reshape(self.poses, self._width)[:, 0]
 
     def _plain(self, value: Residue) -> Array:
         plain: Array = np.broadcast_to(value.values, (1, self.poses))[0]

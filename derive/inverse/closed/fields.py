@@ -21,7 +21,19 @@ BEYOND = 1e-11  # a radicand may be below zero by this part of its size: the pos
 MERGED = 1e-14  # below this part of its size the two roots of a radicand are one
 
 
-class FloatField:
+class _ArrayMasks:
+    """What fields of arrays have in common: masks of one truth value per pose."""
+
+    def never(self, mask: Masks) -> bool:
+        """Whether a mask holds at no pose."""
+        return not np.any(mask)
+
+    def truth(self, value: bool) -> Masks:
+        """A mask that holds everywhere or nowhere."""
+        return np.bool_(value)
+
+
+class FloatField(_ArrayMasks):
     """Real numbers: arrays of floats, one entry per pose."""
 
     def __init__(self, values: Mapping[str, Fraction | float]) -> None:
@@ -58,14 +70,6 @@ class FloatField:
     def select(self, mask: Masks, a: Floats, b: Floats) -> Floats:
         """The one number where a mask holds, the other elsewhere."""
         return np.where(mask, a, b)
-
-    def never(self, mask: Masks) -> bool:
-        """Whether a mask holds at no pose."""
-        return not np.any(mask)
-
-    def truth(self, value: bool) -> Masks:
-        """A mask that holds everywhere or nowhere."""
-        return np.bool_(value)
 
     def cosine_sine(self, angle: Floats) -> tuple[Floats, Floats]:
         """Cosine and sine of a given joint angle."""
@@ -126,7 +130,7 @@ class ComplexField(FloatField):
         return found
 
 
-class PrimeField:
+class PrimeField(_ArrayMasks):
     """Integers modulo a prime, arrays with one entry per pose; a branch exists where its square root does."""
 
     def __init__(self, residues: ResidueDomain, numbers: Mapping[str, Expression]) -> None:
@@ -158,21 +162,11 @@ class PrimeField:
         root = self.sqrt(a)
         return (root * root).values == a.values
 
-    def merges(self, a: Residue, scale: Residue) -> Masks:
-        """Whether the two roots are one."""
-        return a.values == 0
+    merges = is_zero  # whether the two roots are one
 
     def select(self, mask: Masks, a: Residue, b: Residue) -> Residue:
         """The one number where a mask holds, the other elsewhere."""
         return Residue(self.prime, np.where(mask, a.values, b.values))
-
-    def never(self, mask: Masks) -> bool:
-        """Whether a mask holds at no pose."""
-        return not np.any(mask)
-
-    def truth(self, value: bool) -> Masks:
-        """A mask that holds everywhere or nowhere."""
-        return np.bool_(value)
 
     def cosine_sine(self, angle: Residue) -> tuple[Residue, Residue]:
         """A point of the unit circle, with the number as tangent of half the angle."""
@@ -213,13 +207,11 @@ def quartic_roots(ascending: Floats) -> list[tuple[Floats, Floats]]:
     Before, t is replaced by (t + k)/(1 - k t): the angle is counted from another zero, at which no root is near
     infinity.
     """
-
     # Of three zeros of the angle the one at which the leading coefficient is largest at the worst pose.
-    def _leading(moved: Floats) -> float:
-        lead = np.abs(moved[..., 4]) / np.maximum(np.abs(moved).max(axis=-1), 1e-300)
-        return float(lead.min(initial=1.0))
-
-    k, moved = max(((k, _turned_quartic(ascending, k)) for k in (0.0, 0.577, -1.33)), key=lambda way: _leading(way[1]))
+    ways = [(k, _turned_quartic(ascending, k)) for k in (0.0, 0.577, -1.33)]
+    leads = [np.abs(way[..., 4]) / np.maximum(np.abs(way).max(axis=-1), 1e-300) for _, way in ways]
+    worst = [float(lead.min(initial=1.0)) for lead in leads]
+    k, moved = ways[worst.index(max(worst))]
     lead = np.where(moved[..., 4:] == 0, 1e-300, moved[..., 4:])
     # The companion matrix of the monic quartic: its eigenvalues are the roots.
     companion = np.zeros((*moved.shape[:-1], 4, 4), dtype=moved.dtype)

@@ -17,15 +17,13 @@ import numpy as np
 
 from derive.algebra.generators import Kind as GeneratorKind
 from derive.algebra.ring import Polynomial
-from derive.inverse.closed.conditions import conditions
 from derive.inverse.closed.evidence import Evidence
 from derive.inverse.closed.graph import Node, SolutionGraph
 from derive.inverse.closed.nodes import Exponents, NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
-from derive.inverse.closed.pairs import without_angle, without_length
 from derive.inverse.closed.pool import Links, Pool, dimension
-from derive.inverse.closed.pose import Pose
+from derive.inverse.closed.pose import Pose, conditions
 from derive.inverse.closed.search import Choice, Search, SearchStep
-from derive.inverse.closed.unknowns import ENTRIES, InverseDomain, State, baked, shifted, with_numbers
+from derive.inverse.closed.unknowns import ENTRIES, InverseDomain, State, baked, shifted, with_numbers, without
 from derive.inverse.closed.walk import Plan, horner
 from derive.inverse.general.choice import general_formula
 from derive.inverse.numeric.chain import POSE, POSITION
@@ -150,9 +148,8 @@ class GraphDerivation:
 
     def _eliminations(self, unknown: Unknown, numbers: Sequence[int], state: State) -> Iterator[NodeFormula]:
         """Formulas for one unknown from pairs of equations with the same second one."""
-        ring = self.domain.ring
         # Equations by the one other unknown that they hold; that one is eliminated from two of them.
-        alike: dict[tuple[str, ...], list[tuple[int, Polynomial]]] = {}
+        alike: dict[Unknown, list[tuple[int, Polynomial]]] = {}
         seen: set[str] = set()
         for number in numbers[:_READ]:
             p = self.domain.rewritten(self.polynomial(number), state, unknown)
@@ -161,32 +158,26 @@ class GraphDerivation:
                 continue
             seen.add(key)
             unfound = [name for name in _names(p) - set(unknown.generators) if not self.domain.is_known(name, state)]
-            second = set(map(self.domain.owner, unfound))
-            if len(second) == 1 and None not in second:
-                alike.setdefault(next(iter(second)).generators, []).append((number, p))  # type: ignore[union-attr]
-        places = [ring.index[name] for name in unknown.generators]
-        for generators, rows in alike.items():
+            second = {self.domain.owner(name) for name in unfound}
+            if len(second) == 1 and (other := second.pop()):
+                alike.setdefault(other, []).append((number, p))
+        kinds = (NodeKind.TYPE_2, NodeKind.CONIC) if unknown.is_angle else (NodeKind.TYPE_1, NodeKind.QUADRATIC)
+        for other, rows in alike.items():
             for (i, p), (j, q) in combinations(rows[:_PAIRED], 2):
-                is_slide = len(generators) == 1
-                found = without_length(ring, generators[0], p, q) if is_slide else without_angle(ring, generators, p, q)
-                if not found or len(found) > _LONGEST:
-                    continue
-                terms = self._terms(found, places)
-                degree = max((sum(exponents) for exponents in terms), default=0)
-                used = {name for p in terms.values() for name in _names(p)}
-                if 1 <= degree <= 2 and all(self.domain.is_known(name, state) for name in used):
-                    kinds = (
-                        (NodeKind.TYPE_2, NodeKind.CONIC) if unknown.is_angle else (NodeKind.TYPE_1, NodeKind.QUADRATIC)
-                    )
-                    one, other = map(self._source, (i, j))
-                    power = 2 * (dimension(one.entry) + dimension(other.entry))
-                    equation = _tidied(terms, power, replace(one, also=other))
-                    yield NodeFormula(kinds[degree - 1], (equation,))
+                found = without(self.domain.ring, other, p, q)
+                terms = self._terms(found, state, unknown) if found and len(found) <= _LONGEST else {}
+                degree = max(map(sum, terms), default=0)
+                if 1 <= degree <= 2:
+                    source = replace(self._source(i), also=self._source(j))
+                    power = 2 * sum(dimension(self.evidence.equations[k][1]) for k in (i, j))
+                    yield NodeFormula(kinds[degree - 1], (_tidied(terms, power, source),))
 
-    def _terms(self, p: Polynomial, places: Sequence[int]) -> dict[Exponents, Polynomial]:
-        """An equation by powers of its unknown, without what vanishes wherever the arm reaches."""
-        parts = self.domain.ring.coefficients(p, places).items()
-        return {e: coefficient for e, coefficient in parts if np.any(self.evidence.value(coefficient, self.constants))}
+    def _terms(self, p: Polynomial, state: State, unknown: Unknown) -> dict[Exponents, Polynomial]:
+        """An equation by powers of its unknown, without what vanishes at all poses; nothing where another is in it."""
+        parts = self.domain.ring.coefficients(p, [self.domain.ring.index[name] for name in unknown.generators]).items()
+        terms = {e: k for e, k in parts if np.any(self.evidence.value(k, self.constants))}
+        used = {name for coefficient in terms.values() for name in _names(coefficient)}
+        return terms if all(self.domain.is_known(name, state) for name in used) else {}
 
     def _begin(self) -> None:
         """An empty graph but for the joints that are given."""
@@ -273,8 +264,6 @@ class GraphDerivation:
             from_base=self.links.start is not None,
         )
 
-    # -- nodes
-
     def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[NodeFormula, ...]) -> int:
         """A new node, after the sums of angles that it needs."""
         owners: dict[str, Unknown] = {}
@@ -290,14 +279,9 @@ class GraphDerivation:
         return index
 
     def _ensure(self, unknown: Unknown) -> int:
-        """The node of an angle that follows from known ones, a new one if need be."""
-        if unknown not in self.homes:
-            parts = self._parts(unknown)
-            self._append((unknown,), (NodeFormula(NodeKind.SUM, parts=parts),))
-        return self.homes[unknown]
-
-    def _parts(self, unknown: Unknown) -> tuple[tuple[Unknown, int], ...]:
-        """An angle as the shortest signed sum of angles that have nodes."""
+        """The node of an angle that follows from known ones; a new one is the shortest signed sum of these."""
+        if unknown in self.homes:
+            return self.homes[unknown]
         g, start, goal = self.domain.ends(unknown)
         # Angles of a group are edges between links: a sum is the shortest path, breadth first.
         alike = [other for other in self.homes if other.is_angle and self.domain.ends(other)[0] == g]
@@ -312,9 +296,8 @@ class GraphDerivation:
                         ways[b] = (*ways[link], (other, self.domain.sense(other, a < b)))
                         queue.append(b)
         sign = self.domain.sense(unknown, forwards=True)
-        return tuple((part, sign * own) for part, own in sorted(ways[goal], key=lambda pair: -pair[1] * sign))
-
-    # -- formulas
+        parts = tuple((part, sign * own) for part, own in sorted(ways[goal], key=lambda pair: -pair[1] * sign))
+        return self._append((unknown,), (NodeFormula(NodeKind.SUM, parts=parts),))
 
     def _formulas(self, step: SearchStep, state: State) -> tuple[tuple[NodeFormula, ...], Unknown]:
         """The formulas of a step, the best one first, and the unknown in which they are written."""
@@ -345,10 +328,8 @@ class GraphDerivation:
 
     def _equation(self, number: int, state: State, unknown: Unknown) -> NodeEquation | None:
         p = self.domain.rewritten(self.polynomial(number), state, unknown)
-        terms = self._terms(p, [self.domain.ring.index[name] for name in unknown.generators])
-        used = {name for coefficient in terms.values() for name in _names(coefficient)}
-        known = all(self.domain.is_known(name, state) for name in used)
-        if not known or not any(any(exponents) for exponents in terms):
+        terms = self._terms(p, state, unknown)
+        if not any(map(any, terms)):
             return None
         source = self._source(number)
         return _tidied(terms, dimension(source.entry), source)

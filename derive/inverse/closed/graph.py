@@ -106,7 +106,3 @@ class SolutionGraph:
     def places(self) -> tuple[tuple[int, int], ...]:
         """The entries of T that the task gives, row and column from 0."""
         return tuple((i - 1, j - 1) for row in self.task for i, j in ROWS[row])
-
-    def joint_node(self, joint: int) -> Node:
-        """The node whose unknown is the variable of one joint."""
-        return next(node for node in self.nodes for u in node.unknowns if u.joints == (joint,))

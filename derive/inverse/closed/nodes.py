@@ -69,7 +69,7 @@ class Provenance:
     entry: str  # which entry or invariant of both sides
     outer_left: bool = False  # whether M begins behind the offset of its first joint
     outer_right: bool = False  # whether M ends before the offset of its last joint
-    also: Provenance | None = None  # another equation, with which an unknown was eliminated (`pairs`)
+    also: Provenance | None = None  # another equation, with which an unknown was eliminated (`unknowns.without`)
 
 
 @dataclass(frozen=True)
@@ -105,18 +105,6 @@ class NodeFormula:
     def branches(self) -> int:
         """How many values it gives."""
         return int(self.payload.branches) if self.kind is NodeKind.GENERAL else BRANCHES[self.kind]
-
-    @cached_property
-    def existence(self) -> Polynomial | None:
-        """The polynomial that a real solution needs to be at least 0; None where there is always one."""
-        match self.kind:
-            case NodeKind.TYPE_2:
-                a, b, c = self.equations[0].linear
-                return a * a + b * b - c * c if c else None
-            case NodeKind.QUADRATIC:
-                a, b, c = (self.equations[0].coefficient(k) for k in (2, 1, 0))
-                return b * b - 4 * (a * c)
-        return None
 
     @cached_property
     def degenerate(self) -> tuple[Polynomial, ...]:

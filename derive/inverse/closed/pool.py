@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Generic
 
-from derive.mechanics.chain import Chain, Domain, build_chain
+from derive.mechanics.chain import Domain, build_chain
 from derive.mechanics.vectors import (
     Frame,
     Matrix,
@@ -40,7 +40,6 @@ from derive.mechanics.vectors import (
     scale,
     transpose,
 )
-from derive.robot.description import Joint
 from derive.robot.robot import Robot
 
 
@@ -176,7 +175,11 @@ class Links(Generic[S]):
         self.zero, self.one, self.n, self.motion = chain.zero, chain.one, chain.n, motion
         unit = Frame(identity(self.zero, self.one), chain.null)
         self.twists = [joint.fixed for joint in chain.joints]
-        self.offsets = [_offset(joint, chain, domain) for joint in robot.joints]
+        self.offsets = []
+        for joint in robot.joints:  # the constant part of its motion, which commutes with the rest
+            along = domain.constant(joint.d) if joint.is_revolute else self.zero
+            turn = _about_z(*domain.cosine_sine(joint.theta), self.zero, self.one)
+            self.offsets.append(Frame(turn, (self.zero, self.zero, along)))
         self.base = chain.base @ self.twists[0]
         self.tool = chain.tool
         if self.n > 1 or not keep_tool:
@@ -287,10 +290,3 @@ def _scaled(factor: S | int, m: Matrix[S]) -> Matrix[S]:
 
 def _about_z(c: S, s: S, zero: S, one: S) -> Matrix[S]:
     return ((c, -s, zero), (s, c, zero), (zero, zero, one))
-
-
-def _offset(joint: Joint, chain: Chain[S], domain: Domain[S]) -> Frame[S]:
-    """The constant part of a joint's motion, which commutes with the rest."""
-    c, s = domain.cosine_sine(joint.theta)
-    along = domain.constant(joint.d) if joint.is_revolute else chain.zero
-    return Frame(_about_z(c, s, chain.zero, chain.one), (chain.zero, chain.zero, along))

@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from derive.algebra.residues import Array
-from derive.inverse.closed.evidence import Change, Evidence
+from derive.inverse.closed.evidence import Change, Effect, Evidence
 from derive.inverse.closed.nodes import BRANCHES, NodeKind
 from derive.inverse.closed.unknowns import State
 
@@ -83,7 +83,7 @@ class Search:
             if state in done:
                 continue
             done.add(state)
-            if state.is_complete and state.slides == self._slides:
+            if state.slides == self._slides and all(len(parts) == 1 for parts in state.groups):
                 return steps
             for step, after in self.steps(state):
                 if after not in done:
@@ -111,9 +111,19 @@ class Search:
     def steps(self, state: State) -> Iterator[tuple[SearchStep, State]]:
         """What can be found next."""
         for group, parts, found in self._targets(state, 1):
-            step = self._step(group, parts, found) if found.size else None
-            if step:
-                yield step, state.joined(group, *parts)
+            effect, order = self.evidence.effects[self.change(group, parts[1])], self._shortest_first(found)
+            if group < 0:
+                choices = self._lengths(effect, order)
+            else:
+                linear = [k for k in order if effect.degrees[k] == 1]
+                choices = self._pairs(effect.coefficients, linear) + self._singles(effect.coefficients, linear)
+                if not choices:
+                    conics = [k for k in order if effect.degrees[k] == 2][:4]
+                    cost = RANK[NodeKind.CONIC]
+                    choices = [Choice(NodeKind.CONIC, (k,), (cost, int(self.lengths[k]))) for k in conics]
+            if choices:
+                choices.sort(key=lambda choice: (BRANCHES[choice.kind], *choice.cost))
+                yield SearchStep(group, parts, tuple(choices), tuple(order)), state.joined(group, *parts)
 
     def _targets(self, state: State, unknowns: int) -> Iterator[tuple[int, tuple[int, int], Array]]:
         """Angles between parts of groups, then slides, with the equations that leave just so many unknowns."""
@@ -214,38 +224,13 @@ class Search:
             (a, b), p = own, self.evidence.prime
             parallel: Array = a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p
             return parallel
-        places = {
-            NodeKind.TYPE_1: (1,),
-            NodeKind.QUADRATIC: (2,),
-            NodeKind.TYPE_2: (1, 2),
-            NodeKind.CONIC: (1, 2, 3, 4),
-        }[choice.kind]
-        fails: Array = np.all(own[0][:, list(places)] == 0, axis=1)
+        leading = {NodeKind.TYPE_1: [1], NodeKind.QUADRATIC: [2], NodeKind.TYPE_2: [1, 2]}
+        fails: Array = np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1)
         return fails
 
-    # -- one step
-
-    def _step(self, group: int, parts: tuple[int, int], found: Array) -> SearchStep | None:
-        """The ways to find one unknown from some equations, None where there are none."""
-        effect = self.evidence.effects[self.change(group, parts[1])]
-        order = self._shortest_first(found)
-        degrees = effect.degrees
-        linear = [k for k in order if degrees[k] == 1]
-        choices = self._lengths(effect.coefficients, order, degrees) if group < 0 else []
-        if group >= 0:
-            choices = self._pairs(effect.coefficients, linear) + self._singles(effect.coefficients, linear)
-            conics = [k for k in order if degrees[k] == 2]
-            if not choices and conics:
-                choices = [
-                    Choice(NodeKind.CONIC, (k,), (RANK[NodeKind.CONIC], int(self.lengths[k]))) for k in conics[:4]
-                ]
-        if not choices:
-            return None
-        choices.sort(key=lambda choice: (BRANCHES[choice.kind], *choice.cost))
-        return SearchStep(group, parts, tuple(choices), tuple(order))
-
-    def _lengths(self, coefficients: Array, order: Sequence[int], degrees: Array) -> list[Choice]:
-        constant = [k for k in order if degrees[k] == 1 and self._constant(coefficients[k, :, 1])][:CONSIDERED]
+    def _lengths(self, effect: Effect, order: Sequence[int]) -> list[Choice]:
+        degrees, linear = effect.degrees, effect.coefficients[:, :, 1]
+        constant = [k for k in order if degrees[k] == 1 and self._constant(linear[k])][:CONSIDERED]
         choices = [Choice(NodeKind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
         for k in order[:CONSIDERED]:
             if degrees[k] == 1 and k not in constant:

@@ -18,7 +18,7 @@ from typing import TypeVar
 from derive.algebra.angles import decompose
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Generator, Kind
-from derive.algebra.ring import Polynomial
+from derive.algebra.ring import Polynomial, Ring
 from derive.inverse.closed.nodes import Unknown
 from derive.mechanics.vectors import Scalar
 from derive.robot.description import Joint
@@ -47,11 +47,6 @@ class State:
 
     groups: tuple[Parts, ...]  # for each group its parts
     slides: frozenset[int]  # the slides that are known
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether all angles are known; the slides are checked by the search."""
-        return all(len(parts) == 1 for parts in self.groups)
 
     def joined(self, group: int, a: int, b: int) -> State:
         """With the angle between two parts of a group; with slide a where there is no group."""
@@ -197,22 +192,57 @@ def _lowest(part: int) -> int:
     return (part & -part).bit_length() - 1
 
 
+def without(ring: Ring, unknown: Unknown, p: Polynomial, q: Polynomial) -> Polynomial | None:
+    """What follows from two equations when an unknown is eliminated; None where one is not of the first degree in it.
+
+    Of A c + B s = C and D c + E s = F Cramer's rule gives cosine c and sine s, whose squares add to 1:
+    (C E - B F)^2 + (A F - C D)^2 = (A E - B D)^2. Where D and E are -B and A but for constants, D = -k B, E = k A, this
+    is k^2 C^2 + F^2 = k^2 (A^2 + B^2): the equations are squared and added. With A, B, C, F of the first degree in the
+    cosine and sine of another angle that is a quartic for it (Pieper, The Kinematics of Manipulators under Computer
+    Control, 1968).
+    """
+    places = [ring.index[name] for name in unknown.generators]
+    first, second = (ring.coefficients(each, places) for each in (p, q))
+    if any(sum(exponents) > 1 for exponents in (*first, *second)):
+        return None
+    if not unknown.is_angle:
+        (a, b), (c, d) = ((each.get((1,), ring.zero), each.get((0,), ring.zero)) for each in (first, second))
+        if not a or not c:
+            return None
+        m, n = _in_lowest_terms(a, c)
+        return n * b - m * d
+    a, b, c = (first.get(e, ring.zero) for e in ((1, 0), (0, 1), (0, 0)))
+    d, e, f = (second.get(x, ring.zero) for x in ((1, 0), (0, 1), (0, 0)))
+    proportional = next((pair for pair in ((a, e), (b, -d)) if all(pair)), None)
+    if proportional:
+        m, n = _in_lowest_terms(*proportional)
+        if m * e == n * a and m * -d == n * b:  # squared and added
+            return n * n * (c * c) + m * m * (f * f) - n * n * (a * a + b * b)
+    determinant, across, along = a * e - b * d, b * f - c * e, c * d - a * f
+    return across * across + along * along - determinant * determinant
+
+
+def _in_lowest_terms(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Two polynomials without their common factor."""
+    common = p.raw.gcd(q.raw)
+    return p.ring.wrap(divmod(p.raw, common)[0]), p.ring.wrap(divmod(q.raw, common)[0])
+
+
 def shifted(robot: Robot) -> tuple[Robot, tuple[Expression, ...]]:
     """The robot with its joint variables counted from where their cells have no constants but right angles."""
-    joints, shifts = zip(*map(_shifted_joint, robot.joints), strict=True)
-    return replace(robot, joints=joints), shifts
-
-
-def _shifted_joint(joint: Joint) -> tuple[Joint, Expression]:
-    if not joint.is_revolute:
-        return replace(joint, d=ZERO), multiply(Number(Fraction(joint.sign)), joint.d)
-    exact = decompose(joint.theta)
-    right = Fraction(round(exact.pi_multiple * 2), 2)
-    kept = multiply(Number(right), Pi()) if right else ZERO
-    rest = add(joint.theta, multiply(Number(-right), Pi())) if right else joint.theta
-    if not exact.terms and exact.pi_multiple == right:
-        return joint, ZERO
-    return replace(joint, theta=kept), multiply(Number(Fraction(joint.sign)), rest)
+    joints, shifts = list[Joint](), list[Expression]()
+    for joint in robot.joints:
+        kept, rest = replace(joint, d=ZERO), joint.d
+        if joint.is_revolute:
+            kept, rest = joint, ZERO
+            exact = decompose(joint.theta)
+            right = Fraction(round(exact.pi_multiple * 2), 2)
+            if exact.terms or exact.pi_multiple != right:
+                kept = replace(joint, theta=multiply(Number(right), Pi()))
+                rest = add(joint.theta, multiply(Number(-right), Pi())) if right else joint.theta
+        joints.append(kept)
+        shifts.append(multiply(Number(Fraction(joint.sign)), rest))
+    return replace(robot, joints=tuple(joints)), tuple(shifts)
 
 
 def baked(robot: Robot) -> dict[str, Expression]:

@@ -19,7 +19,7 @@ from typing import Generic
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.elementary_solver import ILL, Branch, Field, M, N, Solver
 from derive.inverse.closed.graph import Node, SolutionGraph
-from derive.inverse.closed.nodes import NodeFormula, NodeKind, Unknown
+from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.unknowns import turned
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
@@ -79,9 +79,10 @@ class GraphWalk(Generic[N, M]):
         self.reach = self.field.sqrt(self.evaluate(self.graph.square_reach, self.known))
         for node in self.graph.nodes:
             self._visit(node)
-        graph, homes = self.graph, [self.graph.joint_node(i) for i in range(self.graph.robot.n)]
+        graph = self.graph
+        found = {u.joints: (node.index, k) for node in graph.nodes for k, u in enumerate(node.unknowns)}
+        homes = [found[(i,)] for i in range(graph.robot.n)]
         # Branches that only formulas for special poses have come last.
-        places = [[u.joints for u in home.unknowns].index((i,)) for i, home in enumerate(homes)]
         usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
         every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
         for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):
@@ -93,8 +94,8 @@ class GraphWalk(Generic[N, M]):
             for value in values:
                 exists, boundary = exists & value.exists, boundary | value.boundary
                 ill, doubt = ill | value.ill, doubt | value.doubt
-            joints = tuple(values[home.index].numbers[k] for home, k in zip(homes, places, strict=True))
-            free = tuple(values[home.index].free for home in homes)
+            joints = tuple(values[home].numbers[k] for home, k in homes)
+            free = tuple(values[home].free for home, _ in homes)
             yield Leaf(branches, joints, exists, free, boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
@@ -113,8 +114,6 @@ class GraphWalk(Generic[N, M]):
         """The number of a polynomial, by Horner's rule in its most frequent generator."""
         return self._horner(horner(p), values)
 
-    # -- the walk
-
     def _visit(self, node: Node) -> None:
         axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
         table: dict[tuple[int, ...], list[Value[N, M]]] = {}
@@ -126,14 +125,19 @@ class GraphWalk(Generic[N, M]):
             for known in map(self.graph.nodes.__getitem__, node.needs):
                 for unknown, numbers in zip(known.unknowns, self._value(known, chosen).numbers, strict=True):
                     scope.update(zip(unknown.generators, numbers, strict=True))
-            values = self._solve(node, scope)
-            if node.kind is NodeKind.SUM:
-                # A sum of angles is free where one of them is.
-                free = no
-                for need in node.needs:
-                    free = free | self._value(self.graph.nodes[need], chosen).free
-                values = [replace(values[0], free=free)]
-            table[branches] = values
+            if node.kind is not NodeKind.SUM:
+                table[branches] = self._solve(node, scope)
+                continue
+            # A sum of angles is free where one of them is.
+            total: tuple[N, ...] = ()
+            for part, sign in node.formulas[0].parts:
+                cosine, sine = (scope[name] for name in part.generators)
+                signed = (cosine, sine if sign > 0 else -sine)
+                total = turned(total, signed) if total else signed
+            free = no
+            for need in node.needs:
+                free = free | self._value(self.graph.nodes[need], chosen).free
+            table[branches] = [Value((total,), self.field.truth(True), free, no, no, no)]
 
     def _value(self, node: Node, chosen: Mapping[int, int]) -> Value[N, M]:
         axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
@@ -146,8 +150,6 @@ class GraphWalk(Generic[N, M]):
             return [Value(numbers, exists, no, no, yes, no) for numbers, exists in f.general(first, scope)]
         if node.kind is NodeKind.GIVEN:
             return [Value((self._of_variable(unknown.joints[0], self.given),), yes, no, no, no, no)]
-        if node.kind is NodeKind.SUM:
-            return [Value((self._sum(first, scope),), yes, no, no, no, no)]
         # Elementary: the formulas in turn, each where those before do not determine the unknown.
         solver = Solver(f, lambda p: self.evaluate(p, scope), self.reach)
         values: list[Value[N, M]] = []
@@ -166,7 +168,11 @@ class GraphWalk(Generic[N, M]):
             if f.never(open_):
                 return values
         # Where no formula serves the unknown is free, and stays where the caller has it.
-        rest = self._of_variable(unknown.joints[0], self.near) if len(unknown.joints) == 1 else self._rest(unknown)
+        rest = self._of_variable(unknown.joints[0], self.near)
+        if len(unknown.joints) > 1:
+            rest = (f.number(1), f.number(0))
+            for joint, sign in zip(unknown.joints, unknown.signs, strict=True):
+                rest = turned(rest, self._of_variable(joint, self.near), sign)
         free = Branch(rest, yes, no, no)
         return [replace(value, free=open_) for value in self._merge(node, values, open_, [free])]
 
@@ -197,34 +203,14 @@ class GraphWalk(Generic[N, M]):
         number = shift if values is None else values[place] + shift
         return self.field.cosine_sine(number) if graph.robot.joints[joint].is_revolute else (number,)
 
-    def _rest(self, unknown: Unknown) -> tuple[N, ...]:
-        """The sum of angles at the caller's configuration."""
-        total = (self.field.number(1), self.field.number(0))
-        for joint, sign in zip(unknown.joints, unknown.signs, strict=True):
-            total = turned(total, self._of_variable(joint, self.near), sign)
-        return total
-
-    def _sum(self, formula: NodeFormula, scope: Mapping[str, N]) -> tuple[N, ...]:
-        total: tuple[N, ...] = ()
-        for part, sign in formula.parts:
-            cosine, sine = (scope[name] for name in part.generators)
-            signed = (cosine, sine if sign > 0 else -sine)
-            total = turned(total, signed) if total else signed
-        return total
-
-    def _generator(self, index: int, values: Mapping[str, N]) -> N:
-        name = self.graph.domain.ring.names[index]
-        if name in values:
-            return values[name]
-        if name not in self.constants:
-            self.constants[name] = self.field.constant(self.graph.domain.generators[index].expression)
-        return self.constants[name]
-
     def _horner(self, plan: Plan, values: Mapping[str, N]) -> N:
         if isinstance(plan, Fraction):
             return self.field.number(plan)
         index, quotient, rest = plan
-        generator = self._generator(index, values)
+        name = self.graph.domain.ring.names[index]
+        if name not in values and name not in self.constants:
+            self.constants[name] = self.field.constant(self.graph.domain.generators[index].expression)
+        generator = values[name] if name in values else self.constants[name]
         if quotient == 1 or quotient == -1:
             product_ = generator if quotient == 1 else -generator
         else:

@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from derive.inverse.general.closure import Closure, Loop, closures, middle_part
-from derive.inverse.general.count import count_solutions
+from derive.inverse.general.closure import Closure, Loop, closures
+from derive.inverse.general.count import count_solutions, finish_forms
 from derive.inverse.general.elimination import POLICY, EigenProblem, Elimination, Reduction, left_null
 from derive.inverse.general.rigid_motion import Array, pose_features
 from derive.inverse.general.search import FULL, GeneralFormula, GeneralSolution, free_loop, scaled
@@ -60,11 +60,7 @@ def _determined(loop: Loop, way: Closure) -> float:
     """How well the eliminated joints follow from the others by linear equations."""
     if loop.tip:
         return 1.0
-    first = min(way.order[:3])
-    three = Loop(loop.revolute[first : first + 3], loop.gaps[first : first + 4])
-    inner, carried = way.alone, loop.carried(way.dropped)
-    kept = list(carried.heights if three.revolute[inner.order[2]] else carried.along)
-    return float(np.linalg.svd(middle_part(three, inner)[0][..., 1:, kept])[1].min())
+    return float(np.linalg.svd(finish_forms(loop, way))[1].min())
 
 
 def _rank(matrix: Array) -> int:

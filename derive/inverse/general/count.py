@@ -62,30 +62,26 @@ def count_solutions(
     robot: Robot, elimination: Elimination, given: Sequence[int] = (), seed: int = 0, *, tip: bool = False
 ) -> int:
     """How many complex solutions a generic pose has."""
-    loop, pose = _random_pose(residue_loop(robot, seed), given, seed)
+    loop, draw = residue_loop(robot, seed), random.Random(seed + 1)
+    motions = []
+    for turns in loop.revolute:
+        # A rational point of the circle: cosine and sine of the angle whose half has the tangent t.
+        t = draw.randrange(2, loop.prime - 1)
+        scale = pow(1 + t * t, -1, loop.prime)
+        pair = [np.array(x % loop.prime, dtype=object) for x in ((1 - t * t) * scale, 2 * t * scale)]
+        motions.append(loop.settle(joint_motion(turns, *pair) if turns else joint_motion(turns, pair[0])))
+    pose = loop.pose(motions)[None]
+    loop = loop.locked([motion if i in given else None for i, motion in enumerate(motions)])
     loop = loop.with_tip if tip else loop
     if elimination.start:
         loop, pose = loop.rotated(elimination.start, pose)
-    if _flint(_finish_forms(loop, elimination.finish), loop.prime).rank() < 2:
+    if _flint(finish_forms(loop, elimination.finish), loop.prime).rank() < 2:
         return 0
     return _System(loop, pose, elimination, random.Random(seed)).count()
 
 
-def _random_pose(loop: Loop, given: Sequence[int], seed: int) -> tuple[Loop, Array]:
-    draw, prime = random.Random(seed + 1), loop.prime
-    motions = []
-    for turns in loop.revolute:
-        # A rational point of the circle: cosine and sine of the angle whose half has the tangent t.
-        t = draw.randrange(2, prime - 1)
-        scale = pow(1 + t * t, -1, prime)
-        pair = [np.array(x % prime, dtype=object) for x in ((1 - t * t) * scale, 2 * t * scale)]
-        motions.append(loop.settle(joint_motion(turns, *pair) if turns else joint_motion(turns, pair[0])))
-    pose = loop.pose(motions)[None]
-    return loop.locked([motion if i in given else None for i, motion in enumerate(motions)]), pose
-
-
-def _finish_forms(loop: Loop, way: Closure) -> Array:
-    """Coefficients of cosine and sine of the (middle one of the) eliminated joints."""
+def finish_forms(loop: Loop, way: Closure) -> Array:
+    """Coefficients of cosine and sine of the (middle one of the) eliminated joints, (rows, k)."""
     if loop.tip:
         return way.eliminated_part(loop).reshape(-1, 3)[:, 1:]
     first = min(way.order[:3])
@@ -122,7 +118,12 @@ class _System:
                     if joint != self.hidden:
                         rows = rows.take([0, 1], axis=1 + elimination.unknowns.index(joint))
                 stacked.append(self._multiplied(np.moveaxis(rows, 1 + place, 1)))
-        self.coefficients = self._in_t(np.concatenate(stacked))
+        fixed, one, two = np.moveaxis(np.concatenate(stacked), 1, 0)
+        if loop.revolute[self.hidden]:
+            # (1 + t^2) (1, c, s) = (1 + t^2, 1 - t^2, 2 t).
+            fixed, one, two = fixed + one, 2 * two, fixed - one
+        # (3, rows, columns): of powers of the half-angle tangent, or of the length.
+        self.coefficients = loop.settle(np.stack([fixed, one, two]))
 
     def _multiplied(self, rows: Array) -> Array:
         """(rows, 3, columns): equations times cosine and sine of the half angle, or times 1 and the length."""
@@ -138,14 +139,6 @@ class _System:
         product_ = np.tensordot(split, whole, axes=([3], [1]))  # rows, 3, before, after, factor, ext
         moved = product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1)
         return self.loop.settle(moved)
-
-    def _in_t(self, rows: Array) -> Array:
-        """(3, rows, columns): coefficients of powers of the half-angle tangent, or of the length."""
-        fixed, one, two = rows[:, 0], rows[:, 1], rows[:, 2]
-        if self.loop.revolute[self.hidden]:
-            # (1 + t^2) (1, c, s) = (1 + t^2, 1 - t^2, 2 t).
-            fixed, one, two = fixed + one, 2 * two, fixed - one
-        return self.loop.settle(np.stack([fixed, one, two]))
 
     def count(self) -> int:
         """The number of solutions, 0 where it is not decided."""
@@ -163,7 +156,10 @@ class _System:
             for k in (columns - 1, columns)
         ]
         common = rest[0].gcd(rest[1])
-        return self._solutions(self._without_circle(common), vector) if common != 0 else 0
+        circle = self._polynomial([1, 0, 1])  # 1 + t^2, which stands for no angle
+        while common != 0 and self.loop.revolute[self.hidden] and common % circle == 0:
+            common = common // circle
+        return self._solutions(common, vector) if common != 0 else 0
 
     def _polynomial(self, values: Sequence[int]) -> Any:
         return nmod_poly([x % self.prime for x in values], self.prime)
@@ -182,14 +178,17 @@ class _System:
             solved = at.solve(unit) if determinant != 0 else None
             for j in range(size):
                 values[j].append(0 if solved is None else int(solved[j, 0] * determinant))
-        return _interpolated(points, values, prime)
-
-    def _without_circle(self, g: Any) -> Any:
-        """Without the factors 1 + t^2, which stand for no angle."""
-        circle = self._polynomial([1, 0, 1])
-        while self.loop.revolute[self.hidden] and g % circle == 0:
-            g = g // circle
-        return g
+        # Newton's divided differences.
+        results = []
+        for table in values:
+            for level in range(1, len(points)):
+                for k in range(len(points) - 1, level - 1, -1):
+                    table[k] = (table[k] - table[k - 1]) * pow(points[k] - points[k - level], -1, prime) % prime
+            total = nmod_poly([table[-1]], prime)
+            for k in range(len(points) - 2, -1, -1):
+                total = total * nmod_poly([-points[k] % prime, 1], prime) + table[k]
+            results.append(total)
+        return results
 
     def _solutions(self, g: Any, vector: list[Any]) -> int:
         """The number of roots of g at which the null vector is a vector of products."""
@@ -203,8 +202,12 @@ class _System:
         entries = dict(zip(product(*map(range, self.shape)), (entry % g for entry in vector), strict=True))
         for relation in self._relations(entries):
             g = g.gcd(relation % g)
-        # Roots at which another joint is at infinity, where this is zero, are no solutions.
-        size = self._size(entries)
+        # Roots at which another joint is at infinity, or the vector zero, are no solutions: there this is zero.
+        size = entries[(0,) * len(self.others)]
+        if self.multiplied is not None and self.loop.revolute[self.multiplied]:
+            axis = self.others.index(self.multiplied)
+            pair = [entries[tuple(k if i == axis else 0 for i in range(len(self.others)))] for k in (2, 3)]
+            size = pair[0] * pair[0] + pair[1] * pair[1]
         infinite = g.gcd(size % g)
         while infinite.degree() > 0:
             g = g // infinite
@@ -241,27 +244,3 @@ class _System:
         else:
             a, b, c = line
             yield b * b + c * c - a * a
-
-    def _size(self, entries: dict[tuple[int, ...], Any]) -> Any:
-        """What vanishes where one of the other joints is infinite, or the vector zero."""
-        first = [0] * len(self.others)
-        if self.multiplied is None or not self.loop.revolute[self.multiplied]:
-            return entries[tuple(first)]
-        axis = self.others.index(self.multiplied)
-        pair = [entries[tuple(k if i == axis else 0 for i in range(len(first)))] for k in (2, 3)]
-        return pair[0] * pair[0] + pair[1] * pair[1]
-
-
-def _interpolated(points: Sequence[int], values: Sequence[Sequence[int]], prime: int) -> list[Any]:
-    """Polynomials with given values at points, by Newton's divided differences."""
-    results = []
-    for column in values:
-        table = list(column)
-        for level in range(1, len(points)):
-            for k in range(len(points) - 1, level - 1, -1):
-                table[k] = (table[k] - table[k - 1]) * pow(points[k] - points[k - level], -1, prime) % prime
-        total = nmod_poly([table[-1]], prime)
-        for k in range(len(points) - 2, -1, -1):
-            total = total * nmod_poly([-points[k] % prime, 1], prime) + table[k]
-        results.append(total)
-    return results

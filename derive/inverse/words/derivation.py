@@ -8,7 +8,7 @@ first and last joint stand between it and the arm, the pose within the arm gets 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -108,8 +108,6 @@ class PrintedDerivation:
         """A polynomial of the graph as it is printed."""
         return self._write(self._composed(p))
 
-    # -- polynomials of the graph as polynomials of print
-
     def _names_within_arm(self) -> dict[str, str]:
         """Names for what the pose within the arm has that no entry of the pose is, but for its sign."""
         found = dict[str, str]()
@@ -144,8 +142,6 @@ class PrintedDerivation:
                     product = product * self._images[name] ** exponent
             total = total + product
         return total
-
-    # -- nodes
 
     def _named_sums(self) -> Iterator[tuple[Expr, Expr]]:
         """``q23`` for q2 + q3; a letter where angles are subtracted or have no labels."""
@@ -182,14 +178,14 @@ class PrintedDerivation:
             own = symbol, formula.kind, equations, lines, node.branches, exists
             yield PrintedStep(*own, fails, instead, free, unknown.joints)
 
-    def _solved(self, kind: NodeKind, symbol: Expr, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
+    def _solved(self, kind: NodeKind, symbol: Expr, label: str, values: list[Linear]) -> Solved | None:
         match kind:
             case NodeKind.TYPE_2:
-                return self._scribe.one_equation(label, _three(values[0]))
+                return self._scribe.one_equation(label, values[0])
             case NodeKind.TYPE_3:
-                return Solved(self._scribe.two_equations(symbol, label, _three(values[0]), _three(values[1])))
+                return Solved(self._scribe.two_equations(symbol, label, values[0], values[1]))
             case NodeKind.TYPE_1 | NodeKind.QUADRATIC:
-                return self._scribe.length(label, _three(values[0]))
+                return self._scribe.length(label, values[0])
         return None
 
     def _free(self, formulas: Sequence[NodeFormula]) -> tuple[Expr, ...]:
@@ -245,17 +241,17 @@ class PrintedDerivation:
     def _label(self, unknown: Unknown) -> str:
         return "".join(joint_label(self._robot.joints[j].variable) for j in unknown.joints)
 
-    def _shift(self, unknown: Unknown) -> Expression:
-        """What the unknown has more than the sum of the variables."""
+    def _sum(self, unknown: Unknown, cells: Sequence[Expression]) -> Expression:
+        """The cells of the joints of an unknown, added with their signs."""
         signed = zip(unknown.joints, unknown.signs, strict=True)
-        return add(*(multiply(Number(Fraction(sign)), self._graph.shifts[j]) for j, sign in signed))
+        return add(*(multiply(Number(Fraction(sign)), cells[j]) for j, sign in signed))
 
-    def _equation(self, unknown: Unknown, equation: NodeEquation) -> tuple[PrintedEquation, tuple[Polynomial, ...]]:
+    def _equation(self, unknown: Unknown, equation: NodeEquation) -> tuple[PrintedEquation, Linear]:
         """An equation in the variable itself, and its coefficients: of cosine, sine and 1, or of r^2, r and 1.
 
         The last one stands on the right of an equation of an angle.
         """
-        shift, symbol = self._shift(unknown), self._symbol(unknown)
+        shift, symbol = self._sum(unknown, self._graph.shifts), self._symbol(unknown)  # more than the variables
         if not unknown.is_angle:
             square, slope, rest = (self._composed(equation.coefficient(k)) for k in (2, 1, 0))
             by = self._domain.constant(shift)
@@ -268,13 +264,18 @@ class PrintedDerivation:
         ring = self._domain.ring
         c, s = (ring.one, ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
         if max((sum(exponents) for exponents in equation.terms), default=0) > 1:
-            left = self._second_degree(equation, cosine, sine, (c, s))
-            return PrintedEquation(left, sympy.S.Zero, self._origins(equation.source)), ()
+            # turned back by the shift
+            of = self._write(c) * cosine - self._write(s) * sine, self._write(s) * cosine + self._write(c) * sine
+            terms = ((self._write(self._composed(p)), i, j) for (i, j), p in sorted(equation.terms.items()))
+            left = sympy.Add(*(p * of[0] ** i * of[1] ** j for p, i, j in terms))
+            return PrintedEquation(left, sympy.S.Zero, self._origins(equation.source)), (ring.zero,) * 3
         a, b, known = map(self._composed, equation.linear)
         a, b = a * c + b * s, b * c - a * s
         size = self._scale(known, a, b) * (-1 if self._is_turned(a, b, known) else 1)
         a, b, known = (p * (1 / size) for p in (a, b, known))
-        whole, apart = self._whole(unknown, a, b), sympy.Add(self._write(a) * cosine, self._write(b) * sine)
+        # As any other sum is written, a1*c1 + a2*c12, or with the one cosine and sine.
+        c, s = self._domain.cosine_sine(self._sum(unknown, [Name(joint.variable) for joint in self._robot.joints]))
+        whole, apart = self._write(a * c + b * s), sympy.Add(self._write(a) * cosine, self._write(b) * sine)
         left = whole if 3 * whole.count_ops() <= 2 * apart.count_ops() and not is_letter else apart
         return PrintedEquation(left, self._write(known), self._origins(equation.source)), (a, b, known)
 
@@ -310,22 +311,6 @@ class PrintedDerivation:
         graph = self._graph
         return tuple(origin(self._robot, each, to_end=graph.to_end, from_base=graph.from_base) for each in sources)
 
-    def _whole(self, unknown: Unknown, a: Polynomial, b: Polynomial) -> Expr:
-        """A cos + B sin as any other sum is written, ``a1*c1 + a2*c12``."""
-        signed = zip(unknown.joints, unknown.signs, strict=True)
-        angle = add(*(multiply(Number(Fraction(sign)), Name(self._robot.joints[j].variable)) for j, sign in signed))
-        c, s = self._domain.cosine_sine(angle)
-        return self._write(a * c + b * s)
-
-    def _second_degree(
-        self, equation: NodeEquation, cosine: Expr, sine: Expr, turn: tuple[Polynomial, Polynomial]
-    ) -> Expr:
-        """A polynomial in cosine and sine, turned back by the shift."""
-        c, s = (self._write(p) for p in turn)
-        of = (c * cosine - s * sine, s * cosine + c * sine)
-        terms = sorted(equation.terms.items())
-        return sympy.Add(*(self._write(self._composed(p)) * of[0] ** i * of[1] ** j for (i, j), p in terms))
-
     def _condition(self, equation: NodeEquation) -> PrintedEquation:
         """``r33 = -1``, ``r12 = r21``: what holds nothing of the pose stands on the right, or one of two terms."""
         p = self._composed(equation.coefficient(*(0,) * len(next(iter(equation.terms)))))
@@ -354,8 +339,3 @@ _CONSTANTS = (
 _OF_POSE = re.compile(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]")  # entries and invariants of the pose within the arm
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 _SHORTHAND = ("c", "s")
-
-
-def _three(values: Iterable[Polynomial]) -> Linear:
-    first, second, third = values
-    return first, second, third

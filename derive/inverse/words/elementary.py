@@ -111,8 +111,6 @@ class Scribe:
         signs = sum(minus_signs(self.write(p)) for p in (a, b, c))
         return (-a, -b, -c) if signs > sum(minus_signs(self.write(-p)) for p in (a, b, c)) else (a, b, c)
 
-    # -- the types
-
     def one_equation(self, label: str, equation: Linear) -> Solved:
         """A cos + B sin = C (type 2): two angles.
 

@@ -48,7 +48,13 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
     in_world = from_base and source.first == 1
     match name[0]:
         case "R":
-            found = _rotation(robot, source, places, to_end, in_world)
+            found, (row, column) = Origin(OriginForm.DIRECTIONS, source.first, source.last, (places,)), places
+            if robot.convention is Convention.MODIFIED and not in_world:
+                row = _turned(robot.joints[source.first - 1].alpha, row)
+            elif robot.convention is Convention.STANDARD and not (to_end and source.last == robot.n):
+                column = _turned(robot.joints[source.last - 1].alpha, column)
+            if row and column:
+                found = replace(found, form=OriginForm.ENTRY, entries=((row, column),))
         case "m" | "k":
             found = Origin(OriginForm.MOMENT, source.first, source.last, (places,))
         case "p":
@@ -56,18 +62,6 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
         case _:
             found = _back(robot, source, places, in_world)
     return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)
-
-
-def _rotation(robot: Robot, source: Provenance, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
-    row, column = places
-    standard = robot.convention is Convention.STANDARD
-    if standard and not (to_end and source.last == robot.n):
-        column = _turned(robot.joints[source.last - 1].alpha, column)
-    elif not standard and not in_world:
-        row = _turned(robot.joints[source.first - 1].alpha, row)
-    if row and column:
-        return Origin(OriginForm.ENTRY, source.first, source.last, ((row, column),))
-    return Origin(OriginForm.DIRECTIONS, source.first, source.last, (places,))
 
 
 def _position(robot: Robot, source: Provenance, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:

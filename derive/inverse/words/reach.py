@@ -158,14 +158,11 @@ class _Reading:
         for line in reversed(self._names):
             used |= line.value.free_symbols if line.symbol in used else set()
         names = tuple(line for line in self._names if line.symbol in used)
-        return Reach(
-            self._found, tuple(bounds), names, tuple(others), Freedom(self._found.robot, _POSITIONS[0]).rank == 2
-        )
+        is_flat = Freedom(self._found.robot, _POSITIONS[0]).rank == 2
+        return Reach(self._found, tuple(bounds), names, tuple(others), is_flat)
 
     def _written(self, p: Any) -> Expr:
         return sympy.expand(self._found.written(p))
-
-    # -- angles about the first axis
 
     def _remember(self, joint: int, a: Expr, b: Expr, right: Expr, generators: tuple[str, ...]) -> None:
         """From a c + b s = d for the first angle: u = b c - a s is the distance along the turned arm, +-sqrt(...)."""
@@ -206,8 +203,6 @@ class _Reading:
             turned = sympy.expand(e.xreplace(put_in)).xreplace({cosine: c, sine: s})
             e = sympy.expand(sympy.rem(turned, c**2 + s**2 - 1, c).xreplace({c: cosine, s: sine}))
         return e
-
-    # -- bounds
 
     def _bound(self, unknown: Expr, left: Expr, right: Expr) -> Bound | None:
         """right^2 <= left as a bound of one quantity; None where it depends on more than places, or on other joints."""

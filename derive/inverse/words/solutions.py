@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import chain, combinations, product
@@ -19,7 +19,6 @@ from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
-from derive.inverse.words.branch_names import Vector
 from derive.inverse.words.derivation import PrintedDerivation
 from derive.inverse.words.elementary import PrintedLine, Sign
 from derive.inverse.words.postures import postures
@@ -93,23 +92,7 @@ class Verification:
 class InverseKinematics:
     """How the joint variables of an arm follow from its pose, every branch.
 
-    Args:
-        graph: The graph of its elementary equations.
-        robot: The robot.
-        style: How sums are grouped.
-        asked: Task and given joints, where they are not those of the file.
-
-    Attributes:
-        graph: The graph of its elementary equations.
-        robot: The robot.
-        count: The number of solutions of a generic reachable pose, over the complex numbers.
-        complete: Whether it is certain that no solution is missing.
-        everywhere: Whether it is certain that no pose has more isolated solutions.
-        definitions: Names for what base, tool and the offsets at both ends make of the pose: the wrist centre.
-        steps: How each unknown is found, in order.
-        sums: Names of sums of joint variables: ``q2 + q3`` -> ``q23``.
-        conditions: What holds at reachable poses of an arm with fewer than six joints.
-        written: Writes a polynomial of the graph as it is printed, in the names of the pose within the arm.
+    Task and given joints are ``asked`` for where they are not those of the file.
     """
 
     def __init__(self, graph: SolutionGraph, robot: Robot, style: Style, asked: tuple[Any, ...] = ()) -> None:
@@ -117,8 +100,13 @@ class InverseKinematics:
         self._origin = (robot, style, *asked)
         self._variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
         printed = PrintedDerivation(graph, robot, style)
+        # The number of solutions of a generic reachable pose, over the complex numbers; whether it is certain that none
+        # is missing, and that no pose has more isolated ones.
         self.count, self.complete, self.everywhere = graph.count, graph.complete, graph.everywhere
+        # Names for what base, tool and the offsets at both ends make of the pose (the wrist centre), how each unknown
+        # is found, in order, and names of sums of joint variables: q2 + q3 -> q23.
         self.definitions, self.steps, self.sums = printed.definitions, printed.steps, printed.sums
+        # What holds at reachable poses of an arm with fewer than six joints, and what writes polynomials of the graph.
         self.conditions, self.written, self._pose = printed.conditions, printed.written, printed.pose
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -150,8 +138,7 @@ class InverseKinematics:
     @cached_property
     def named_lines(self) -> tuple[PrintedLine, ...]:
         """The same with the names of sums of angles, ``cos(q23)``, from where these are found."""
-        given = {self._variables[k] for k in self.graph.given}
-        known: dict[Expr, Expr] = {symbol: symbol for symbol in given}  # what is found, by the sum that it is
+        known: dict[Expr, Expr] = {q: q for q in (self._variables[k] for k in self.graph.given)}  # found, by sum
         totals = {name: total for total, name in self.sums.items()}
         found = []
         for line in self.lines:
@@ -189,35 +176,30 @@ class InverseKinematics:
         """Every branch in closed form, named, as generated code has them; empty where there is none (`is_explicit`)."""
         if not self.is_explicit:
             return ()
-        unnamed = tuple(self._branches())
-        if len(unnamed) == 1:
-            return unnamed
-        found = postures(self.robot, self.graph)
-        q = dict(zip(self._variables, found.q, strict=True))
-        values = self.values_at({sympy.Symbol(k): float(x) for k, x in found.parameters.items()}, q, ArrayDomain)
-        places = found.places([self._joint_arrays(branch, values, q) for branch in unnamed])
-        ordered = sorted(zip(places, unnamed, strict=True), key=lambda pair: pair[0])
-        return tuple(replace(branch, name=found.names[k] or f"#{k + 1}") for k, branch in ordered)
-
-    def _joint_arrays(self, branch: Solution, values: Numbers, q: Numbers) -> Vector:
-        """The joint variables of a branch at many poses, not a number where it is not real."""
-        found = dict(values)
-        with np.errstate(all="ignore"):
-            for line in branch.lines:
-                found[line.symbol] = array_value(line.value, found)
-        return np.stack([np.broadcast_to(np.asarray(found.get(symbol, own)), own.shape) for symbol, own in q.items()])
-
-    def _branches(self) -> Iterator[Solution]:
-        signs = tuple(dict.fromkeys(sign for line in self.lines for sign in line.signs))
+        signs, unnamed = tuple(dict.fromkeys(sign for line in self.lines for sign in line.signs)), list[Solution]()
         for choice in product((1, -1), repeat=len(signs)):
             chosen = dict(zip(signs, choice, strict=True))
             put_in = {sign: sympy.Integer(e) for sign, e in chosen.items()}
             own = tuple(PrintedLine(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
-            values = {line.symbol: line.value for line in own}
-            joints = {q: values[q] for q in self._variables if q in values}
-            yield Solution("", chosen, own, joints)
-
-    # -- in numbers
+            written_out = {line.symbol: line.value for line in own}
+            joints = {q: written_out[q] for q in self._variables if q in written_out}
+            unnamed.append(Solution("", chosen, own, joints))
+        if len(unnamed) == 1:
+            return tuple(unnamed)
+        found = postures(self.robot, self.graph)
+        q = dict(zip(self._variables, found.q, strict=True))
+        values = self.values_at({sympy.Symbol(k): float(x) for k, x in found.parameters.items()}, q, ArrayDomain)
+        # The joint variables of each branch at many poses, not a number where it is not real.
+        arrays = []
+        with np.errstate(all="ignore"):
+            for branch in unnamed:
+                known = dict(values)
+                for line in branch.lines:
+                    known[line.symbol] = array_value(line.value, known)
+                angles = (np.broadcast_to(np.asarray(known.get(symbol, own)), own.shape) for symbol, own in q.items())
+                arrays.append(np.stack(list(angles)))
+        ordered = sorted(zip(found.places(arrays), unnamed, strict=True), key=lambda pair: pair[0])
+        return tuple(replace(branch, name=found.names[k] or f"#{k + 1}") for k, branch in ordered)
 
     def at(self, point: Mapping[str, Expression]) -> Matrix:
         """All configurations that reach the pose of one, to thirty digits: a row a joint, a column a solution.
@@ -232,30 +214,33 @@ class InverseKinematics:
                 found = f"the inverse kinematics without a number for {listed(missing)}"
                 raise QuantityError(found, allowed="numbers of all joints and parameters")
             values = self.values_at(known, known)
-            columns = [] if self.is_explicit else list(self._columns_in_floats(known, values))
+            columns = []
+            if not self.is_explicit:
+                # By the graph run over floats, or by Newton's method where there is none.
+                goal = np.array([[float(values.get(x, x)) for x in row] for row in self.pose.tolist()])
+                floats = {str(symbol): float(x) for symbol, x in known.items() if symbol not in self._variables}
+                given = [float(known[self._variables[k]]) for k in self.graph.given]
+                every = InverseSolver.of(self.robot, self.graph, floats).solve(goal, given).q
+                for q in every[np.isfinite(every).all(axis=-1)]:
+                    columns.append([written(mpmath.mpf(float(x))) for x in q])
             for solution in self.solutions:
                 numbers = solution.numbers(values)
                 if numbers is not None and self.error(values, numbers) < CLOSE:
                     columns.append([written(numbers.get(q, known[q])) for q in self._variables])
         return sympy.ImmutableMatrix(len(columns), self.robot.n, list(chain.from_iterable(columns))).T
 
-    def _columns_in_floats(self, known: Numbers, values: Numbers) -> Iterator[list[Expr]]:
-        """All configurations by the graph run over floats, or by Newton's method where there is none."""
-        pose = np.array([[float(values[symbol]) for symbol in row] for row in self.pose[:3, :].tolist()])
-        numbers = {str(symbol): float(x) for symbol, x in known.items() if symbol not in self._variables}
-        given = [float(known[self._variables[k]]) for k in self.graph.given]
-        solver = InverseSolver.of(self.robot, self.graph, numbers)
-        found = solver.solve(np.vstack([pose, [0.0, 0.0, 0.0, 1.0]]), given)
-        for q in found.q[np.isfinite(found.q).all(axis=-1)]:
-            yield [written(mpmath.mpf(float(x))) for x in q]
-
     @cached_property
     def verified(self) -> Verification:
         """Every solution put into T, with fifty digits, at random reachable poses."""
         found, branches, spurious, worst = True, 0, 0, mpmath.mpf(0)
         with mpmath.workdps(DIGITS):
-            for values, q in self._samples(POSES):
-                hit = False
+            rng, joints = random.Random(12), list(zip(self.robot.joints, self._variables, strict=True))
+            for _ in range(POSES):
+                # Numbers of parameters and of a reachable pose, and the configuration that it is made of.
+                values, q, hit = parameter_numbers(self.robot, rng), Numbers(), False
+                for joint, symbol in joints:
+                    q[symbol] = mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else rng.randint(20, 90)) / 101
+                values = self.values_at(values, q)
                 for solution in self.solutions:
                     numbers = solution.numbers(values)
                     if numbers is None:
@@ -263,19 +248,12 @@ class InverseKinematics:
                     error = self.error(values, numbers)
                     branches, spurious = branches + (error < CLOSE), spurious + (error >= CLOSE)
                     worst = max(worst, error) if error < CLOSE else worst
-                    hit = hit or self._same(q, numbers)
+                    gaps = ((joint, q[x] - numbers.get(x, q[x])) for joint, x in joints)
+                    # the same but for full turns
+                    apart = [abs(2 * mpmath.sin(gap / 2)) if joint.is_revolute else abs(gap) for joint, gap in gaps]
+                    hit = hit or max(apart) <= CLOSE
                 found = found and hit
         return Verification(POSES, branches, spurious, found, float(worst))
-
-    def _samples(self, poses: int) -> Iterator[tuple[Numbers, Numbers]]:
-        """Numbers of parameters and of a reachable pose, and the configuration that it is made of."""
-        rng = random.Random(12)
-        for _ in range(poses):
-            values = parameter_numbers(self.robot, rng)
-            q: Numbers = {}
-            for joint, symbol in zip(self.robot.joints, self._variables, strict=True):
-                q[symbol] = mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else rng.randint(20, 90)) / 101
-            yield self.values_at(values, q), q
 
     def values_at(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
         """Numbers of parameters, of the pose at a configuration q, and of the joints that are given."""
@@ -298,15 +276,6 @@ class InverseKinematics:
         reached = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
         wanted = self._pose
         return max(abs(reached[i][j] - values[wanted[i + 1, j + 1]]) for i, j in self.graph.places)
-
-    def _same(self, q: Numbers, numbers: Numbers) -> bool:
-        """Whether two configurations are the same but for full turns."""
-        for joint in self.robot.joints:
-            symbol = sympy.Symbol(joint.variable)
-            gap = q[symbol] - numbers.get(symbol, q[symbol])
-            if (abs(2 * mpmath.sin(gap / 2)) if joint.is_revolute else abs(gap)) > CLOSE:
-                return False
-        return True
 
 
 def _from_known(angle: Expr, known: Mapping[Expr, Expr]) -> Expr | None:

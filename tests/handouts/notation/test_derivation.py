@@ -26,7 +26,7 @@ inverse: {task: position}
 
 @pytest.fixture(scope="module")
 def planar() -> InverseKinematics:
-    robot = Robot.from_text(PLANAR)
+    robot = PLANAR
     return InverseKinematics(planar_graph(), robot, robot.style)
 
 

@@ -11,13 +11,12 @@ from derive.handouts.notation.solution_printer import (
     with_signs,
 )
 from derive.inverse.words.solutions import InverseKinematics
-from derive.robot.robot import Robot
 from tests.inverse.closed.test_pool import PLANAR, planar_graph
 
 
 @pytest.fixture(scope="module")
 def planar() -> InverseKinematics:
-    robot = Robot.from_text(PLANAR)
+    robot = PLANAR
     return InverseKinematics(planar_graph(), robot, robot.style)
 
 

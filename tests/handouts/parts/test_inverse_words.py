@@ -7,7 +7,7 @@ import pytest
 from derive.handouts.assemble import context_of
 from derive.handouts.parts.inverse_words import and_list, branch_name, sources, words_alone
 from derive.handouts.sheet.language import Text, text_for
-from derive.inverse.words.branch_names import Word
+from derive.inverse.words.postures import Word
 from derive.robot.options.handout import FrameIndices, NotationOptions
 from derive.robot.robot import Robot
 

@@ -49,31 +49,23 @@ def test_a_singular_wrist_gives_each_posture_once_and_takes_its_free_joint_from_
     assert there.sum() == 7
     assert (found.status == Status.SINGULAR).sum() == 1
     assert np.abs(forward_kinematics(arm, found.q[there]) - pose).max() < 1e-12
-    solver, _ = solver_and_arm("puma560-corke")
-    _, pose, _ = branches_at("puma560-corke", [0.3, 0.4, 0.5, 0.6, 0, 0.7])
-    found = solver.solve(pose, near=[0, 0, 0, 1.1, 0, 0])
+    found = solver_and_arm("puma560-corke")[0].solve(pose, near=[0, 0, 0, 1.1, 0, 0])
     free = found.q[found.status == Status.SINGULAR]
     assert any(np.allclose(q[3:], [1.1, 0, 0.2], atol=1e-9) for q in free)
 
 
-@pytest.mark.parametrize("beyond", [0.0, 1e-13])
-def test_a_stretched_scara_has_one_branch_on_the_boundary(beyond):
+@pytest.mark.parametrize(("part", "branches"), [(1, 1), (1 + 1e-13, 1), (0.9, 2), (1.1, 0), (0.1, 0)])
+def test_a_stretched_scara_has_one_branch_on_the_boundary_two_inside_and_none_outside(part, branches):
     solver, arm = solver_and_arm("scara-perugia")
     pose = forward_kinematics(arm, np.array([0.3, 0.0, 0.5, 0.2]))
-    pose[:2, 3] *= 1 + beyond
+    pose[:2, 3] *= part
     found = solver.solve(pose)
     there = found.status != Status.NONE
-    assert found.status[there].tolist() == [Status.BOUNDARY]
-    assert np.allclose(found.q[there], [[0.3, 0, 0.5, 0.2]], atol=1e-5)
-
-
-def test_unreachable_poses_have_no_branch():
-    solver, arm = solver_and_arm("puma560-corke")
-    pose = forward_kinematics(arm, np.zeros((2, 6)))
-    pose[:, 0, 3] += 3
-    found = solver.solve(pose)
-    assert (found.status == Status.NONE).all()
-    assert np.isnan(found.q).all()
+    assert there.sum() == branches
+    assert np.isnan(found.q[~there]).all()
+    if branches == 1:
+        assert found.status[there].tolist() == [Status.BOUNDARY]
+        assert np.allclose(found.q[there], [[0.3, 0, 0.5, 0.2]], atol=1e-5)
 
 
 def test_an_arm_without_closed_form_is_solved_by_newton_in_the_same_shape():
@@ -107,16 +99,15 @@ def test_what_is_no_pose_is_refused(pose, message):
 
 
 def test_what_else_a_caller_gives_is_refused_in_words():
-    solver, _ = solver_and_arm("puma560-corke")
-    for value in ("pose", None, np.eye(4) + 0j):
+    solver, one = solver_and_arm("puma560-corke")[0], np.eye(4)
+    for value in ("pose", None, one + 0j):
         with pytest.raises(TypeError, match="a pose: real numbers, not"):
             solver.solve(value)
-    with pytest.raises(ValueError, match=r"near: finite numbers of shape \(6,\), not \(2,\)"):
-        solver.solve(np.eye(4), near=[0.0, 0.0])
-    with pytest.raises(ValueError, match="near: finite"):
-        solver.solve(np.eye(4), near=[0.0, np.nan, 0.0, 0.0, 0.0, 0.0])
+    for near in ([0.0, 0.0], [0.0, np.nan, 0.0, 0.0, 0.0, 0.0]):
+        with pytest.raises(ValueError, match=r"near: finite numbers of shape \(6,\), not \([26],\)"):
+            solver.solve(one, near=near)
     with pytest.raises(ValueError, match=r"given joints of \(3,\) beside poses of \(2,\)"):
-        solver.solve(np.stack([np.eye(4)] * 2), given=np.zeros((3, 0)))
+        solver.solve(np.stack([one, one]), given=np.zeros((3, 0)))
 
 
 def test_solutions_that_stand_alone_beside_infinitely_many_are_listed():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,17 +12,18 @@ import pytest
 from derive.algebra.ring import Polynomial, Ring
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.conic import line_points
-from derive.inverse.closed.elementary_solver import CONIC_TERMS, Branch, Solver
+from derive.inverse.closed.elementary_solver import Branch, Solver
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.formulas import GraphDerivation
-from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
-from derive.inverse.closed.pairs import without_angle, without_length
-from derive.inverse.closed.pose import Pose
+from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
 from derive.inverse.closed.solve import solve
+from derive.inverse.closed.unknowns import without
 from derive.inverse.numeric.chain import NumericChain
 from derive.robot.robot import Robot
+from tests.inverse.arms import arm_of
 
 RING = Ring(("x",))
+X = RING.generator("x")
 SOURCE = Provenance(1, 2, "p.p")
 
 
@@ -51,16 +53,12 @@ def rest(equation: NodeEquation, branch: Branch) -> float:
     return float(sum(_number(p) * np.prod(np.power(branch.numbers, e)) for e, p in terms))
 
 
-ONE_ANGLE = [(3, 4, 2), (3, 0, 2), (0, -4, 1), (1, 2, 0), (-2, 1, -1)]
-
-
-@pytest.mark.parametrize(("a", "b", "c"), ONE_ANGLE)
+@pytest.mark.parametrize(("a", "b", "c"), [(3, 4, 2), (3, 0, 2), (0, -4, 1), (1, 2, 0), (-2, 1, -1)])
 def test_one_equation_has_the_two_angles_that_satisfy_it(a: int, b: int, c: int) -> None:
     equation = _equation({(1, 0): a, (0, 1): b, (0, 0): -c})
     first, second = solved(NodeKind.TYPE_2, equation)
-    for branch in (first, second):
-        assert abs(rest(equation, branch)) < 1e-14
-        assert abs(np.hypot(*branch.numbers) - 1) < 1e-14
+    assert max(abs(rest(equation, branch)) for branch in (first, second)) < 1e-14
+    assert max(abs(np.hypot(*branch.numbers) - 1) for branch in (first, second)) < 1e-14
     assert np.abs(np.subtract(first.numbers, second.numbers)).max() > 0.1
 
 
@@ -89,21 +87,11 @@ def test_lengths_satisfy_their_equation(a: int, b: int, c: int, count: int) -> N
     assert all(abs(rest(equation, branch)) < 1e-13 for branch in found)
 
 
-def test_a_conic_meets_the_unit_circle_in_four_points() -> None:
-    equation = _equation(dict(zip(CONIC_TERMS, (4, 1, -3, 1, -1, 0), strict=True)))
-    found = solved(NodeKind.CONIC, equation)
-    assert len(found) == 4
-    assert all(abs(rest(equation, branch)) < 1e-12 for branch in found)
-    assert all(abs(np.hypot(*branch.numbers) - 1) < 1e-12 for branch in found)
-
-
 @pytest.mark.parametrize("sine_or_cosine", [0, 1])
 @pytest.mark.parametrize("away", [1e-3, 1e-6, 1e-9])
 def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(away: float, sine_or_cosine: int) -> None:
     """2 c = x^2 - 2: beside c = -1 the sine is x, but for x^3, and 1 - c^2 would have lost it."""
-    ring = Ring(("x",))
-    x = ring.generator("x")
-    terms = {(1, 0) if sine_or_cosine else (0, 1): ring.number(Fraction(2)), (0, 0): 2 - x * x}
+    terms = {(1, 0) if sine_or_cosine else (0, 1): RING.number(2), (0, 0): 2 - X * X}
     both = solver_at(away).solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 2, SOURCE),)))
     assert all(branch.exists and not branch.boundary for branch in both)
     found = [branch.numbers[sine_or_cosine] for branch in both]
@@ -112,31 +100,22 @@ def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(awa
 
 @pytest.mark.parametrize(("short", "known"), [(1e-3, True), (1e-9, True), (1e-13, False)])
 def test_equations_that_are_one_turned_determine_an_angle_where_they_have_a_length(short: float, known: bool) -> None:
-    x = Ring(("x",)).generator("x")
-    rows = ({(1, 0): 3 * x, (0, 1): 4 * x, (0, 0): -5 * x}, {(1, 0): -4 * x, (0, 1): 3 * x})
+    rows = ({(1, 0): 3 * X, (0, 1): 4 * X, (0, 0): -5 * X}, {(1, 0): -4 * X, (0, 1): 3 * X})
     formula = NodeFormula(NodeKind.TYPE_3, tuple(NodeEquation(row, 1, SOURCE) for row in rows))
     assert bool(solver_at(short).degenerate(formula)) is not known
 
 
 def test_a_length_that_may_be_negative_is_no_square_and_rounding_leaves_it_its_root() -> None:
-    ring = Ring(("x",))
-    terms = {(1, 0): ring.number(Fraction(1)), (0, 0): 1 - ring.generator("x")}
+    terms = {(1, 0): RING.one, (0, 0): 1 - X}
     first, second = solver_at(-1e-16).solve(NodeFormula(NodeKind.TYPE_2, (NodeEquation(terms, 1, SOURCE),)))
     assert (bool(first.exists), bool(first.boundary), bool(second.exists)) == (True, True, False)
 
 
 def test_two_entries_of_a_rotation_are_nowhere_degenerate_and_nothing_is_computed_to_see_that() -> None:
-    first, second = _equation({(1, 0): 1, (0, 0): -1}), _equation({(0, 1): 1, (1, 0): 0, (0, 0): 0})
-    turned = [
-        _equation({(1, 0): Fraction(3, 5), (0, 1): Fraction(4, 5)}),
-        _equation({(1, 0): Fraction(-4, 5), (0, 1): Fraction(3, 5)}),
-    ]
-    for pair in ((first, second), turned):
-        assert not Solver(FloatField({}), _refuse, np.float64(1)).degenerate(NodeFormula(NodeKind.TYPE_3, tuple(pair)))
-
-
-def _refuse(p: Polynomial) -> np.float64:
-    raise AssertionError(p)
+    c, s = Fraction(3, 5), Fraction(4, 5)
+    solver = Solver(FloatField({}), pytest.fail, np.float64(1))
+    for rows in (({(1, 0): 1, (0, 0): -1}, {(0, 1): 1}), ({(1, 0): c, (0, 1): s}, {(1, 0): -s, (0, 1): c})):
+        assert not solver.degenerate(NodeFormula(NodeKind.TYPE_3, tuple(map(_equation, rows))))
 
 
 Array = np.ndarray
@@ -205,52 +184,41 @@ def test_where_four_points_are_one_rounding_is_said_to_decide() -> None:
     assert not any(np.any(doubt) for *_, doubt in line_points(FloatField({}), apart))
 
 
-def ring() -> Ring:
+def test_a_pair_of_the_first_degree_loses_its_angle_or_its_slide() -> None:
     made = Ring(["s", "c", "r", "a", "x", "y", "z"])
     made.relate_angle("s", "c")
-    return made
-
-
-def generators(made: Ring) -> list[Polynomial]:
-    return [made.generator(name) for name in ("c", "s", "r", "a", "x", "y", "z")]
-
-
-def test_a_pair_of_the_first_degree_loses_its_angle_or_its_slide() -> None:
-    made = ring()
-    c, s, _, a, x, y, z = generators(made)
-    found = without_angle(made, ("c", "s"), x * c + y * s - z, 2 * a * (x * s - y * c) - a)
-    assert found is not None
+    s, c, r, a, x, y, z = map(made.generator, made.names)
+    angle, slide = (Unknown((0,), (1,), names) for names in (("c", "s"), ("r",)))
+    found = without(made, angle, x * c + y * s - z, 2 * a * (x * s - y * c) - a)
     assert found == a * a * (4 * z * z + 1 - 4 * (x * x + y * y))
-    found = without_angle(made, ("c", "s"), a * c - x, z * s - y)
+    found = without(made, angle, a * c - x, z * s - y)
     assert found == a * a * (y * y) + z * z * (x * x) - a * a * (z * z)
-    assert without_angle(made, ("c", "s"), a * c * s - x, z * s - y) is None
-    _, _, r, a, x, y, _ = generators(made)
-    found = without_length(made, "r", a * r - x, 2 * a * r - y)
-    assert found is not None
-    assert found == y - 2 * x
-    assert without_length(made, "r", a * r * r - x, a * r - y) is None
-    assert without_length(made, "r", x, a * r - y) is None
+    assert without(made, angle, a * c * s - x, z * s - y) is None
+    assert without(made, slide, a * r - x, 2 * a * r - y) == y - 2 * x
+    assert without(made, slide, a * r * r - x, a * r - y) is None
+    assert without(made, slide, x, a * r - y) is None
 
 
-def pose_of(name: str) -> Pose:
+@cache
+def derivation(name: str) -> GraphDerivation:
     robot = Robot.load(name)
-    return GraphDerivation(robot, robot.inverse.task).pose
+    return GraphDerivation(robot, robot.inverse.task)
 
 
 def test_a_rotation_has_two_numbers_with_parallel_axes_and_nine_in_space() -> None:
-    (a, b, x), (c, d, y), (u, v, z) = pose_of("scara-perugia").atoms.rotation
+    (a, b, x), (c, d, y), (u, v, z) = derivation("scara-perugia").pose.atoms.rotation
     assert not any((x, y, u, v))
     assert z.is_constant
     assert z * z == 1
     assert (a * d - b * c) * z in (a * a + c * c, -(a * a) - c * c)
-    entries = [entry for row in pose_of("puma560-corke").atoms.rotation for entry in row]
+    entries = [entry for row in derivation("puma560-corke").pose.atoms.rotation for entry in row]
     assert len({str(entry) for entry in entries}) == 9
     assert not any(entry.is_constant for entry in entries)
 
 
 def test_what_is_defined_comes_after_what_it_needs() -> None:
     known: set[str] = set()
-    definitions = pose_of("puma560-corke").definitions
+    definitions = derivation("puma560-corke").pose.definitions
     for name, value in definitions.items():
         used = {other for other, degree in zip(value.ring.names, value.degrees(), strict=True) if degree}
         assert used & set(definitions) <= known
@@ -260,14 +228,14 @@ def test_what_is_defined_comes_after_what_it_needs() -> None:
 @pytest.mark.parametrize(
     ("joints", "task"),
     [
-        ("{type: revolute, a: 0.5}, {type: revolute, a: 0.5}", "[x, y]"),
-        ("{type: revolute, d: 0.3, alpha: pi/2}, {type: revolute, a: 0.5}, {type: revolute, a: 0.5}", "position"),
-        ("{type: revolute, d: 0.3, alpha: pi/2}, {type: revolute, a: 1}", "[x, z]"),
-        ("{type: revolute, d: 1, alpha: pi/2}, {type: revolute, a: 1}, {type: revolute, a: 1}", "position"),
+        ("R 0 0 0.5 0; R 0 0 0.5 0", "[x, y]"),
+        ("R 0 0.3 0 90; R 0 0 0.5 0; R 0 0 0.5 0", "position"),
+        ("R 0 0.3 0 90; R 0 0 1 0", "[x, z]"),
+        ("R 0 1 0 90; R 0 0 1 0; R 0 0 1 0", "position"),
     ],
 )
 def test_equal_lengths_do_not_make_a_position_depend_on_the_orientation(joints: str, task: str) -> None:
-    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{joints}]\ninverse: {{task: {task}}}\n")
+    robot = arm_of("standard", joints, f"inverse: {{task: {task}}}")
     solver = InverseSolver.of(robot, solve(robot))
     pose = NumericChain.of(robot).pose_and_jacobian(np.full((1, robot.n), 0.7))[0][0]
     found = solver.solve(pose)
@@ -278,9 +246,8 @@ def test_equal_lengths_do_not_make_a_position_depend_on_the_orientation(joints: 
 
 @pytest.mark.parametrize("name", ["planar-3r", "puma560-corke"])
 def test_each_joint_follows_from_those_before_it_and_sums_are_those_of_their_joints(name: str) -> None:
-    robot = Robot.load(name)
-    graph = GraphDerivation(robot, robot.inverse.task).graph()
-    assert [graph.joint_node(k).unknown.joints for k in range(robot.n)] == [(k,) for k in range(robot.n)]
+    graph = derivation(name).graph()
+    assert {(k,) for k in range(graph.robot.n)} <= {node.unknown.joints for node in graph.nodes}
     sums = [node for node in graph.nodes if node.kind is NodeKind.SUM]
     assert sums
     for node in graph.nodes:

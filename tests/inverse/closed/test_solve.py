@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -15,12 +13,11 @@ from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.solve import solve
 from derive.inverse.closed.walk import GraphWalk
-from derive.mechanics.floats import value_at
 from derive.robot.evaluate import parameter_values
-from derive.robot.expression import Number
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
+from tests.inverse.arms import arm_of
 
 
 def order(graph: SolutionGraph) -> list[str]:
@@ -51,20 +48,25 @@ def numbers_of(robot: Robot, rng: np.random.Generator) -> dict[str, float]:
     return values | {symbol: float(rng.uniform(0.2, 1)) for symbol in missing}
 
 
-def run_at(graph: SolutionGraph, pose: np.ndarray, values: dict[str, float], given: Any = ()) -> GraphWalk:
-    return GraphWalk(
-        graph, FloatField(values), [[np.float64(x) for x in row] for row in pose], list(map(np.float64, given))
-    )
+def leaves_at(
+    graph: SolutionGraph, robot: Robot, q: np.ndarray, values: dict[str, float]
+) -> tuple[list[Any], Any, Any]:
+    """The leaves that exist at the pose of a configuration, their joint variables, and by how much these miss it."""
+    arm, given = numeric_arm(robot, values), list(map(np.float64, q[list(graph.given)]))
+    pose = forward_kinematics(arm, q)
+    run = GraphWalk(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose], given)
+    leaves = [leaf for leaf in run.leaves() if leaf.exists]
+    found = np.array([run.angles(leaf) for leaf in leaves])
+    return leaves, found, np.abs(forward_kinematics(arm, found) - pose).max(axis=(1, 2))
 
 
-def assert_the_solutions_are_those_of(graph: SolutionGraph, q: np.ndarray, values: dict[str, float]) -> None:
+def assert_the_solutions_are_those_of(robot: Robot, q: np.ndarray, values: dict[str, float]) -> None:
     """The configuration is among them, and all lead to its pose."""
-    pose = _pose(graph.robot, q, values)
-    run = run_at(graph, pose, values)
-    found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
+    graph = solve(robot)
+    _, found, misses = leaves_at(graph, robot, q, values)
     assert 0 < len(found) <= graph.count
-    assert max(np.abs(_pose(graph.robot, other, values) - pose).max() for other in found) < 1e-10
-    assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
+    assert misses.max() < 1e-10
+    assert np.abs(np.exp(1j * found) - np.exp(1j * q)).max(axis=1).min() < 1e-8
 
 
 @pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "puma560-usp", "anthropomorphic-wrist", "kuka-kr5"])
@@ -72,30 +74,23 @@ def test_the_configuration_is_among_the_solutions_and_all_lead_to_its_pose(name:
     robot, rng = Robot.load(name), np.random.default_rng(5)
     values = numbers_of(robot, rng)
     for _ in range(5):
-        assert_the_solutions_are_those_of(solve(robot), rng.uniform(-3, 3, robot.n), values)
+        assert_the_solutions_are_those_of(robot, rng.uniform(-3, 3, robot.n), values)
 
 
 def test_who_asks_again_has_the_same_graph_and_another_task_another_one() -> None:
-    graph = solve(Robot.load("planar-3r"))
-    assert solve(Robot.load("planar-3r")) is graph
-    assert solve(Robot.load("planar-3r"), ("x", "y"), [2]) is not graph
-    assert solve(Robot.load("planar-3r"), ("x", "y"), (2,)) is solve(Robot.load("planar-3r"), ("x", "y"), [2])
-
-
-def _pose(robot: Robot, q: np.ndarray, values: dict[str, float]) -> np.ndarray:
-    numbers = tuple((name, Number(Fraction(value))) for name, value in values.items())
-    return np.array(value_at(replace(robot, parameters=numbers), "T", list(q)))
+    planar = Robot.load("planar-3r")
+    assert solve(Robot.load("planar-3r")) is solve(planar)
+    assert solve(planar, ("x", "y"), [2]) is solve(planar, ("x", "y"), (2,)) is not solve(planar)
 
 
 def test_of_a_redundant_arm_the_swivel_of_the_elbow_is_given_or_the_last_joint_and_too_few_are_refused() -> None:
     assert solve(Robot.load("kuka-lwr4")).given == (2,)
     planar = Robot.load("planar-3r")
     graph = solve(planar, ("x", "y"))
-    assert graph.given == (2,)
-    assert graph.count == 2
+    assert (graph.given, graph.count) == ((2,), 2)
     assert solve(planar, ("x", "y", "phi")).count == 2
     with pytest.raises(QuantityError, match=r"1 joint more to be given of q1, q2, q3"):
-        solve(Robot.load("planar-3r"), ("x", "y"), ())
+        solve(planar, ("x", "y"), ())
 
 
 @pytest.mark.parametrize(
@@ -117,16 +112,14 @@ def test_rows_and_joints_that_there_are_not_are_refused(asked: dict[str, Any], m
 @pytest.mark.parametrize(
     ("block", "message"),
     [
-        ("inverse: {task: [z]}", "<text>:8:17: a task of z, which no joint changes; allowed: x, y, phi, orientation"),
-        ("inverse: {task: [x, y], given: []}", "<text>:8:32: with no joint given the others are not determined"),
+        ("inverse: {task: [z]}", "17: a task of z, which no joint changes; allowed: x, y, phi, orientation"),
+        ("inverse: {task: [x, y], given: []}", "32: with no joint given the others are not determined"),
     ],
 )
 def test_what_a_file_asks_and_the_arm_cannot_do_is_said_with_its_place(block: str, message: str) -> None:
-    rows = "".join(f"  - {{type: revolute, a: a{k}}}\n" for k in (1, 2, 3))
-    robot = Robot.from_text(f"name: arm\ntitle: planar\nconvention: standard\njoints:\n{rows}{block}\n")
     with pytest.raises(QuantityError) as refusal:
-        solve(robot)
-    assert str(refusal.value).startswith(message)
+        solve(arm_of("standard", "R 0 0 a1 0; R 0 0 a2 0; R 0 0 a3 0", block))
+    assert str(refusal.value).startswith(f"<text>:9:{message}")
 
 
 def test_an_arm_of_many_joints_has_no_closed_form_and_says_why() -> None:
@@ -135,146 +128,77 @@ def test_an_arm_of_many_joints_has_no_closed_form_and_says_why() -> None:
     assert "joints" in graph.why_not
 
 
-PARALLEL_WHEN_STRAIGHT = """
-name: parallel-when-straight
-convention: standard
-joints:
-  - {type: revolute, d: 0.36, a: 0.6, alpha: pi/2}
-  - {type: revolute, alpha: pi/2}
-  - {type: revolute, a: 0.26}
-  - {type: revolute, d: 0.7, a: 0.7}
-"""
+SINGULAR = {name: Robot.load(name) for name in ("puma560-corke", "stanford-deluca", "planar-3r")}
+SINGULAR["parallel when straight"] = arm_of("standard", "R 0 0.36 0.6 90; R 0 0 0 90; R 0 0 0.26 0; R 0 0.7 0.7 0")
 
 
-@pytest.mark.parametrize("name", ["puma560-corke", "stanford-deluca", "parallel-when-straight", "planar-3r"])
+@pytest.mark.parametrize("name", SINGULAR)
 def test_at_singular_poses_there_is_a_solution_and_joints_that_are_free_are_said_to_be(name: str) -> None:
-    robot = Robot.from_text(PARALLEL_WHEN_STRAIGHT) if name == "parallel-when-straight" else Robot.load(name)
-    graph, rng = solve(robot), np.random.default_rng(8)
-    values, free = numbers_of(robot, rng), 0
+    robot, rng, free = SINGULAR[name], np.random.default_rng(8), 0
+    values = numbers_of(robot, rng)
     for _ in range(12):
         q = rng.choice([0, np.pi / 2, -np.pi / 2, np.pi, 0.7], robot.n)
-        pose = _pose(robot, q, values)
-        run = run_at(graph, pose, values)
-        found = [leaf for leaf in run.leaves() if leaf.exists]
-        rests = [np.abs(_pose(robot, np.array(run.angles(leaf)), values) - pose).max() for leaf in found]
-        assert min(rests) < 1e-7
-        free += any(any(leaf.free) for leaf in found)
+        leaves, _, misses = leaves_at(solve(robot), robot, q, values)
+        assert misses.min() < 1e-7
+        free += any(any(leaf.free) for leaf in leaves)
     assert (free > 0) == (name in ("puma560-corke", "stanford-deluca"))
 
 
-PIEPER = """
-name: pieper
-convention: standard
-joints:
-  - {type: revolute, d: 0.6, a: 0.5, alpha: -pi/2}
-  - {type: revolute, d: 0.13, a: 0.44, alpha: pi/3}
-  - {type: revolute, d: 0.68, a: 0.2, alpha: pi/2}
-  - {type: revolute, d: 0.15, alpha: pi/2}
-  - {type: revolute, alpha: -pi/2}
-  - {type: revolute, d: 0.1}
-"""
+PIEPER = "R 0 0.6 0.5 -90; R 0 0.13 0.44 60; R {} 0.68 0.2 90; R 0 0.15 0 90; R 0 0 0 -90; R 0 0.1 0 0"
 
 
 def test_a_wrist_on_three_skew_axes_has_the_quartic_of_pieper() -> None:
-    robot, rng = Robot.from_text(PIEPER), np.random.default_rng(2)
+    robot = arm_of("standard", PIEPER.format(0))
     graph = solve(robot)
     assert graph.nodes[0].kind == "conic"
     assert order(graph)[0] == "3"
     assert (graph.leaves, graph.count) == (8, 8)
-    assert_the_solutions_are_those_of(graph, rng.uniform(-3, 3, 6), {})
+    assert_the_solutions_are_those_of(robot, np.random.default_rng(2).uniform(-3, 3, 6), {})
 
 
 def test_a_given_joint_may_have_an_offset() -> None:
-    text = PIEPER.replace("name: pieper", "name: offset").replace("d: 0.68", "theta: q3 + pi/7, d: 0.68")
-    robot = Robot.from_text(text)
+    robot, q = arm_of("standard", PIEPER.format("180/7")), np.array([0.3, -1.2, 0.4, 0.5, 0.6, 0.7])
     graph = solve(robot, ("x", "y", "z"), (2, 3, 4, 5))
     assert graph.count == 1
-    q = np.array([0.3, -1.2, 0.4, 0.5, 0.6, 0.7])
-    run = run_at(graph, _pose(robot, q, {}), {}, q[2:])
-    assert min(np.abs(np.array(run.angles(leaf)) - q).max() for leaf in run.leaves() if leaf.exists) < 1e-9
-
-
-COINCIDENCE = """
-name: coincidence
-convention: standard
-joints:
-  - {type: revolute, d: h, alpha: pi/2}
-  - {type: revolute, a: b1}
-  - {type: revolute, a: 0.05, alpha: pi/2}
-  - {type: revolute, d: 0.4, alpha: -pi/2}
-  - {type: revolute, d: b1 - b2, alpha: pi/2}
-  - {type: revolute, d: 0.1}
-parameters: {h: 0.3, b1: 0.35, b2: 0.35}
-"""
+    assert np.abs(leaves_at(graph, robot, q, {})[1] - q).max(axis=1).min() < 1e-9
 
 
 def test_a_wrist_that_is_one_by_the_numbers_of_its_parameters_alone_is_solved_with_these_numbers() -> None:
-    graph = solve(Robot.from_text(COINCIDENCE))
+    rows = "R 0 h 0 90; R 0 0 b1 0; R 0 0 0.05 90; R 0 0.4 0 -90; R 0 b1-b2 0 90; R 0 0.1 0 0"
+    graph = solve(arm_of("standard", rows, "parameters: {h: 0.3, b1: 0.35, b2: 0.35}"))
     assert (graph.count, graph.leaves) == (8, 8)
     assert all(node.kind != "general" for node in graph.nodes)
 
 
-OPPOSED = """
-name: opposed
-convention: standard
-joints:
-  - {type: revolute, alpha: 0.3, d: d1}
-  - {type: prismatic, alpha: pi/2}
-  - {type: revolute, a: a3, alpha: pi/2}
-  - {type: revolute, alpha: pi, d: d4}
-  - {type: revolute, a: a5, alpha: pi, theta: q5 + pi/2}
-  - {type: revolute, alpha: pi/2}
-"""
-"""An arm of which a branch has the right pose with numbers that are no cosine and sine of an angle."""
-
-
 def test_a_branch_is_counted_where_its_cosines_and_sines_are_those_of_angles() -> None:
-    graph = solve(Robot.from_text(OPPOSED))
+    """A branch of this arm has the right pose with numbers that are no cosine and sine of an angle."""
+    graph = solve(arm_of("standard", "R 0 d1 0 20; P 0 0 0 90; R 0 0 a3 90; R 0 d4 0 180; R 90 0 a5 180; R 0 0 0 90"))
     assert (graph.leaves, graph.count, graph.complete) == (2, 1, True)
 
 
 def test_the_constant_of_a_given_slide_may_be_an_argument() -> None:
-    text = "name: rails\nconvention: standard\nparameters: {d2: 0.2}\nruntime: [d2]\njoints:\n"
-    rows = ["{type: prismatic, a: 0.1}", "{type: prismatic, q: x2, d: d2 + x2, alpha: pi}", "{type: revolute, a: 0.3}"]
-    graph = solve(Robot.from_text(text + "".join(f"  - {row}\n" for row in rows)))
+    robot = arm_of("standard", "P 0 0 0.1 0; P 0 d2 0 180; R 0 0 0.3 0", "parameters: {d2: 0.2}\nruntime: [d2]")
+    graph = solve(robot)
     assert (graph.given, graph.count, graph.complete) == ((1,), 1, True)
 
 
-TURNED = {
-    "planar": (
-        "standard",
-        "base: [[2/3, -1/3, 2/3, 0.1], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]\n",
-        ["{type: revolute, a: 0.5}", "{type: revolute, a: 0.4}", "{type: revolute, a: 0.2}"],
-        "[x, y, phi]",
-    ),
-    "slide": (
-        "modified",
-        "",
-        ["{type: prismatic, alpha: 7*pi/12}", "{type: revolute, a: -0.25, alpha: pi/2}", "{type: revolute, a: 0.3}"],
-        "[x, z]",
-    ),
-    "height": (
-        "standard",
-        "base: [[cos(0.4), 0, sin(0.4), 0], [0, 1, 0, 0], [-sin(0.4), 0, cos(0.4), 0.3], [0, 0, 0, 1]]\n",
-        ["{type: revolute, a: 0.3, alpha: pi/3}"],
-        "[z]",
-    ),
-}
-"""Bases that turn what the task tells and what it does not into each other."""
+SKEW = "[[2/3, -1/3, 2/3, 0.1], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]"
+TILTED = "[[cos(23), 0, sin(23), 0], [0, 1, 0, 0], [-sin(23), 0, cos(23), 0.3], [0, 0, 0, 1]]"
+TURNED = [
+    ("standard", "R 0 0 0.5 0; R 0 0 0.4 0; R 0 0 0.2 0", f"base: {SKEW}\ninverse: {{task: [x, y, phi]}}"),
+    ("modified", "P 105 0 0 0; R 90 -0.25 0 0; R 0 0.3 0 0", "inverse: {task: [x, z]}"),
+    ("standard", "R 0 0 0.3 60", f"base: {TILTED}\ninverse: {{task: [z]}}"),
+]
 
 
-@pytest.mark.parametrize("name", TURNED)
-def test_some_rows_of_a_turned_base_are_solved_by_formulas(name: str) -> None:
-    convention, base, rows, task = TURNED[name]
-    joints = "".join(f"  - {row}\n" for row in rows)
-    robot = Robot.from_text(
-        f"name: turned\nconvention: {convention}\n{base}inverse: {{task: {task}}}\njoints:\n{joints}"
-    )
+@pytest.mark.parametrize("text", TURNED, ids=["planar", "slide", "height"])
+def test_some_rows_of_a_base_that_turns_them_into_others_are_solved_by_formulas(text: tuple[str, str, str]) -> None:
+    robot = arm_of(*text)
     graph = solve(robot)
     assert graph.is_closed
     assert graph.complete
-    arm, given = numeric_arm(robot), list(graph.given)
     q = np.random.default_rng(5).uniform(-1.5, 1.5, (20, robot.n))
-    found = InverseSolver.of(robot, graph).solve(forward_kinematics(arm, q), q[:, given]).q
+    poses = forward_kinematics(numeric_arm(robot), q)
+    found = InverseSolver.of(robot, graph).solve(poses, q[:, list(graph.given)]).q
     assert np.nanmin(np.abs(found - q[:, None]).max(axis=-1), axis=1).max() < 1e-10
     assert (np.isfinite(found[..., 0]).sum(axis=1) <= graph.count).all()

@@ -15,14 +15,11 @@ from derive.inverse.general.rigid_motion import (
     beside,
     frame_action,
     inverse_features,
-    joint_motion,
     motion_by,
     point_action,
     pose_features,
     rigid_inverse,
 )
-
-PRIME = 2147483647
 
 
 def random_loop(types, seed=0):
@@ -58,31 +55,6 @@ def test_around_the_loop_both_ways_give_the_same_numbers(types):
         if way.aligned is None:
             left = left.reshape(15)
         np.testing.assert_allclose(left, right, atol=1e-10)
-
-
-def test_residues_follow_the_same_path_as_floats():
-    floats = random_loop("RRPRRR")
-    # rotations of rational numbers: quarter turns after rational lengths
-    turn = np.array([[0, 0, 1, 2], [1, 0, 0, 3], [0, 1, 0, 5], [0, 0, 0, 1]], dtype=object)
-    loop = Loop(floats.revolute, (turn,) * 7, PRIME)
-    t = [3, 5, 7, 11, 13, 17]
-    inverse = [pow(1 + x * x, -1, PRIME) for x in t]
-    circle = [((1 - x * x) * w % PRIME, 2 * x * w % PRIME) for x, w in zip(t, inverse, strict=True)]
-    motions = [
-        joint_motion(True, *(np.array(y, dtype=object) for y in circle[i]))
-        if loop.revolute[i]
-        else joint_motion(False, np.array(t[i], dtype=object))
-        for i in range(6)
-    ]
-    pose = loop.pose(motions)[None]
-    lines = [(1, *circle[i]) if loop.revolute[i] else (1, t[i], t[i] ** 2) for i in range(6)]
-    for way in closures(loop):
-        left = np.array([[a * b for b in lines[way.order[1]]] for a in lines[way.order[2]]], dtype=object).reshape(9)
-        right = np.ones(1, dtype=object)
-        for joint in way.unknowns:
-            right = np.array([a * b for a in right for b in lines[joint]], dtype=object)
-        carried = loop.settle(way.eliminated_part(loop).reshape(15, 9) @ left)
-        assert (carried == loop.settle(way.unknown_part(loop, pose_features(pose)).reshape(15, 27) @ right)).all()
 
 
 def test_a_loop_may_be_read_from_another_joint_and_locked_joints_become_part_of_its_gaps():

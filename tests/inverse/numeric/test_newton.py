@@ -12,6 +12,7 @@ from derive.inverse.numeric.newton import Status, fit, polish, solve
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
+from tests.workspace.arms import arm
 
 RNG = np.random.default_rng(3)
 
@@ -21,14 +22,16 @@ def chain_and_pose(name, q, **parameters):
     return NumericChain.of(robot, parameters), forward_kinematics(oracle_arm(robot, parameters), np.array(q))
 
 
-@pytest.mark.parametrize(("name", "q", "count"), [("puma560-corke", [0.3, 0.4, 0.5, 0.6, 1, 0.7], 8)])
-def test_a_regular_pose_has_all_its_branches_each_once(name, q, count):
-    chain, pose = chain_and_pose(name, q)
+REGULAR = [0.3, 0.4, 0.5, 0.6, 1, 0.7]
+
+
+def test_a_regular_pose_has_all_its_branches_each_once():
+    chain, pose = chain_and_pose("puma560-corke", REGULAR)
     found = solve(chain, pose)
-    assert len(found.q) == count
+    assert len(found.q) == 8
     assert set(found.status) == {Status.EXACT}
     assert np.abs(chain.pose_and_jacobian(found.q)[0] - pose).max() < 1e-13
-    assert np.abs(found.q - q).max(axis=1).min() < 1e-12
+    assert np.abs(found.q - REGULAR).max(axis=1).min() < 1e-12
 
 
 def test_a_singular_wrist_takes_its_free_joint_from_near():
@@ -61,12 +64,8 @@ def test_given_joints_keep_their_values_and_slides_are_lengths():
 
 
 def test_limits_drop_branches_and_turn_others_fully():
-    robot = Robot.from_text(
-        "{name: r, title: r, convention: standard, joints: [{type: revolute, a: 0.5, limits: [-0.1, 4]},"
-        " {type: revolute, a: 0.4, limits: [-4, 0.1]}]}"
-    )
-    chain = NumericChain.of(robot)
-    pose = forward_kinematics(numeric_arm(robot), np.array([3.5, -1.0]))
+    robot = arm("[{type: revolute, a: 0.5, limits: [-0.1, 4]}, {type: revolute, a: 0.4, limits: [-4, 0.1]}]")
+    chain, pose = NumericChain.of(robot), forward_kinematics(numeric_arm(robot), np.array([3.5, -1.0]))
     everything, within = (solve(chain, pose, entries=POSITION, limits=limits) for limits in (False, True))
     assert len(everything.q) == 2
     assert np.allclose(within.q, [[3.5, -1.0]])
@@ -74,7 +73,7 @@ def test_limits_drop_branches_and_turn_others_fully():
 
 
 def test_polish_takes_candidates_to_rounding_and_leaves_those_that_are_none():
-    chain, pose = chain_and_pose("puma560-corke", [0.3, 0.4, 0.5, 0.6, 1, 0.7])
+    chain, pose = chain_and_pose("puma560-corke", REGULAR)
     problem = Problem(chain, pose, free=np.ones(6, dtype=bool))
     exact = solve(chain, pose).q
     rough = np.vstack([exact + 1e-6 * RNG.uniform(-1, 1, exact.shape), np.full((1, 6), np.nan)])
@@ -86,8 +85,7 @@ def test_polish_takes_candidates_to_rounding_and_leaves_those_that_are_none():
 
 
 def test_poses_of_a_batch_are_fitted_one_each():
-    robot = Robot.load("puma560-corke")
-    chain, q = NumericChain.of(robot), RNG.uniform(-2, 2, (5, 6))
+    chain, q = NumericChain.of(Robot.load("puma560-corke")), RNG.uniform(-2, 2, (5, 6))
     poses = chain.pose_and_jacobian(q)[0]
     ends, residuals = fit(Problem(chain, poses, free=np.ones(6, dtype=bool)), q + 0.01)
     assert residuals.max() < 1e-13

@@ -22,6 +22,7 @@ from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.model import Model
 from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
+from tests.inverse.arms import arm_of
 from tests.inverse.closed.test_pool import PLANAR, planar_graph
 
 NAMES = ("x", "y", "a", "b", "d")
@@ -39,12 +40,8 @@ def written(p: Polynomial) -> sympy.Expr:
     return sympy.Add(*terms)
 
 
-def moves(p: Polynomial) -> bool:
-    return any(p.degrees()[:2])
-
-
 def scribe() -> Scribe:
-    return Scribe(written, set(NAMES), moves)
+    return Scribe(written, set(NAMES), lambda p: any(p.degrees()[:2]))
 
 
 def values(by: Scribe, solved: Solved) -> list[mpmath.mpf]:
@@ -122,10 +119,8 @@ def test_lengths_satisfy_their_equation(equation: tuple[Polynomial, Polynomial, 
 
 
 def test_names_clash_with_nothing() -> None:
-    by = Scribe(written, {"D", "E", "F", "D_2"}, moves)
-    assert by.name(("D", "E", "F"), "2") == "E_2"
-    assert by.name(("D", "E", "F"), "2") == "F_2"
-    assert by.name(("D", "E", "F"), "2") == "D_1"
+    by = Scribe(written, {"D", "E", "F", "D_2"}, bool)
+    assert [by.name(("D", "E", "F"), "2") for _ in range(3)] == ["E_2", "F_2", "D_1"]
 
 
 def test_laws_of_cosines_and_offsets_beside_an_axis_have_the_form_of_textbooks() -> None:
@@ -139,33 +134,19 @@ def test_laws_of_cosines_and_offsets_beside_an_axis_have_the_form_of_textbooks()
     assert str(solved.exists) == "x**2 + y**2 >= d**2"
 
 
-OFFSETS = """
-name: offsets
-convention: modified
-units: {angle: deg}
-joints:
-  - {type: revolute, theta: q1 - 172.22}
-  - {type: revolute, theta: q2 - 102.78, a: 0.3}
-  - {type: revolute, a: 0.25}
-"""
-"""An arm whose first two angles together have the offset -275 degrees."""
-
-
 def test_the_equations_of_a_step_hold_the_unknown_on_their_left_and_what_is_known_on_their_right() -> None:
-    robot = Robot.from_text(PLANAR)
-    steps = PrintedDerivation(planar_graph(), robot, robot.style).steps
+    steps = PrintedDerivation(planar_graph(), PLANAR, PLANAR.style).steps
     assert [step.unknown for step in steps] == list(sympy.symbols("q2 q1"))
     q1, q2, a1, a2, px, py = sympy.symbols("q1 q2 a1 a2 px py")
-    assert steps[0].equations[0].left == 2 * a1 * a2 * sympy.cos(q2)
-    assert steps[0].equations[0].right == px**2 + py**2 - a1**2 - a2**2
-    assert [(e.left, e.right) for e in steps[1].equations] == [
+    assert [(e.left, e.right) for step in steps for e in step.equations] == [
+        (2 * a1 * a2 * sympy.cos(q2), px**2 + py**2 - a1**2 - a2**2),
         (a1 * sympy.cos(q1) + a2 * sympy.cos(q1 + q2), px),
         (a1 * sympy.sin(q1) + a2 * sympy.sin(q1 + q2), py),
     ]
 
 
 def test_sums_of_angles_may_have_offsets_that_no_joint_has() -> None:
-    robot = Robot.from_text(OFFSETS)
+    robot = arm_of("modified", "R 0 0 0 -172.22; R 0 0.3 0 -102.78; R 0 0.25 0 0")
     found = inverse_kinematics(robot, robot.style)
     assert found.count == 2
     assert len(found.solutions) == 2
@@ -173,31 +154,22 @@ def test_sums_of_angles_may_have_offsets_that_no_joint_has() -> None:
 
 
 def test_the_pose_has_other_names_where_the_robot_has_these() -> None:
-    names = pose_names(Robot.from_text(PLANAR.replace("a1", "r11")))
+    names = pose_names(arm_of("standard", "R 0 0 r11 0; R 0 0 a2 0"))
     assert names[1, 1] == "R11"
     assert names[1, 4] == "Px"
     assert len(set(names.values())) == 12
 
 
 def test_where_an_unknown_is_free_no_constant_stands_before_what_vanishes() -> None:
-    table = ((0.1, "pi/3"), (0.2, "pi/2"), (0.3, "pi/3"))
-    rows = "".join(f"  - {{type: revolute, d: {d}, alpha: {twist}}}\n" for d, twist in table)
-    robot = Robot.from_text(f"name: tilted\nconvention: standard\njoints:\n{rows}")
+    robot = arm_of("standard", "R 0 0.1 0 60; R 0 0.2 0 90; R 0 0.3 0 60")
     found = inverse_kinematics(robot, robot.style)
     vanishing = {str(value) for step in found.steps for value in step.fails}
     assert "wz" in vanishing
     assert not any("sqrt(3)" in text for text in vanishing)
 
 
-@pytest.fixture(scope="module")
-def planar() -> InverseKinematics:
-    robot = Robot.from_text(PLANAR)
-    return InverseKinematics(planar_graph(), robot, robot.style)
-
-
-def test_each_choice_of_signs_has_a_solution_of_pose_and_parameters_alone_and_what_is_free_is_said(
-    planar: InverseKinematics,
-) -> None:
+def test_each_choice_of_signs_has_a_solution_of_pose_and_parameters_alone_and_what_is_free_is_said() -> None:
+    planar = InverseKinematics(planar_graph(), PLANAR, PLANAR.style)
     assert len(planar.solutions) == planar.graph.leaves == 2
     assert [list(solution.signs.values()) for solution in planar.solutions] == [[1], [-1]]
     allowed = set(sympy.symbols("px py a1 a2"))
@@ -216,42 +188,14 @@ def test_who_asks_again_has_the_same_solutions_and_another_style_others() -> Non
     assert inverse_kinematics(robot, replace(robot.style, contraction=Contraction.OPPOSED)) is not found
 
 
-CRAIG = """
-name: puma-craig
-convention: modified
-joints:
-  - {type: revolute}
-  - {type: revolute, alpha: -pi/2}
-  - {type: revolute, a: a2, d: d3}
-  - {type: revolute, alpha: -pi/2, a: a3, d: d4}
-  - {type: revolute, alpha: pi/2}
-  - {type: revolute, alpha: -pi/2}
-"""
-SCARA = """
-name: scara
-convention: standard
-joints:
-  - {type: revolute, d: d3, a: a2}
-  - {type: revolute, a: a3, alpha: pi}
-  - {type: prismatic}
-inverse: {task: position}
-"""
-TURNED = """
-name: turned
-convention: standard
-base: [[2/3, -1/3, 2/3, 1/10], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]
+ENDS = """base: [[2/3, -1/3, 2/3, 1/10], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]
 tool: [[1, 0, 0, 1/5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
-joints:
-  - {type: revolute, a: a2}
-  - {type: revolute, a: a3}
-  - {type: revolute, a: d3}
-inverse: {task: [x, y, phi]}
-"""
+inverse: {task: [x, y, phi]}"""
 ARMS = {
     "standard": Robot.load("puma560-corke"),
-    "modified": Robot.from_text(CRAIG),
-    "scara": Robot.from_text(SCARA),
-    "turned": Robot.from_text(TURNED),
+    "modified": arm_of("modified", "R 0 0 0 0; R -90 0 0 0; R 0 a2 d3 0; R -90 a3 d4 0; R 90 0 0 0; R -90 0 0 0"),
+    "scara": arm_of("standard task=position", "R 0 d3 a2 0; R 0 0 a3 180; P 0 0 0 0"),
+    "turned": arm_of("standard", "R 0 0 a2 0; R 0 0 a3 0; R 0 0 d3 0", ENDS),
 }
 TOLERANCE = mpmath.mpf(10) ** -20
 
@@ -264,14 +208,6 @@ def test_columns_are_counted_behind_the_twist_and_positions_are_those_of_the_las
     assert origin(robot, Provenance(2, 4, "p.p"), to_end=False).form is OriginForm.SQUARES
     robot = ARMS["scara"]
     assert origin(robot, Provenance(1, 1, "p[3]"), to_end=False) == Origin(OriginForm.ENTRY, 1, 1, ((3, 4),))
-
-
-def numbers(model: Model, rng: random.Random) -> dict[sympy.Expr, mpmath.mpf]:
-    return {symbol: mpmath.mpf(rng.randint(-300, 300)) / 101 for symbol in model.q}
-
-
-def frame(rows) -> sympy.Matrix:
-    return sympy.Matrix(4, 4, [expression_to_sympy(cell) for row in rows for cell in row])
 
 
 def valued(matrix: sympy.Matrix, known: dict[sympy.Expr, mpmath.mpf]) -> sympy.Matrix:
@@ -287,13 +223,14 @@ def test_an_equation_is_the_difference_of_the_entries_that_are_compared(arm: Rob
     with mpmath.workdps(40):
         for _ in range(3):
             parameters = {s: mpmath.mpf(rng.randint(20, 90)) / 97 for s in sympy.symbols("a2 a3 d3 d4")}
-            there, here = numbers(model, rng), numbers(model, rng)
+            there, here = ({s: mpmath.mpf(rng.randint(-300, 300)) / 101 for s in model.q} for _ in range(2))
             pose = valued(model.T, {**parameters, **there})
             known = {**parameters, **here, **dict(zip(found.pose[:3, :], pose[:3, :], strict=True))}
             for line in found.definitions:
                 known[line.symbol] = value_of(line.value, dict(known))
             matrices = [sympy.eye(4), *(valued(model.A(i), known) for i in range(1, arm.n + 1))]
-            ends = [valued(frame(rows), {}) for rows in (arm.base, arm.tool)]
+            frames = [[[expression_to_sympy(cell) for cell in row] for row in rows] for rows in (arm.base, arm.tool)]
+            ends = [valued(sympy.Matrix(rows), {}) for rows in frames]
             for equation in (equation for step in found.steps for equation in step.equations):
                 place, *eliminated = equation.origins
                 if place.form is OriginForm.ENTRY and not eliminated:

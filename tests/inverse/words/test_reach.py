@@ -15,9 +15,8 @@ import sympy
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain
 from derive.inverse.numeric.in_numbers import ArrayDomain, array_value
-from derive.inverse.words.branch_names import Placed, Shape, Word, placed
 from derive.inverse.words.elementary import PrintedLine
-from derive.inverse.words.postures import LOOKED_AT, postures
+from derive.inverse.words.postures import LOOKED_AT, Placed, Shape, Word, placed, postures
 from derive.inverse.words.reach import Reach
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.mechanics.chain import build_chain
@@ -26,12 +25,8 @@ from derive.model.model import Model
 from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
-from tests.inverse.arms import PUBLISHED, random_arm
+from tests.inverse.arms import PUBLISHED, arm_of, random_arm
 from tests.inverse.closed.test_pool import PLANAR, planar_graph
-
-CONVENTION = "name: arm\nconvention: standard\njoints: "
-OFFSET = "[{alpha: pi/2, a: a1}, {a: a2}, {a: a3}]"
-ORTHOGONAL = "[{a: 1, alpha: -pi/2}, {d: 1, a: 2, alpha: pi/2}, {a: 1.5}]"
 
 
 @cache
@@ -42,11 +37,6 @@ def reach_of(robot: Robot) -> Reach:
 @cache
 def catalogue(name: str) -> Robot:
     return Robot.load(name)
-
-
-def three(rows: str) -> Robot:
-    """An arm of three joints that turn."""
-    return Robot.from_text(CONVENTION + rows.replace("{", "{type: revolute, "))
 
 
 def test_a_planar_arm_reaches_what_lies_between_difference_and_sum_of_its_links() -> None:
@@ -69,15 +59,14 @@ def test_a_puma_has_a_bore_and_a_hollow() -> None:
 
 
 def test_an_offset_of_the_shoulder_makes_tori_and_a_quartic_leaves_no_bound() -> None:
-    found = reach_of(three(OFFSET))
+    found = reach_of(arm_of("standard", "R 0 0 a1 90; R 0 0 a2 0; R 0 0 a3 0"))
     (bound,) = found.bounds
     pz, rho, a1, a2, a3 = sympy.symbols("pz rho a1 a2 a3")
     assert sympy.expand(bound.quantity - (rho - a1) ** 2 - pz**2) == 0
     assert bound.radii == (sympy.Abs(a2 - a3), a2 + a3)
     assert [str(line.symbol) for line in found.names] == ["rho"]
-    found = reach_of(three(ORTHOGONAL))
-    assert found.bounds == ()
-    assert not found.is_whole
+    found = reach_of(arm_of("standard", "R 0 0 1 -90; R 0 1 2 90; R 0 0 1.5 0"))
+    assert (found.bounds, found.is_whole) == ((), False)
 
 
 @pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "puma560-corke", "kuka-kr5", "stanford-deluca"])
@@ -96,9 +85,7 @@ def test_reachable_poses_are_within_the_bounds_and_come_near_to_them(name: str) 
 
 
 def test_places_just_outside_of_the_bounds_have_no_solution() -> None:
-    robot = Robot.load("anthropomorphic-arm")
-    found = reach_of(robot)
-    values = {"a2": 0.7, "a3": 0.4}
+    found, values = reach_of(catalogue("anthropomorphic-arm")), {"a2": 0.7, "a3": 0.4}
     poses = np.tile(np.eye(4), (4, 1, 1))
     poses[:, 0, 3] = 0.299, 0.301, 1.099, 1.101
     (margins,) = found.margins(poses, values)
@@ -118,8 +105,7 @@ def test_numbers_of_bounds_are_those_of_the_file() -> None:
 
 def test_a_slide_that_is_found_before_bounds_no_place() -> None:
     """Where q1 is real depends on q3 there, which the pose tells; a comparison with its sign ended in a fault."""
-    rows = "[{type: revolute, d: d1}, {type: revolute, alpha: pi/2}, {type: prismatic, a: a2, alpha: pi/4}]"
-    found = reach_of(Robot.from_text("name: arm\nconvention: modified\njoints: " + rows))
+    found = reach_of(arm_of("modified", "R 0 0 d1 0; R 90 0 0 0; P 45 a2 0 0"))
     assert [str(bound.least) for bound in found.bounds] == ["a2**2"]
     assert sympy.Symbol("q1") in found.others
 
@@ -162,8 +148,7 @@ def in_numbers(inverse: InverseKinematics, lines: Sequence[PrintedLine]) -> np.n
 
 
 def test_solutions_are_told_apart_wherever_rounding_puts_them() -> None:
-    robot = Robot.from_text(PLANAR)
-    looked = postures(robot, planar_graph())
+    looked = postures(PLANAR, planar_graph())
     assert looked.names == ("elbow down", "elbow up")
     turned = [np.where(np.arange(LOOKED_AT) < 20, a, b) for a, b in (looked.branches, looked.branches[::-1])]
     assert looked.places(turned) == [1, 0]
@@ -171,9 +156,8 @@ def test_solutions_are_told_apart_wherever_rounding_puts_them() -> None:
 
 
 def test_an_arm_with_one_solution_has_no_names() -> None:
-    robot = Robot.load("spherical-arm")
-    inverse = inverse_kinematics(robot, robot.style)
-    assert postures(robot, inverse.graph).names == ("",)
+    inverse = inverse_kinematics(catalogue("spherical-arm"), catalogue("spherical-arm").style)
+    assert postures(inverse.robot, inverse.graph).names == ("",)
     assert [solution.name for solution in inverse.solutions] == [""]
 
 
@@ -192,13 +176,13 @@ def looked_at(robot: Robot, q: list[float]) -> Placed:
 
 
 def words(robot: Robot, q: list[float]) -> set[str | None]:
-    return set(Shape(robot, looked_at(robot, [0.3] * robot.n), None).words(looked_at(robot, q)))
+    return set(Shape(robot, looked_at(robot, [0.3] * robot.n), np.array([0.0, 0.0, 1.0])).words(looked_at(robot, q)))
 
 
 RIGHT_ANGLE = (math.pi / 4, math.pi)  # upper arm 45 degrees upwards, forearm 45 degrees downwards
 PLACED = [
-    (PLANAR, [math.pi / 4, -math.pi / 2], Word.ELBOW_UP),
-    (PLANAR, [-math.pi / 4, math.pi / 2], Word.ELBOW_DOWN),
+    ("planar", [math.pi / 4, -math.pi / 2], Word.ELBOW_UP),
+    ("planar", [-math.pi / 4, math.pi / 2], Word.ELBOW_DOWN),
     ("scara-perugia", [-0.5, 1.0, 0.1, 0.0], Word.ELBOW_RIGHT),
     ("scara-perugia", [0.5, -1.0, 0.1, 0.0], Word.ELBOW_LEFT),
     ("puma560-corke", [0.0, *RIGHT_ANGLE, 0.3, 0.4, 0.5], Word.ELBOW_UP),
@@ -212,7 +196,7 @@ and shoulder; a SCARA has it to the left or right of that line; a wrist is flipp
 
 @pytest.mark.parametrize(("name", "q", "word"), PLACED)
 def test_elbows_and_wrists_have_the_words_of_where_they_are(name: str, q: list[float], word: Word) -> None:
-    assert word in words(Robot.from_text(name) if name == PLANAR else Robot.load(name), q)
+    assert word in words(PLANAR if name == "planar" else catalogue(name), q)
 
 
 NAMES = {
