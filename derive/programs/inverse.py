@@ -51,7 +51,7 @@ INTERFACE = Interface(
     ("branches", "n"),
     "q",
     "Joint variables of a pose of the end effector, every branch.",
-    "a row for each branch [rad, m], not a number where a branch does not exist",
+    "a row for each branch [rad, m], NaN for missing branches",
 )
 
 
@@ -249,9 +249,9 @@ def count_text(graph: SolutionGraph) -> str:
     most = graph.count or graph.leaves
     solutions = "one solution" if most == 1 else f"up to {most} solutions"
     if graph.complete and not graph.everywhere:
-        return f"Almost every reachable pose has {solutions}; special ones may have more."
-    proof = ", and no more" if graph.complete else " in closed form"
-    return f"A reachable pose has {solutions}{proof} but where joints are free."
+        return f"Almost every reachable pose has {solutions}; special poses may have more."
+    proof = " (complete)" if graph.complete else " in closed form"
+    return f"A reachable pose has {solutions}{proof}, or infinitely many if joints are arbitrary."
 
 
 def _existing(run: GraphWalk[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[tuple[Mask, Mask]]:

@@ -37,7 +37,7 @@ INTERFACE = Interface(
     ("branches", "n"),
     "q",
     "Joint variables of a pose of the end effector, every solution.",
-    "a row for each solution [rad, m], by their first joint, then by the second and so on, not a number after them",
+    "a row for each solution [rad, m], sorted by the first joint, then the second and so on; NaN in unused rows",
 )
 
 
@@ -115,7 +115,7 @@ def _summary(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
             f"At most {MOST_SOLUTIONS} are listed."
         )
     method = f"from {_eigenvalues(solution)}, each refined by Newton's method"
-    more = ", and no more but where joints are free," if graph.everywhere else ","
+    more = " (complete), or infinitely many if joints are arbitrary," if graph.everywhere else ","
     pose = "A" if graph.everywhere or not graph.complete else "Almost every"
     return f"{pose} reachable pose has up to {solution.count or solution.branches} solutions{more} {method}."
 

@@ -15,9 +15,9 @@ def shown(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 
 
 def test_the_task_of_the_command_line_is_solved(capsys: pytest.CaptureFixture[str]) -> None:
-    assert shown(capsys).startswith("1 solution, and no more\n")
+    assert shown(capsys).startswith("1 solution (complete)\n")
     text = shown(capsys, "--task", "x,y")
-    assert text.startswith("2 solutions, and no more\n")
+    assert text.startswith("2 solutions (complete)\n")
     assert "q1 = atan2(py, px) - atan2(a2*s2, a1 + a2*c2)" in text
 
 
@@ -57,7 +57,7 @@ def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.C
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        (["inverse", "--task", "z"], "a task of z, which no joint changes; allowed: x, y, phi, orientation"),
+        (["inverse", "--task", "z"], "no joint changes the task z; allowed: x, y, phi, orientation"),
         (["workspace", "--at", "0, 0"], "--at with workspace; ask for workspace without --at"),
         (["aspects", "--abbreviate", "christoffel"], "--abbreviate with aspects"),
         (["aspects", "--format", "latex"], "--format latex with aspects; text and json"),

@@ -118,7 +118,10 @@ def test_a_puma_takes_every_angle_once() -> None:
     angles = {nodes[node.operands[0]].source for node in nodes if node.op in (Op.SINE, Op.COSINE)}
     assert {source.kind for source in angles if source is not None} == {NEAR}  # where free joints are, and no others
     assert inverse.branches == 8
-    assert inverse.summary == "A reachable pose has up to 8 solutions, and no more but where joints are free."
+    assert (
+        inverse.summary
+        == "A reachable pose has up to 8 solutions (complete), or infinitely many if joints are arbitrary."
+    )
 
 
 def test_joints_that_are_free_are_zero_and_others_follow() -> None:
@@ -156,7 +159,7 @@ def test_why_there_is_no_function_is_said() -> None:
     long = text + "  - {type: revolute, a: 1, alpha: 1}\n" * 8
     inverse, reason = solved(Trace(Robot.from_text(long)))
     assert inverse is None
-    assert reason == "an arm of more than 10 joints; the task fixes 6 of 11 joints, so the others are to be `given`"
+    assert reason == "the arm has more than 10 joints; the task fixes 6 of 11 joints, so the others are to be `given`"
     given = Robot.from_text(f"{long}inverse: {{given: [q1, q2, q3, q4, q5]}}\n")
     search, reason = solved(Trace(given))
     assert isinstance(search, InverseSearch)

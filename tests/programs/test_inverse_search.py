@@ -38,7 +38,8 @@ def test_general_arms_have_eliminations_and_a_count_and_others_neither() -> None
     assert general.given == (3,)
     assert general.count == general.branches == 16
     assert general.summary.startswith(
-        "A reachable pose has up to 16 solutions, and no more but where joints are free, from the eigenvalues of a "
+        "A reachable pose has up to 16 solutions (complete), or infinitely many if joints are arbitrary, from the "
+        "eigenvalues of a "
     )
     assert all(each.hidden != each.multiplied for each in general.eliminations)
     assert (loose.eliminations, loose.count, loose.branches) == ((), 0, 16)

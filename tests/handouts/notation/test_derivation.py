@@ -32,13 +32,13 @@ def planar() -> InverseKinematics:
 
 def test_the_planar_arm_is_solved_as_in_textbooks(planar: InverseKinematics) -> None:
     lines = derivation_lines(planar, "text", Notation.of(planar.robot))
-    assert lines[0] == "2 solutions, and no more"
+    assert lines[0] == "2 solutions (complete)"
     assert "   D = (px**2 + py**2 - a1**2 - a2**2)/(2*a1*a2)" in lines
     assert "   q2 = atan2(+-sqrt(1 - D**2), D)" in lines
     assert "   real for abs(D) <= 1" in lines
     assert "     a1*c1 + a2*c12 = px" in lines
     assert "   q1 = atan2(py, px) - atan2(a2*s2, a1 + a2*c2)" in lines
-    assert "   free where px = 0 and py = 0" in lines
+    assert "   q1 is arbitrary if px = 0 and py = 0" in lines
 
 
 def test_in_latex_the_law_of_cosines_is_a_fraction(planar: InverseKinematics) -> None:
@@ -74,7 +74,7 @@ def test_a_general_arm_says_which_joints_the_eigenvalues_give_and_reaches_the_po
     robot = case.robot(choice=False)
     found = InverseKinematics(solve(robot), robot, robot.style)
     lines = derivation_lines(found, "text", Notation.of(robot))
-    assert lines[0] == "16 solutions, and no more"
+    assert lines[0] == "16 solutions (complete)"
     first = next(line for line in lines if line.startswith("1. "))
     assert "by the eigenvalues of a 16x16 matrix, of equations between q" in first
     assert sum("from the eigenvector" in line for line in lines) == 2
