@@ -51,7 +51,7 @@ INTERFACE = Interface(
     ("branches", "n"),
     "q",
     "Joint variables of a pose of the end effector, every branch.",
-    "a row for each branch [rad, m], not a number where a branch does not exist",
+    "a row for each branch [rad, m], NaN for missing branches",
 )
 
 

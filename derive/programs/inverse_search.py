@@ -37,7 +37,7 @@ INTERFACE = Interface(
     ("branches", "n"),
     "q",
     "Joint variables of a pose of the end effector, every solution.",
-    "a row for each solution [rad, m], by their first joint, then by the second and so on, not a number after them",
+    "a row for each solution [rad, m], sorted by the first joint, then the second and so on; NaN in unused rows",
 )
 
 

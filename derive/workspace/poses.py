@@ -58,8 +58,8 @@ class RobotPoses:
             self.assumed = tuple((name, value, "rad" if name in angles else "m") for name, value in assumed.items())
             return
         raise DeriveError(
-            f"no lengths were found with which {robot.name} can be drawn",
-            remedy="give its symbols numbers, under parameters: or figure: values:",
+            f"{robot.name} cannot be drawn without numbers for its symbols",
+            remedy="give them under parameters: or figure: values:",
         )
 
     @property

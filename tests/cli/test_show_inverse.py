@@ -57,7 +57,7 @@ def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.C
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        (["inverse", "--task", "z"], "a task of z, which no joint changes; allowed: x, y, phi, orientation"),
+        (["inverse", "--task", "z"], "no joint changes the task z; allowed: x, y, phi, orientation"),
         (["workspace", "--at", "0, 0"], "--at with workspace; ask for workspace without --at"),
         (["aspects", "--abbreviate", "christoffel"], "--abbreviate with aspects"),
         (["aspects", "--format", "latex"], "--format latex with aspects; allowed: text and json"),

@@ -158,7 +158,7 @@ def test_why_there_is_no_function_is_said() -> None:
     long = text + "  - {type: revolute, a: 1, alpha: 1}\n" * 8
     inverse, reason = solved(Trace(Robot.from_text(long)))
     assert inverse is None
-    assert reason == "an arm of more than 10 joints; the task fixes 6 of 11 joints, so the others are to be `given`"
+    assert reason == "the arm has more than 10 joints; the task fixes 6 of 11 joints, so the others are to be `given`"
     given = Robot.from_text(f"{long}inverse: {{given: [q1, q2, q3, q4, q5]}}\n")
     search, reason = solved(Trace(given))
     assert isinstance(search, InverseSearch)

@@ -150,7 +150,7 @@ def test_what_is_no_pose_and_arrays_of_others_are_refused() -> None:
         model.inverse_kinematics(poses, PARAMETERS)
     with pytest.raises(ValueError, match="missing in params: a3"):
         model.inverse_kinematics(poses, None, q[:, GIVEN])
-    with pytest.raises(TypeError, match="eigenvalues are those of NumPy's arrays alone; got arrays of jax"):
+    with pytest.raises(TypeError, match="only NumPy arrays are supported; got arrays of jax"):
         model.inverse_kinematics(jnp.asarray(poses), PARAMETERS, q[:, GIVEN])
 
 

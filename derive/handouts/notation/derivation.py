@@ -98,13 +98,13 @@ def _failing(found: InverseKinematics, step: PrintedStep, write: Print) -> Itera
     """Where the equations of a step do not determine its unknown, and what then does."""
     if not step.fails:
         return
-    where = f"where {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
+    where = f"if {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
     if not step.instead:
         yield f"arbitrary {where}"
         return
     equations = step.instead[0]
     shown = " and ".join(_equation(equation, write) for equation in equations)
-    yield f"{where} instead by {shown}, {_sources(found.robot, equations)}"
+    yield f"{where}, solved by {shown} instead, {_sources(found.robot, equations)}"
 
 
 def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
@@ -157,7 +157,7 @@ def headline(found: InverseKinematics) -> str:
     count = f"{found.count} solution{'s' if found.count != 1 else ''}"
     count += " (complete)" if found.everywhere else " for almost every reachable pose; special poses may have more"
     leaves = found.graph.leaves
-    return count if leaves == found.count else f"{count}; {leaves} choices of signs, some of which miss the pose"
+    return count if leaves == found.count else f"{count}; of {leaves} choices of signs some do not reach the pose"
 
 
 def reason(found: InverseKinematics, step: PrintedStep) -> str:

@@ -72,12 +72,12 @@ class InverseSolver:
         batch, count = goal.shape[:-2], len(self.graph.given)
         values = _real_numbers("given", np.zeros((*batch, 0)) if given is None else given)
         if values.shape[-1:] != (count,) or not np.isfinite(values).all():
-            raise ValueError(f"given joints: finite numbers of shape (..., {count}), not {values.shape}")
+            raise ValueError(f"given must be finite numbers of shape (..., {count}); got shape {values.shape}")
         if values.shape[:-1] not in ((), (1,), batch):
-            raise ValueError(f"given joints of {values.shape[:-1]} beside poses of {batch}")
+            raise ValueError(f"given has the batch shape {values.shape[:-1]}, but the poses have {batch}")
         nearby = None if near is None else _real_numbers("near", near)
         if nearby is not None and (nearby.shape != (self.chain.n,) or not np.isfinite(nearby).all()):
-            raise ValueError(f"near: finite numbers of shape ({self.chain.n},), not {nearby.shape}")
+            raise ValueError(f"near must be finite numbers of shape ({self.chain.n},); got shape {nearby.shape}")
         flat = goal.reshape(-1, 4, 4)
         row = np.broadcast_to(values, (*batch, count)).reshape(len(flat), count)
         found = self._closed(flat, row, nearby) if self.graph.is_closed else self._numeric(flat, row, nearby)
@@ -85,23 +85,24 @@ class InverseSolver:
         return Branches(found.q.reshape(*shape, self.chain.n), found.status.reshape(shape))
 
     def _poses(self, poses: npt.ArrayLike, tolerance: float) -> Array:
-        goal = _real_numbers("a pose", poses)
+        goal = _real_numbers("poses", poses)
         if goal.shape[-2:] != (4, 4):
-            raise ValueError(f"a pose has shape (4, 4), or (..., 4, 4), not {goal.shape}")
+            raise ValueError(f"poses must have shape (4, 4) or (..., 4, 4); got {goal.shape}")
         if not np.isfinite(goal).all():
-            raise ValueError("a pose has finite entries")
+            raise ValueError("poses must have finite entries")
         if np.abs(goal[..., 3]).max(initial=0.0) > POLICY.far:
-            raise ValueError(f"not a pose: its position is {np.abs(goal[..., 3]).max():.0e} m away")
+            far = f"{np.abs(goal[..., 3]).max():.0e} m away (allowed: {POLICY.far:.0e})"
+            raise ValueError(f"not a valid pose: its position is {far}")
         if np.abs(goal[..., 3, :] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0) > POLICY.orthogonal:
-            raise ValueError("not a pose: its last row is not 0, 0, 0, 1")
+            raise ValueError("not a valid pose: its last row is not [0, 0, 0, 1]")
         turn = goal[..., :3, :3]
         away = np.abs(np.swapaxes(turn, -1, -2) @ turn - np.eye(3)).max(initial=0.0)
         turns = any(j < 3 for _, j in self.entries)
         if turns and away > tolerance:
-            remedy = "; give it more digits, or a tolerance= with which the nearest rotation is taken"
-            raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}{remedy}")
+            found = f"not a valid pose: its rotation is not orthonormal (error {away:.1e} > {tolerance:g})"
+            raise ValueError(f"{found}; give more digits, or a tolerance= to use the nearest rotation")
         if turns and (np.linalg.det(turn) < 0).any():
-            raise ValueError("not a pose: its rotation is a reflection")
+            raise ValueError("not a valid pose: its rotation is a reflection (determinant -1)")
         if turns and away > POLICY.orthogonal:
             left, _, right = np.linalg.svd(turn)
             goal = goal.copy()
@@ -264,7 +265,7 @@ def _real_numbers(name: str, value: npt.ArrayLike) -> Array:
     try:
         found = np.asarray(value)
     except ValueError:
-        raise ValueError(f"{name}: rows of unequal length") from None
+        raise ValueError(f"{name} must have rows of equal length") from None
     if found.dtype.kind not in "fiub":
-        raise TypeError(f"{name}: real numbers, not {found.dtype}")
+        raise TypeError(f"{name} must be real numbers; got dtype {found.dtype}")
     return found.astype(np.float64, copy=False)

@@ -51,13 +51,14 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
     """The graph of all solutions of an arm."""
     task = robot.inverse.task if task is None else task
     if isinstance(task, str) or not task or not set(task) <= set(ROWS):
-        raise QuantityError(f"the task {task!r}", allowed=f"allowed: a tuple of {listed(ROWS)}")
+        raise QuantityError(f"the task {task!r} is not valid", allowed=f"allowed: a tuple of {listed(ROWS)}")
     if given is not None and not set(given) <= set(range(robot.n)):
-        raise QuantityError(f"the given joints {list(given)!r}", allowed=f"allowed: indices from 0 to {robot.n - 1}")
+        found = f"the given joints {list(given)!r} are not valid"
+        raise QuantityError(found, allowed=f"allowed: indices from 0 to {robot.n - 1}")
     if given is None and robot.inverse.given is not None:
         given = [k for k, joint in enumerate(robot.joints) if joint.variable in robot.inverse.given]
     if robot.n > MAX_JOINTS:
-        return refusal(robot, task, tuple(given or ()), f"an arm of more than {MAX_JOINTS} joints")
+        return refusal(robot, task, tuple(given or ()), f"the arm has more than {MAX_JOINTS} joints")
     try:
         return _derived(robot, tuple(task), None if given is None else tuple(sorted(set(given))))
     except QuantityError as error:
@@ -70,7 +71,7 @@ def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> Solutio
     freedom = Freedom(robot, task)
     if not freedom.rank:
         rows = [row for row in ROWS if row not in task and Freedom(robot, (row,)).rank]
-        found = f"a task of {listed(task)}, which no joint changes"
+        found = f"no joint changes the task {listed(task)}"
         raise QuantityError(found, allowed=f"allowed: {listed(rows)}" if rows else "")
     if given is not None:
         freedom.check(given)
@@ -80,7 +81,7 @@ def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> Solutio
         with suppress(CoincidenceError):
             graph = _solved(arm, task, choices, wanted - freedom.rank)
             return replace(graph, everywhere=graph.complete and freedom.fills(graph.given))
-    return refusal(robot, task, choices[0], "parameters whose numbers coincide with what no symbol says")
+    return refusal(robot, task, choices[0], "the formulas hold for special numbers of the parameters only")
 
 
 def usual_task(robot: Robot) -> Task:
@@ -111,8 +112,7 @@ def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missin
     general = GraphDerivation(robot, task, choices[0]).general_graph()
     if general is not None:
         return general
-    reason = "no order of the joints in which each follows by itself from the pose and the joints before it"
-    return refusal(robot, task, choices[0], reason)
+    return refusal(robot, task, choices[0], "the joints cannot be solved for one after the other")
 
 
 def refusal(robot: Robot, task: Task, given: Sequence[int], reason: str) -> SolutionGraph:
@@ -243,10 +243,9 @@ class Freedom:
         variables = [joint.variable for joint in self.robot.joints]
         more = [variables[k] for k in rest if self._rank([j for j in rest if j != k]) == self._rank(rest)]
         count = len(rest) - self._rank(rest)
-        raise QuantityError(
-            f"with {listed([variables[k] for k in given]) or 'no joint'} given the others are not determined",
-            allowed=f"{count} joint{'s' if count > 1 else ''} more to be given of {listed(more)}",
-        )
+        known = f" with {listed([variables[k] for k in given])} given" if given else ""
+        found = f"the task does not determine all joints{known}"
+        raise QuantityError(found, remedy=f"give {count} more of {listed(more)}")
 
     def fills(self, given: Sequence[int]) -> bool:
         """Whether no pose has more isolated solutions than a generic one, as far as that is proven."""

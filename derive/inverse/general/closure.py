@@ -36,7 +36,7 @@ from derive.inverse.general.rigid_motion import (
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """An arm of numbers between its joints: T = C_0 Z_1 C_1 ... Z_n C_n."""
+    """A numeric arm as constant motions between its joints: T = C_0 Z_1 C_1 ... Z_n C_n."""
 
     revolute: tuple[bool, ...]  # whether each joint turns
     gaps: tuple[Array, ...]  # C_0 to C_n, each (4, 4), or one for each pose
@@ -131,7 +131,7 @@ class Closure:
 
     @property
     def order(self) -> tuple[int, ...]:
-        """The joints as they are met: the dropped one, those that are eliminated, then the unknown ones."""
+        """The joints in order around the loop: the dropped one, the eliminated ones, then the unknown ones."""
         return tuple((self.dropped + self.direction * k) % self.joints for k in range(self.joints))
 
     @property
@@ -141,7 +141,7 @@ class Closure:
 
     @property
     def pose_gap(self) -> int:
-        """After which place of the order the pose is met."""
+        """The place in this order after which the pose lies."""
         return self.order.index(self.joints - 1 if self.direction > 0 else 0)
 
     @property
@@ -160,7 +160,7 @@ class Closure:
         return Closure(3, 2 if self.direction < 0 else 0, self.direction)
 
     def gap(self, loop: Loop, place: int) -> Array:
-        """What stands after a place of the order, other than the pose."""
+        """The constant motion after a place in the order, apart from the pose."""
         joint = self.order[place]
         return loop.gaps[joint + 1] if self.direction > 0 else loop.inverse(loop.gaps[joint])
 
@@ -208,7 +208,7 @@ class Closure:
         return result
 
     def _across_gap(self, loop: Loop, place: int, features: Array, forms: Array) -> Array:
-        """Forms carried over what stands after a place of the order."""
+        """Forms carried over the constant motion after a place in the order."""
         if place != self.pose_gap:
             return loop.product(self.action(loop, self.gap(loop, place)), forms)
         ends = loop.gaps[-1], loop.gaps[0]

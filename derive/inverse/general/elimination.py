@@ -171,7 +171,7 @@ class Equations:
 
 @dataclass(frozen=True, eq=False)
 class EigenProblem:
-    """M(t) v = 0 of an arm of numbers."""
+    """The eigenvalue problem M(t) v = 0 of a numeric arm."""
 
     loop: Loop  # the arm, in a unit of length that makes its numbers alike
     elimination: Elimination  # how M is made

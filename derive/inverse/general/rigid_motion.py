@@ -182,7 +182,7 @@ def motion_by(revolute: bool, value: Array) -> Array:
 
 
 def beside(poses: Array, which: int, unit: Array) -> Array:
-    """Poses a little beside others, to which nothing special leads: A T."""
+    """Poses A T close to others, displaced in a generic direction."""
     motion = np.array(BESIDE[which])
     result = poses.copy()
     result[..., :3, :] = motion[:, :3] @ poses[..., :3, :]

@@ -68,7 +68,7 @@ class GeneralSolution:
         return self._limited(chain, poses, q)
 
     def _eliminated(self, chain: NumericChain, poses: Array, given: Array | None) -> tuple[Array, Array]:
-        """The solutions by one elimination after the other, and the poses at which all leave a doubt."""
+        """The solutions by one elimination after the other, and the poses at which some may be missing."""
         q, open_ = np.full((len(poses), 0, chain.n), np.nan), np.arange(len(poses))
         for index in range(len(self.eliminations)):
             if open_.size:
@@ -78,7 +78,7 @@ class GeneralSolution:
         return q, open_
 
     def _from_beside(self, which: int, chain: NumericChain, poses: Array, given: Array | None) -> Array:
-        """Solutions that are alone, by those of poses a little beside: no elimination fails there."""
+        """Isolated solutions, from those of neighbouring poses, at which no elimination fails."""
         goal = Problem(chain, poses)
         found, _ = self._eliminated(chain, beside(poses, which, goal.unit), given)
         place, branch = np.nonzero(np.isfinite(found[..., 0]))
@@ -90,7 +90,7 @@ class GeneralSolution:
         return _table(place[good], q[good], len(poses))
 
     def _limited(self, chain: NumericChain, poses: Array, q: Array) -> Array:
-        """No more solutions than there are; where more were met some are of a continuum, and isolated ones go first."""
+        """At most as many solutions as the arm has, isolated ones first: if more were found some form a continuum."""
         many = np.flatnonzero(np.isfinite(q[..., 0]).sum(axis=1) > self.branches)
         if not many.size:
             return q
@@ -201,7 +201,7 @@ def free_loop(
 
 
 def _refined(problem: Problem, q: Array) -> tuple[Array, Array]:
-    """Newton steps on the whole pose: two for all, more for those that have not arrived, most for near ones."""
+    """Newton steps on the whole pose: two for all, more for those that have not converged, most for near ones."""
     q, residual = _newton(problem, q, 2)
     for steps, most in ((POLICY.steps, 0.3), (POLICY.approach, 1e-8)):
         late = np.flatnonzero((residual > 1e-13) & (residual < most))

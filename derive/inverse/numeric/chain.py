@@ -26,7 +26,7 @@ POSITION: Entries = ((0, 3), (1, 3), (2, 3))
 
 @dataclass(frozen=True, eq=False)
 class NumericChain:
-    """An arm of numbers: T = C_1 M_1 C_2 M_2 ... C_n M_n tool, M_i turning about z or sliding along it."""
+    """A numeric arm: T = C_1 M_1 C_2 M_2 ... C_n M_n tool, M_i turning about z or sliding along it."""
 
     revolute: Array  # (n,) whether joint i turns
     sign: Array  # (n,) +1 or -1, the factor of the variable

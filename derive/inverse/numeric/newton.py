@@ -24,7 +24,7 @@ from derive.robot.options.solution_policy import POLICY as STALLED
 
 
 class Status(IntEnum):
-    """What a branch of inverse kinematics is at a pose."""
+    """The status of a branch of inverse kinematics at a pose."""
 
     NONE = 0  # it does not exist
     EXACT = 1  # a solution like any other
@@ -170,9 +170,9 @@ def solve(
     """
     goal, given = np.asarray(pose, dtype=float), dict(given or {})
     if goal.shape != (4, 4) or not np.isfinite(goal).all():
-        raise ValueError(f"a pose is a finite (4, 4) matrix, not of shape {goal.shape}")
+        raise ValueError(f"a pose must be a finite (4, 4) matrix; got shape {goal.shape}")
     if not set(given) <= set(range(chain.n)):
-        raise ValueError(f"given joints are 0 to {chain.n - 1}, not {sorted(given)}")
+        raise ValueError(f"given joints must be indices from 0 to {chain.n - 1}; got {sorted(given)}")
     reference = np.zeros(chain.n) if near is None else np.asarray(near, dtype=float)
     free = np.array([i not in given for i in range(chain.n)])
     problem = Problem(chain, goal, entries, free)
@@ -195,7 +195,7 @@ def solve(
 
 
 def _start_box(problem: Problem) -> tuple[Array, Array]:
-    """Between which values starts are drawn: a full turn, a slide's limits or twice the unit of length."""
+    """The range of the starts: a full turn, a slide's limits or twice the unit of length."""
     low, high = problem.chain.limits.T
     wide = 2.0 * float(problem.unit)
     bounded = np.isfinite(low) & np.isfinite(high) & ~problem.chain.revolute
@@ -238,7 +238,7 @@ def _null_space(slope: Array) -> Array:
 
 
 def _answered(rest: Problem, q: Array, joint: int, change: float, most: float) -> Array | None:
-    """The solution after a step of one joint, if the others can answer it by changing ``most`` at the most."""
+    """The solution after a step of one joint, if the others can compensate for it by changing ``most`` at most."""
     attempt = q.copy()
     attempt[joint] += change
     end, residual = fit(rest, attempt[None, :], 30)
@@ -247,13 +247,13 @@ def _answered(rest: Problem, q: Array, joint: int, change: float, most: float) -
 
 
 def _can_move(rest: Problem, q: Array, joint: int) -> bool:
-    """Whether the other joints can answer a small step of one, forwards or backwards."""
+    """Whether the other joints can compensate for a small step of one, forwards or backwards."""
     small = 1e-2 * rest.scale[joint]
     return any(_answered(rest, q, joint, change, 0.5) is not None for change in (small, -small))
 
 
 def _as_near(rest: Problem, q: Array, joint: int, goal: float) -> Array:
-    """The solution with one joint as near to ``goal`` as the others let it come, by steps."""
+    """The solution with one joint as near to ``goal`` as the others allow, by steps."""
     way = goal - q[joint]
     if rest.chain.revolute[joint]:
         way = (way + math.pi) % (2 * math.pi) - math.pi
@@ -286,7 +286,7 @@ class _Found:
         self.ends: list[Array] = []
 
     def add(self, q: Array, near: Array) -> bool:
-        """Whether where a start ended leads to a solution that is new; known ones are not added.
+        """Whether a configuration leads to a new solution; known ones are not added.
 
         Double roots are known less exactly than others, and self-motions that do not reach ``near`` still less.
         """
@@ -332,7 +332,7 @@ class _Found:
 
 
 def _within(chain: NumericChain, q: Array, near: Array) -> Array:
-    """Angles turned fully until they are within their limits, nearest to ``near`` where there is a choice."""
+    """Angles with full turns added until they are within their limits, nearest to ``near`` where there is a choice."""
     turns = 2 * math.pi * np.arange(-3, 4)
     choices = q[..., None] + turns * chain.revolute[:, None]
     low, high = chain.limits.T

@@ -211,8 +211,8 @@ class InverseKinematics:
             symbols = [*map(sympy.Symbol, robot_symbols(replace(self.robot, links=(), gravity=None))), *self._variables]
             missing = [str(symbol) for symbol in symbols if symbol not in known]
             if missing:
-                found = f"the inverse kinematics without a number for {listed(missing)}"
-                raise QuantityError(found, allowed="numbers of all joints and parameters")
+                found = f"the inverse kinematics needs a number for {listed(missing)}"
+                raise QuantityError(found, remedy="give numbers of all joints and parameters")
             values = self.values_at(known, known)
             columns = []
             if not self.is_explicit:

@@ -89,18 +89,18 @@ def test_of_a_redundant_arm_the_swivel_of_the_elbow_is_given_or_the_last_joint_a
     graph = solve(planar, ("x", "y"))
     assert (graph.given, graph.count) == ((2,), 2)
     assert solve(planar, ("x", "y", "phi")).count == 2
-    with pytest.raises(QuantityError, match=r"1 joint more to be given of q1, q2, q3"):
+    with pytest.raises(QuantityError, match=r"give 1 more of q1, q2, q3"):
         solve(planar, ("x", "y"), ())
 
 
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"task": "pose"}, "the task 'pose'; allowed: a tuple of x, y"),
-        ({"task": ("foo",)}, "the task ('foo',); allowed"),
-        ({"task": ()}, "the task (); allowed"),
-        ({"given": ["q1"]}, "the given joints ['q1']; allowed: indices from 0 to 5"),
-        ({"given": [-1]}, "the given joints [-1]; allowed"),
+        ({"task": "pose"}, "the task 'pose' is not valid; allowed: a tuple of x, y"),
+        ({"task": ("foo",)}, "the task ('foo',) is not valid; allowed"),
+        ({"task": ()}, "the task () is not valid; allowed"),
+        ({"given": ["q1"]}, "the given joints ['q1'] are not valid; allowed: indices from 0 to 5"),
+        ({"given": [-1]}, "the given joints [-1] are not valid; allowed"),
     ],
 )
 def test_rows_and_joints_that_there_are_not_are_refused(asked: dict[str, Any], message: str) -> None:
@@ -112,8 +112,8 @@ def test_rows_and_joints_that_there_are_not_are_refused(asked: dict[str, Any], m
 @pytest.mark.parametrize(
     ("block", "message"),
     [
-        ("inverse: {task: [z]}", "17: a task of z, which no joint changes; allowed: x, y, phi, orientation"),
-        ("inverse: {task: [x, y], given: []}", "32: with no joint given the others are not determined"),
+        ("inverse: {task: [z]}", "17: no joint changes the task z; allowed: x, y, phi, orientation"),
+        ("inverse: {task: [x, y], given: []}", "32: the task does not determine all joints; give 1 more of q1, q2, q3"),
     ],
 )
 def test_what_a_file_asks_and_the_arm_cannot_do_is_said_with_its_place(block: str, message: str) -> None:

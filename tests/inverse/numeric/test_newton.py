@@ -97,7 +97,7 @@ def test_what_is_no_pose_is_refused(pose):
     chain, _ = chain_and_pose("planar-2r-perugia", [0, 0], a1=1.0, a2=1.0)
     with pytest.raises(ValueError, match="pose"):
         solve(chain, pose)
-    with pytest.raises(ValueError, match="given joints are 0 to 1"):
+    with pytest.raises(ValueError, match="given joints must be indices from 0 to 1; got "):
         solve(chain, np.eye(4), given={2: 0.0})
 
 
