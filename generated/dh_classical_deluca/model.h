@@ -187,7 +187,7 @@ void dh_classical_deluca_analytic_jacobian_zyz_constants(const double *params, d
  * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
  *                     have no solution with them there, they are elsewhere.
  * @param[in]  k       11 constants from inverse_kinematics_constants().
- * @param[out] q       joint variables, 1 x 1: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] q       joint variables, 1 x 1: a row for each branch [rad, m], NaN for missing branches.
  * @param[out] status  what each branch is, 1; may be NULL.
  * @return the number of solutions.
  *
@@ -200,12 +200,12 @@ int dh_classical_deluca_inverse_kinematics(const double *T, const double *near, 
 void dh_classical_deluca_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
 
 /**
- * The solution nearest to a configuration, `near`, within the limits of the joints.
+ * The solution nearest to a configuration, `near`, within the joint limits.
  *
- * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
- * joints stay as they are in `near`.
+ * Full turns are added to angles to bring them nearest; the sum of the squares of the differences is minimal. Given
+ * joints keep their values in `near`.
  *
- * @return what it is; none where no solution is within the limits, and then q is not a number.
+ * @return its status; dh_classical_deluca_none if no solution lies within the limits, and then q is NaN.
  */
 int dh_classical_deluca_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
 

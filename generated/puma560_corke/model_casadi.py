@@ -117,10 +117,10 @@ OPERATIONS = {
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
-"""Joints whose variables inverse kinematics is given."""
+"""Joints whose variables are arguments of inverse kinematics."""
 
 NONE, EXACT, BOUNDARY, SINGULAR = range(4)
-"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
+"""Status of a branch of inverse kinematics: it does not exist, is a solution, coincides with another one, or has arbitrary joints."""
 
 __all__ = [
     "DOF",

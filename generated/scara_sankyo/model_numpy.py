@@ -42,10 +42,10 @@ OPERATIONS = {
     "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
-"""Joints whose variables inverse kinematics is given."""
+"""Joints whose variables are arguments of inverse kinematics."""
 
 NONE, EXACT, BOUNDARY, SINGULAR = range(4)
-"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
+"""Status of a branch of inverse kinematics: it does not exist, is a solution, coincides with another one, or has arbitrary joints."""
 
 __all__ = [
     "DOF",
@@ -189,16 +189,16 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
         params: Numbers of the free parameters; see the module's docstring.
         given: Nothing, since all joints are solved for.
         out: Where to write the joint variables, if not to a new array.
-        status: Whether to return, too, what each branch is, (..., 2): NONE, EXACT, BOUNDARY or SINGULAR.
-        near: Where joints are that are free at a pose, a configuration (..., 4); by default zero, or elsewhere if the
-            others have no solution with them there.
-        tolerance: Most by which the columns of the rotation of T may differ from orthonormal ones, such as those of rounded numbers;
-            the nearest rotation is then taken. By default T is taken as it is, and may differ by 1e-6.
+        status: Whether to return the status of each branch, too, (..., 2): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Values of joints that are arbitrary at a pose, as a configuration (..., 4); by default zero, or another
+            value if there is no solution with it.
+        tolerance: Largest deviation of the rotation of T from orthonormal, for poses of rounded numbers; the nearest
+            rotation is used. By default T is used as it is, and may deviate by 1e-6.
 
     Returns:
         q, (..., 2, 4):
-        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
-        workspace branches coincide and one of them is listed.
+        a row for each branch [rad, m], NaN for missing branches. Angles are not wrapped. On the boundary of the
+        workspace branches coincide; one of them is listed.
 
     Raises:
         ValueError: T is not a valid pose, or of another shape.
@@ -212,18 +212,18 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
 
 
 def inverse_kinematics_nearest(T, q, params=None, tolerance=None):
-    """The solution nearest to a configuration, within the limits of the joints.
+    """The solution nearest to a configuration, within the joint limits.
 
-    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+    Full turns are added to angles to bring them nearest; the sum of the squares of the differences is minimal.
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
-        q: Where to be near, joint variables [rad, m], (..., 4).
+        q: The configuration, joint variables [rad, m], (..., 4).
         params: Numbers of the free parameters; see the module's docstring.
-        tolerance: As `inverse_kinematics` takes it.
+        tolerance: As in `inverse_kinematics`.
 
     Returns:
-        q, (..., 4), not a number where no solution is within the limits.
+        q, (..., 4), NaN if no solution lies within the limits.
 
     Raises:
         ValueError: T is not a valid pose, or of another shape.
@@ -1267,13 +1267,13 @@ _CHECKED = 4096
 """Poses that are checked at once."""
 
 _ORTHOGONAL = 1e-6
-"""Most by which columns of a rotation may differ from orthonormal ones."""
+"""Largest deviation of the columns of a rotation from orthonormal ones."""
 _FAR = 1e30
-"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+"""Largest distance of a position [m]: powers of larger numbers overflow."""
 
 
 class _Poses:
-    """What inverse kinematics takes, and the words in which it refuses anything else."""
+    """Reads and checks the arguments of inverse kinematics, with messages that say what is wrong."""
 
     def __init__(self, name):
         self.name = name
@@ -1285,7 +1285,7 @@ class _Poses:
         return entries
 
     def straightened(self, T, tolerance):
-        """Poses (..., 4, 4) whose rotations, where they are no farther than a tolerance from orthonormal, are the nearest ones."""
+        """Poses (..., 4, 4) with the nearest rotation in place of each that deviates from orthonormal by a tolerance at most."""
         if not (isinstance(tolerance, (int, float)) and 0.0 <= tolerance < 1.0):
             raise ValueError(f"{self.name}: tolerance must be a number from 0 to 1; got {tolerance!r}")
         entries = self._read(T)
@@ -1308,7 +1308,7 @@ class _Poses:
         return array.astype(np.float64, copy=False).reshape(*array.shape[:-2], _POSE_ENTRIES)
 
     def check_shape(self, shape):
-        """Refuse what is no batch of 4x4 matrices."""
+        """Refuse anything but a batch of 4x4 matrices."""
         if tuple(shape[-2:]) != (4, 4):
             raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
 
@@ -1340,7 +1340,7 @@ class _Poses:
         return array.astype(np.float64, copy=False)
 
     def _check(self, rows, batch):
-        """Refuse matrices that are no poses, block by block."""
+        """Refuse matrices that are not valid poses, block by block."""
         for start in range(0, len(rows), _CHECKED):
             self._check_block(rows[start : start + _CHECKED], start, batch)
 
@@ -1362,13 +1362,13 @@ class _Poses:
     def _refuse(self, row, place, batch, deviation, bottom):
         where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
         if not np.isfinite(row).all():
-            found = "it has entries that are not finite"
+            found = "it has non-finite entries"
         elif bottom > _ORTHOGONAL:
             found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
         elif deviation > _ORTHOGONAL:
-            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+            found = f"its rotation is not orthonormal (error {deviation:.1e} > {_ORTHOGONAL:g})"
             if deviation < 0.1:
-                found += f"; with tolerance={10.0 ** math.ceil(math.log10(deviation)):g} the nearest rotation is taken"
+                found += f"; tolerance={10.0 ** math.ceil(math.log10(deviation)):g} uses the nearest rotation"
         elif max(map(abs, row[3:12:4])) > _FAR / 3:
             found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
         else:
@@ -1397,11 +1397,11 @@ _REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
 _LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
 _UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
 _SLACK = 1e-9
-"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+"""Tolerance of the joint limits, for rounding [rad, m]."""
 
 
 def _within_limits(solutions, q):
-    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    """Each angle with the full turns that bring it nearest to `q` within the limits; NaN if none does."""
     turn = 2.0 * math.pi
     with np.errstate(invalid="ignore"):
         turns = np.round((q - solutions) / turn - _SLACK)  # of two turns that are equally near the lower one, however rounded
@@ -1413,7 +1413,7 @@ def _within_limits(solutions, q):
 
 
 def _nearest(solutions, q):
-    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    """The branch of (..., branches, n) nearest to (..., n), by the sum of the squares of the differences."""
     turned = _within_limits(solutions, q[..., None, :])
     distances = np.square(turned - q[..., None, :]).sum(axis=-1)
     best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
@@ -1422,30 +1422,30 @@ def _nearest(solutions, q):
 
 _ORIGIN = (0.0,) * DOF
 _ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
-"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
-others are turned, too, differently in each branch."""
+"""Values at which free joints are tried if there is no solution with those of the caller; after the second one the other
+joints are turned, too, differently in each branch."""
 
 _CLOSED = 1e-07
-"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none, where the pose has no other."""
+"""Largest error of the pose of a doubtful solution, lengths relative to the reach, if the pose has no other solution."""
 
 _TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
 """Joints that may be turned: not those that are given."""
 
 _REPRODUCED = 3e-11
-"""Likewise where it has another, of one with free joints, or that was found near a branch that does not exist."""
+"""Likewise if it has another one: of a solution with free joints, or one that was found near a missing branch."""
 
 _ROUNDING = 1e-13
 """An error that no further step makes smaller."""
 
 _SAME = (1e-7, 3e-5)
-"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+"""Solutions closer than this are the same [rad, or relative]; the second value is for branches that merge with others."""
 
 
 _BESIDE = (
     (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
     (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
 )
-"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+"""Rows of motions, lengths in the unit, from a pose to neighbouring poses, whose solutions lead to those of a singular pose."""
 
 _STARTS = (
     (-0.287, -0.532, -0.743, -0.923,),
@@ -1473,11 +1473,11 @@ _STARTS = (
     (-0.593, -0.241, 0.921, 0.775,),
     (-0.88, -0.773, 0.178, -0.147,),
 )
-"""What is added to branches, in half turns and units of length, where poses beside lead nowhere."""
+"""Offsets added to branches, in half turns and units of length, if neighbouring poses give no solution."""
 
 _NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05,)
 _BACK = 1e-8
-"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+"""Offset added to solutions: those that do not return from there to this accuracy are double, or some of infinitely many."""
 
 
 class _Step(_Function):
@@ -1487,7 +1487,7 @@ class _Step(_Function):
         super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
-        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+        """Configurations (N, DOF) refined until they reach their poses (N, 16), and the remaining errors.
 
         The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
         near double roots; who gains less than a tenth in eight steps is given up.
@@ -1576,14 +1576,14 @@ def _rows(groups, places):
 
 
 def _apart(a, b, size):
-    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    """The distances between the joints of two configurations, angles but for full turns, lengths relative to them and to `size`."""
     apart = np.abs(a - b)
     turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
     return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
-    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then the status of each branch.
 
     To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
     exist after all, 8 one that exists with joints elsewhere that are free.
@@ -1652,7 +1652,7 @@ class _Inverse(_Function):
         return (q, codes.astype(np.uint8)) if status else q
 
     def _check(self, groups, rows, parameters, batch):
-        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        """Check doubtful branches; if free joints leave no solution for the others, other values of them are tried."""
         codes = rows[:, self.result.size :]
         doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
         if not doubtful.size:
@@ -1690,7 +1690,7 @@ class _Inverse(_Function):
         rows[doubtful] = found
 
     def _add_alone(self, groups, poses, rows, constants):
-        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        """Isolated solutions, from those of neighbouring poses, which are not singular."""
         q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
         unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
         starts = []
@@ -1712,7 +1712,7 @@ class _Inverse(_Function):
             q[open_], codes[open_] = chosen
 
     def _add_from(self, starts, poses, q, codes, unit, constants):
-        """Solutions to which steps lead from configurations (N, k, DOF)."""
+        """Solutions to which Newton's method leads from configurations (N, k, DOF)."""
         starts = np.nan_to_num(starts)
         place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
         found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
@@ -1730,7 +1730,7 @@ class _Inverse(_Function):
                 q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
-        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+        """Refine doubtful branches; those that do not reach their pose, or repeat another one, are dropped.
 
         Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
         """
@@ -1752,7 +1752,7 @@ class _Inverse(_Function):
         self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
 
     def _list_once(self, q, codes, doubts, free, settled, size):
-        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        """Of equal solutions keep one: the least doubtful."""
         if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
             return
         found = doubts == 2
@@ -1773,7 +1773,7 @@ class _Inverse(_Function):
                         free[elsewhere, other] = False
 
     def _may_be_one(self, q, exists, size):
-        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        """Whether two solutions of a pose differ in two joints only, all pairs at once: faster for few poses."""
         differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())

@@ -46,10 +46,10 @@ OPERATIONS = {
     "inverse_kinematics": {"mul": 36, "add": 31, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 22},
 }
 GIVEN = ()
-"""Joints whose variables inverse kinematics is given."""
+"""Joints whose variables are arguments of inverse kinematics."""
 
 NONE, EXACT, BOUNDARY, SINGULAR = range(4)
-"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
+"""Status of a branch of inverse kinematics: it does not exist, is a solution, coincides with another one, or has arbitrary joints."""
 
 __all__ = [
     "DOF",

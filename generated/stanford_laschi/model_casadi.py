@@ -58,10 +58,10 @@ OPERATIONS = {
     "inverse_kinematics": {"mul": 120, "add": 93, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 95},
 }
 GIVEN = ()
-"""Joints whose variables inverse kinematics is given."""
+"""Joints whose variables are arguments of inverse kinematics."""
 
 NONE, EXACT, BOUNDARY, SINGULAR = range(4)
-"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
+"""Status of a branch of inverse kinematics: it does not exist, is a solution, coincides with another one, or has arbitrary joints."""
 
 __all__ = [
     "DOF",

@@ -236,13 +236,13 @@ def pose_with(**entries: float) -> np.ndarray:
         (np.eye(3), r"T must have shape \(4, 4\) or \(..., 4, 4\); got \(3, 3\)"),
         (
             pose_with(r00=1.1),
-            r"T is not a valid pose: the columns of its rotation are 2.1e-01 from orthonormal \(allowed: 1e-06\)",
+            r"T is not a valid pose: its rotation is not orthonormal \(error 2.1e-01 > 1e-06\)",
         ),
         (pose_with(r22=-1.0), r"T is not a valid pose: its rotation mirrors: the determinant is -1"),
-        (pose_with(r13=np.nan), r"T is not a valid pose: it has entries that are not finite"),
-        (pose_with(r00=np.nan), r"T is not a valid pose: it has entries that are not finite"),
+        (pose_with(r13=np.nan), r"T is not a valid pose: it has non-finite entries"),
+        (pose_with(r00=np.nan), r"T is not a valid pose: it has non-finite entries"),
         (pose_with(r33=2.0), r"T is not a valid pose: its last row is \[0.0, 0.0, 0.0, 2.0\], not \[0, 0, 0, 1\]"),
-        (np.array([np.eye(4), pose_with(r00=2.0)]), r"T\[1\] is not a valid pose: the columns"),
+        (np.array([np.eye(4), pose_with(r00=2.0)]), r"T\[1\] is not a valid pose: its rotation is not orthonormal"),
         (
             np.concatenate([np.tile(np.eye(4), (5000, 1, 1)), [pose_with(r22=-1.0)]]),
             r"T\[5000\] is not a valid pose: its rotation",

@@ -38,7 +38,7 @@ def test_the_planar_arm_is_solved_as_in_textbooks(planar: InverseKinematics) -> 
     assert "   real for abs(D) <= 1" in lines
     assert "     a1*c1 + a2*c12 = px" in lines
     assert "   q1 = atan2(py, px) - atan2(a2*s2, a1 + a2*c2)" in lines
-    assert "   arbitrary where px = 0 and py = 0" in lines
+    assert "   arbitrary if px = 0 and py = 0" in lines
 
 
 def test_in_latex_the_law_of_cosines_is_a_fraction(planar: InverseKinematics) -> None:
