@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         print(csv_bytes(found.motion, found.run).decode(), end="")
     elif arguments.json:
-        from derive.motion.output.summary import summary
+        from derive.motion.output.printed import summary
 
         print_json({**summary(found.motion, found.run), "files": list(map(str, found.files))})
     elif arguments.quiet and arguments.increments:
@@ -119,7 +119,7 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> st
     if arguments.show or arguments.hand or arguments.increments:
         from derive.motion.hand_curve import printed_hand, printed_weights
         from derive.motion.incremental import increments_of, not_closed, printed_increments
-        from derive.motion.output.polynomials import printed
+        from derive.motion.output.printed import printed
 
         if arguments.show:
             print(*printed(motion, as_latex=as_latex), sep="\n")

@@ -11,12 +11,12 @@ import derive
 from derive.algebra.ring import TooManyTerms
 from derive.errors import QuantityError
 from derive.mechanics import exact_dynamics as dynamics
-from derive.model.assumptions import Assumptions, plain
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.entries import Entries
 from derive.model.model import Model
 from derive.model.quantities import DESCRIBED, REGISTRY, Quantity
 from derive.model.quantity_names import evaluate, parse
+from derive.notebook import Assumptions, plain
 from derive.robot.options.style import Style
 from derive.robot.robot import Robot
 

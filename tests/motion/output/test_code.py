@@ -18,7 +18,7 @@ from derive.motion.motion import Motion
 from derive.motion.output import code
 from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, verify_code
 from derive.motion.output.kernels import CLOCK, ROW, kernel_name, kernel_of, row_of
-from derive.motion.output.polynomials import printed
+from derive.motion.output.printed import printed
 from derive.motion.torques.functions import module_of
 from derive.plans.hermite import TIME, Piece
 from derive.plans.profile import Cosine, Curve

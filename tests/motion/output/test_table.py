@@ -17,7 +17,7 @@ from derive.motion.output.film import Film
 from derive.motion.output.page import motion_page
 from derive.motion.output.plane import frames_of, motion_normal
 from derive.motion.output.playback import OPERATIONS, playback, tree
-from derive.motion.output.summary import summary
+from derive.motion.output.printed import summary
 from derive.motion.output.table import JOINT_HEADER, csv_bytes, joint_table, samples, simulated_table, table, violations
 from derive.plans.hermite import TIME
 from tests.motion.plans import PICK_AND_PLACE, REACH, ROOT
