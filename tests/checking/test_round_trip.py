@@ -167,7 +167,7 @@ def test_what_is_shown_is_right_and_complete(robot: str, form: str) -> None:
     model = Model(load(robot))
     lines = derivation_lines(model.inverse, form, Notation.of(model.robot))
     if form == "text":  # formulas alone, without the words around them
-        lines = [line for line in lines if line.startswith("   ") and " = " in line and "where " not in line]
+        lines = [line for line in lines if line.startswith("   ") and " = " in line and " if " not in line]
     asked = Asked(Location(form), model.robot.inverse.task)
     findings, _ = check_inverse(model, inverse_text("\n".join(lines), asked, latex=form == "latex"))
     assert [finding.text for finding in findings if not finding.verdict.equal] == []
