@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load, tell
 from derive.checking.comparison import check_expression
+from derive.checking.documents import KINDS, Document, document_of, is_document, read_document
 from derive.checking.files import check_path
-from derive.checking.formulas.findings import FileReport, Finding, judge
+from derive.checking.formulas.findings import FileReport, Finding, Skipped, judge
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.check import check_inverse as compare_inverse
 from derive.checking.inverse.check import inverse_text, names_inverse
 from derive.checking.inverse.latex import gives_joints
 from derive.checking.latex.check import check_latex as compare_latex
 from derive.checking.report import Printout, difference_text, finding_lines, report_lines, right_text, summary, what
-from derive.errors import CheckError, Location, quoted
+from derive.errors import CheckError, Location
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.model.model import Model
 from derive.robot.description import Remark
+from derive.robot.load import is_there
 from derive.robot.options.inverse import chosen_task
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
@@ -124,13 +127,23 @@ def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool 
     return _verdict(finding, reported)
 
 
-def check_latex(robot: RobotLike, latex: str | Path, quantity: str = "") -> CheckedFile:
+def check_latex(
+    robot: RobotLike,
+    latex: str | Path,
+    quantity: str = "",
+    *,
+    lines: tuple[int, int] | None = None,
+    section: str = "",
+) -> CheckedFile:
     """Compare LaTeX with what follows from a robot's table, as ``derive check ROBOT --latex L`` does.
 
     Args:
         robot: A robot, the path of a robot file, or a name of the catalogue.
-        latex: Equations, displays, matrices; or the path of a ``.tex`` file, of which the displays are read.
+        latex: Equations, displays, matrices; or the path of a document (``.tex``, ``.md``, ``.ipynb``, ``.txt``), of
+            which displays and mathematics inside a line are read.
         quantity: What they are printed for; may be left out where left sides such as ``T_3^0 =`` say it.
+        lines: First and last line of a document to read; None for all.
+        section: Words of the heading of the only section to read.
 
     Returns:
         The verdict on each formula and each entry of a matrix, decided exactly.
@@ -139,7 +152,8 @@ def check_latex(robot: RobotLike, latex: str | Path, quantity: str = "") -> Chec
         CheckError: The LaTeX cannot be read, or its left side names another quantity.
         QuantityError: There is no such quantity.
     """
-    reported = formula_printout(load(robot, remarks_on_bodies=False), quantity, str(latex), latex=True)
+    formula = document_named(str(latex), lines, section) or str(latex)
+    reported = formula_printout(load(robot, remarks_on_bodies=False), quantity, formula, latex=True)
     return _checked(reported, formula_lines(reported))
 
 
@@ -166,7 +180,7 @@ def check_inverse(robot: RobotLike, solution: str | Path, *, latex: bool = False
 
     Args:
         robot: A robot, the path of a robot file, or a name of the catalogue.
-        solution: Its lines, ``theta2 = atan2(+-sqrt(1 - D**2), D)``; of LaTeX also the path of a ``.tex`` file.
+        solution: Its lines, ``theta2 = atan2(+-sqrt(1 - D**2), D)``; of LaTeX also the path of a document.
         latex: Whether it is LaTeX.
         task: Rows of the task such as ``x,y,phi``; without it the names in the lines and the robot file say it.
 
@@ -177,17 +191,20 @@ def check_inverse(robot: RobotLike, solution: str | Path, *, latex: bool = False
         CheckError: The lines cannot be read, or need each other.
         QuantityError: An unknown row.
     """
-    reported = formula_printout(load(robot, remarks_on_bodies=False), "inverse", str(solution), latex=latex, task=task)
+    formula = (document_named(str(solution)) if latex else None) or str(solution)
+    reported = formula_printout(load(robot, remarks_on_bodies=False), "inverse", formula, latex=latex, task=task)
     return _checked(reported, formula_lines(reported))
 
 
-def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool = False, task: str = "") -> Printout:
+def formula_printout(
+    robot: Robot, quantity: str, formula: str | Document, *, latex: bool = False, task: str = ""
+) -> Printout:
     """The comparison of what is given without a corpus file; see `check_formula` and `check_latex`.
 
     Args:
         robot: The robot.
         quantity: A scalar; of LaTeX a matrix too, or none.
-        formula: What is printed, or the path of a ``.tex`` file.
+        formula: What is printed, or the document that prints it.
         latex: Whether it is LaTeX.
         task: Rows of the task of a printed inverse solution.
 
@@ -197,21 +214,41 @@ def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool =
     Raises:
         CheckError: The formula cannot be read.
     """
-    is_inverse = names_inverse(Model(robot), quantity) or (latex and not quantity and gives_joints(formula, robot))
-    if not latex and not is_inverse:
-        finding = check_expression(Model(robot), quantity, formula)
-        return printout_of(FileReport(robot.name, robot.name, (finding,)), robot)
-    is_file = latex and formula.endswith(".tex") and "\n" not in formula
-    text = latex_file(formula) if is_file else formula
-    option = "--latex" if latex else "--expression"
-    source = formula if is_file and formula.isprintable() else quoted(formula, 200) if is_file else option
-    if is_inverse:
-        asked = Asked(Location(source), chosen_task(task.replace(",", " ").split(), robot.n) if task else None)
-        findings, refused = compare_inverse(Model(robot), inverse_text(text, asked, latex=latex, document=is_file))
+    if isinstance(formula, Document):
+        return printout_of(_of_document(Model(robot), formula, quantity, task), robot)
+    model, source = Model(robot), "--latex" if latex else "--expression"
+    if names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
+        asked = Asked(Location(source), _task(model, task))
+        findings, refused = compare_inverse(model, inverse_text(formula, asked, latex=latex))
         unread = tuple(f"{one.location}: {one.reason}" for one in refused)
         return printout_of(FileReport(source, robot.name, findings, unread), robot)
-    found = compare_latex(Model(robot), text, quantity, Location(source), document=is_file)
-    return printout_of(found.file_report(source, robot.name), robot)
+    if not latex:
+        finding = check_expression(model, quantity, formula)
+        return printout_of(FileReport(robot.name, robot.name, (finding,)), robot)
+    return printout_of(compare_latex(model, formula, quantity, Location(source)).file_report(source, robot.name), robot)
+
+
+def _of_document(model: Model, document: Document, quantity: str, task: str) -> FileReport:
+    """The comparisons of a document, each with its place in the file."""
+    start = Location(document.name)
+    skipped: Iterable[Skipped]
+    try:
+        if names_inverse(model, quantity):
+            asked = Asked(start, _task(model, task))
+            findings, skipped = compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True))
+            readings: tuple[str, ...] = ()
+        else:
+            found = compare_latex(model, document.text, quantity, start, document=True)
+            findings, skipped, readings = found.findings, found.skipped, found.readings
+    except CheckError as error:
+        raise error.moved(document.placed(error.location)) if error.location else error from None
+    placed = tuple(replace(finding, location=document.placed(finding.location)) for finding in findings)
+    unread = tuple(f"{document.placed(one.location)}: {one.reason}" for one in skipped)
+    return FileReport(document.name, model.robot.name, placed, unread, readings=readings)
+
+
+def _task(model: Model, task: str) -> tuple[str, ...] | None:
+    return chosen_task(task.replace(",", " ").split(), model.n) if task else None
 
 
 def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = ()) -> Printout:
@@ -231,25 +268,29 @@ def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = 
     return Printout(report, *printers, lambda right: is_rounded([right]), remarks)
 
 
-def latex_file(path: str) -> str:
-    """The text of a LaTeX file.
+def document_named(text: str, lines: tuple[int, int] | None = None, section: str = "") -> Document | None:
+    """The document that is meant, or the part of it; None where a text is a formula itself.
 
     Args:
-        path: The file, UTF-8.
+        text: The path of a document, or what came from standard input.
+        lines: First and last line to read; None for all.
+        section: Words of the heading of the only section to read.
 
     Returns:
-        Its text.
+        The document.
 
     Raises:
-        CheckError: It cannot be read.
+        CheckError: It cannot be read, or has no such section.
     """
-    try:
-        return Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise CheckError(f"{quoted(path, 200)} cannot be read: {reason}", remedy="check its name") from None
-    except UnicodeDecodeError:
-        raise CheckError(f"{quoted(path, 200)} is not UTF-8", remedy="save the file as UTF-8 text") from None
+    document = None
+    if "\n" not in text.strip() and not re.search(r"[\\{}=$]", text):
+        is_path = Path(text).suffix.lower() in KINDS or (len(text) < 4096 and is_there(Path(text)))
+        document = read_document(text) if is_path else None
+    elif is_document(text):
+        document = document_of(text, "standard input")
+    if document is None and (lines or section):
+        raise CheckError("--lines and --section choose a part of a document", remedy="give a file")
+    return document.within(lines, section) if document else None
 
 
 def formula_lines(reported: Printout) -> list[str]:
@@ -262,10 +303,13 @@ def formula_lines(reported: Printout) -> list[str]:
         Lines without ends.
     """
     report = reported.report
-    lines = [line for finding in report.findings for line in finding_lines(finding, reported)]
+    lines = [f"{report.source}: {reading}" for reading in report.readings]
+    lines += [line for finding in report.findings for line in finding_lines(finding, reported)]
     lines += [f"{place}: not compared: {reason}" for place, reason in (note.split(": ", 1) for note in report.unread)]
     if len(report.findings) > 1 or report.unread:
-        lines.append(f"{report.source}: {summary(FileReport(report.source, report.robot, report.findings))}")
+        counts = summary(replace(report, unread=()))
+        counts += f"; {len(report.unread)} not compared" if report.unread else ""
+        lines.append(f"{report.source}: {counts}")
     return lines
 
 

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from derive.api.check import latex_file
 from derive.api.robots import RobotLike, load
 from derive.checking.comparison import check_file
+from derive.checking.documents import read_document
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Outcome
 from derive.checking.latex.check import check_latex
@@ -201,7 +201,7 @@ def _given(robot: Robot, example: str | Path) -> list[Example]:
     """``tau[1] = ...``, equations in LaTeX, or those of a LaTeX file."""
     if isinstance(example, Path) or _LATEX.search(example):
         of_file = isinstance(example, Path)
-        text, start = (latex_file(str(example)), str(example)) if of_file else (str(example), EXAMPLE)
+        text, start = (read_document(str(example)).text, str(example)) if of_file else (str(example), EXAMPLE)
         findings = check_latex(Model(robot), text, start=Location(start), document=of_file).findings
         unknown = next((finding.unknown for finding in findings if finding.unknown is not None), None)
         if unknown is not None and not of_file:

@@ -66,7 +66,7 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
             return
         case Outcome.EQUAL:
             is_sure = finding.verdict.exact or finding.role is Role.SOLUTION
-            yield f"{what(finding)}: equal" + ("" if is_sure else ", at random points")
+            yield f"{what(finding)}: equal" + ("" if is_sure else ", at random points") + finding.note
             if right := right_text(finding, printout.printer):
                 yield f"  ours: {cut(right)}{printout.note(finding)}"
             return
@@ -94,6 +94,7 @@ def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
         "wrong": len(report.wrong),
         "undecidable": len(report.undecidable),
         "not_compared": list(report.unread),
+        "readings": list(report.readings),
         "entries": [finding_dict(finding, printer) for finding in report.findings],
     }
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from derive.cli.options import STDOUT, add_shared
 from derive.cli.terminal import one_line, print_error, print_json
-from derive.errors import CheckError, UnknownNameError
+from derive.errors import CheckError, UnknownNameError, quoted
 
 if TYPE_CHECKING:
     from derive.checking.report import Printout
@@ -24,14 +24,16 @@ equations are read as well. Entries with unknown names are skipped
 (exit status 2); the rest is checked.
 
 One formula can be checked without a file, as plain text or as LaTeX. LaTeX may hold several equations and matrices,
-each entry with its own verdict; --quantity is not needed where the left sides name the quantity. Of a .tex file the
-displayed equations are read; those that are not understood are listed as not compared.
+each entry with its own verdict; --quantity is not needed where the left sides name the quantity. Of a
+document (.tex, .md, .ipynb, .txt, or - for standard input) displays and mathematics inside a line are read, and the
+author's macros; what is not understood is listed as not compared. How transforms are written is decided by all of them.
 
 A printed inverse kinematics is checked as a whole with --quantity inverse: its lines as text separated by semicolons,
 or as LaTeX. The verdict says whether all branches are given, some, or which line is wrong and what repairs it.
 
 Formulas may use the shorthand of lecture notes: c12 is cos(q1 + q2), qd1 and qdd1 are velocity and acceleration of q1.
-Exit status: 0 all equal, 1 something is wrong, 2 a file, formula or name cannot be read.
+Exit status: 0 all equal, 1 something is wrong, 2 a file, formula or name cannot be read, 3 nothing is wrong, but not
+everything in a document could be compared.
 
   derive check notes.yaml
   derive check scara-perugia --quantity 'T[1,4]' --expression 'a1*c1 + a2*c12'
@@ -42,7 +44,16 @@ Exit status: 0 all equal, 1 something is wrong, 2 a file, formula or name cannot
     theta2 = atan2(+-sqrt(1 - D**2), D); theta1 = atan2(y, x) - atan2(a2*s2, a1 + a2*c2)'
 """
 
+UNREAD = 3  # exit status where nothing is wrong and something was not compared
 LONGEST_CELL = 160  # characters of a formula in the table; longer ones are cut
+
+
+def line_range(text: str) -> tuple[int, int]:
+    """The lines of ``20-80``."""
+    first, dash, last = text.partition("-")
+    if not (first.strip().isdigit() and (last.strip().isdigit() or not dash)) or int(first) > int(last or first):
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not a range of lines such as 20-80")
+    return int(first), int(last or first)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +64,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--quantity", metavar="QUANTITY", help=quantity)
     formula = parser.add_mutually_exclusive_group()
     formula.add_argument("--expression", metavar="E", help="the formula to compare it with")
-    formula.add_argument("--latex", metavar="L", help="LaTeX: a formula, equations, matrices; or a .tex file, or -")
+    formula.add_argument(
+        "--latex", metavar="L", help="LaTeX: a formula or equations; or a .tex, .md, .ipynb or .txt file; or -"
+    )
+    add("--lines", metavar="A-B", type=line_range, help="read only these lines of the document")
+    add("--section", metavar="TITLE", default="", help="read only the section with these words in its heading")
+    add("--allow-unread", action="store_true", help="exit status 0 even if some formulas are not compared")
     add_shared(parser, "task", help="task of a printed inverse solution: pose, position, or rows such as x,y,phi")
     report = "write what is wrong as a Markdown page: document, place, printed, right, why; - prints it"
     add_shared(parser, "out", type=Path, help=report)
@@ -99,16 +115,18 @@ def _files(arguments: argparse.Namespace) -> int:
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:
     """What is given without a file; an unknown name is a verdict too where a program reads it."""
-    from derive.api.check import formula_lines, formula_printout
+    from derive.api.check import document_named, formula_lines, formula_printout
     from derive.api.robots import load
     from derive.checking.formulas.findings import Outcome
     from derive.checking.report import as_dict, finding_dict
 
     robot, quantity = load(arguments.files[0], remarks_on_bodies=False), arguments.quantity or ""
-    if text == "-" and (arguments.latex is not None or quantity == "inverse"):
+    latex = arguments.latex is not None
+    if text == "-" and (latex or quantity == "inverse"):
         text = sys.stdin.read()
+    formula = document_named(text, arguments.lines, arguments.section) if latex else None
     try:
-        reported = formula_printout(robot, quantity, text, latex=arguments.latex is not None, task=arguments.task or "")
+        reported = formula_printout(robot, quantity, formula or text, latex=latex, task=arguments.task or "")
     except UnknownNameError as error:
         if not arguments.json:
             raise
@@ -124,7 +142,9 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
         print_json(as_dict(report, reported.exact))
     elif not silent:
         print("\n".join(one_line(line) for line in formula_lines(reported)))
-    return 2 if report.undecidable else 0 if report.passed else 1
+    if report.undecidable:
+        return 2
+    return 1 if not report.passed else UNREAD if report.unread and not arguments.allow_unread else 0
 
 
 def _write_report(arguments: argparse.Namespace, printouts: Sequence[Printout]) -> bool:

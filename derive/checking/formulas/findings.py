@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 from fractions import Fraction
 from functools import lru_cache
-from math import floor, gcd, lcm, log10
+from math import floor, gcd, lcm, log10, remainder, tau
 from typing import Any
 
 import sympy
@@ -35,6 +35,7 @@ from derive.robot.expression import (
     Power,
     Product,
     Sum,
+    children,
     names,
     rebuilt,
     substitute,
@@ -98,9 +99,15 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
         verdict = compare(robot, right, printed)
     except DeriveError as error:
         raise error.at(where) from None
-    if verdict.counter_example is None or not _within_rounding(robot, right, printed):
+    if verdict.counter_example is None:
         return verdict
-    return Verdict(equal=True, exact=False)
+    numbers = dict(robot.parameters)
+    if not numbers.keys().isdisjoint(names(right)) and not set(names(right)) <= set(names(printed)):
+        # the page has numbers where the file has symbols, whose numbers it gives
+        right, printed = substitute(right, numbers), substitute(printed, numbers)
+        if compare(robot, right, printed).equal:
+            return Verdict(equal=True, exact=False)
+    return Verdict(equal=True, exact=False) if _within_rounding(robot, right, printed) else verdict
 
 
 def compared(
@@ -116,7 +123,56 @@ def compared(
 ) -> Finding:
     """The comparison that a question asks; right is what is shown for the right formula."""
     verdict = verdict_at(where, question.robot, question.right, question.printed)
+    if not verdict.equal and (alike := _alike_as_angles(question)) > 0:
+        if alike == 1:
+            verdict = Verdict(equal=True, exact=False)
+        else:
+            return Finding(quantity, *place, role, text, verdict, right, where, erratum, remark=remark, some=True)
     return Finding(quantity, *place, role, text, verdict, right, where, erratum, question, remark=remark)
+
+
+ANGLE_POINTS = 24  # points at which two angles are compared up to full turns
+
+
+def _alike_as_angles(question: Question) -> float:
+    """At which part of many points two angles, one of them an arctangent, are the same up to full turns."""
+    robot, sides = question.robot, (question.right, question.printed)
+    joints = {joint.variable for joint in robot.joints if joint.is_revolute}
+    if not all(_is_angle(side, joints) for side in sides) or not any(map(_has_arctangent, sides)):
+        return 0.0
+    alike = points = 0
+    for sample in samples(robot, sorted({name for side in sides for name in names(side)})):
+        try:
+            one, other = (float_value(side, {k: float(v) for k, v in sample.items()}) for side in sides)
+        except (ArithmeticError, ValueError):
+            continue
+        points += 1
+        alike += abs(remainder(one - other, tau)) < 1e-9
+        if points == ANGLE_POINTS:
+            break
+    return alike / points if points else 0.0
+
+
+def _is_angle(e: Expression, joints: set[str]) -> bool:
+    """Whether an expression is a sum of joint angles, arctangents and multiples of pi."""
+    match e:
+        case Name(name):
+            return name in joints
+        case Call(function, _):
+            return function == "atan2"
+        case Pi() | Number(0):
+            return True
+        case Sum(terms):
+            return all(_is_angle(term, joints) for term in terms)
+        case Product(factors):
+            return sum(not isinstance(factor, Number) for factor in factors) == 1 and any(
+                _is_angle(factor, joints) for factor in factors
+            )
+    return False
+
+
+def _has_arctangent(e: Expression) -> bool:
+    return (isinstance(e, Call) and e.function == "atan2") or any(map(_has_arctangent, children(e)))
 
 
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
@@ -208,6 +264,7 @@ class FileReport:
     findings: tuple[Finding, ...]  # one for each comparison, in the order of the file
     unread: tuple[str, ...] = ()  # blocks that were not compared
     document: Citation = NO_CITATION  # where all this is printed
+    readings: tuple[str, ...] = ()  # how the document as a whole is read, where that is not the usual way
 
     @property
     def wrong(self) -> tuple[Finding, ...]:

@@ -9,43 +9,40 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from contextlib import suppress
-from dataclasses import dataclass
-from itertools import islice
+from dataclasses import dataclass, replace
 
-from derive.checking.formulas.diagnosis import Question, other_orders
-from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable
-from derive.checking.latex.equations import Sides, equations
-from derive.checking.latex.formula import LatexReader
+from derive.checking.formulas.diagnosis import Question, Repair, other_orders
+from derive.checking.formulas.findings import (
+    NOTHING_KNOWN,
+    FileReport,
+    Finding,
+    Role,
+    Skipped,
+    compared,
+    undecidable,
+)
+from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import Left, Target, is_scalar, taken_apart
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.meanings import EntryNames, Meanings, Right
+from derive.checking.latex.meanings import Right
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
+from derive.checking.latex.scope import Scope
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.equality import Verdict, compare
 from derive.model.model import Model
-from derive.robot.expression import Call, Expression, Name, is_constant
-from derive.robot.names import robot_symbols
+from derive.robot.expression import ZERO, Call, Expression, Name, add, is_constant, multiply, number
+from derive.robot.names import velocity_name
 
-MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
-MAX_SIDES = 20  # sides of one equation
-MAX_PASSES = 12  # how often definitions are gone through that need one that stands behind them
-# Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
-_LENT = frozenset("uvwhkexyzfFQ")
 _ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
+VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
 _ROWS = re.compile(r"\\\\|&")
 
 # Transforms side by side.
 _PRODUCT = re.compile(
     r"(?:(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\\(?:mathbf|boldsymbol|bm|mathrm)\s*\{\s*[TAHRJ]\s*\}|\{\s*[TAHRJ]\s*\}|[TAHRJ])"
     r"\s*(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\([^()]*\))?\s*(?:\\cdot|\*)?\s*){2,}"
-)
-# A Christoffel symbol with letters for its indices.
-_SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
-# A partial derivative that is subtracted, and the index of its variable.
-_SUBTRACTED = re.compile(
-    r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
 
 
@@ -55,10 +52,12 @@ class LatexReport:
 
     findings: tuple[Finding, ...]  # one for each formula and each entry of a matrix, in the order of the text
     skipped: tuple[Skipped, ...] = ()  # equations about which nothing is said
+    readings: tuple[str, ...] = ()  # how the text as a whole is read, where that is not the usual way
 
     def file_report(self, source: str, robot: str) -> FileReport:
         """The comparisons as those of a file."""
-        return FileReport(source, robot, self.findings, tuple(f"{s.location}: {s.reason}" for s in self.skipped))
+        unread = tuple(f"{s.location}: {s.reason}" for s in self.skipped)
+        return FileReport(source, robot, self.findings, unread, readings=self.readings)
 
 
 def check_latex(
@@ -69,13 +68,37 @@ def check_latex(
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:
         model.quantity(quantity)  # refused before anything is read
-    check = _Check(model, text, quantity, where, document)
-    findings = tuple(check.findings())
-    if not findings:
+    check = _Check(Scope(model, text, where, document), quantity)
+    findings = _other_factorisation(model, tuple(check.findings()))
+    if not findings and not (document and check.skipped):
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
-    return LatexReport(findings, tuple(check.skipped))
+    return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings))
+
+
+def _other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """C is not unique: a whole printed one with the right C qd is right, and it is said whether its N is skew."""
+    entries = {(f.row, f.column): f for f in findings if f.quantity == "C" and f.question is not None}
+    if len(entries) != model.n**2 or all(f.verdict.equal for f in entries.values()):
+        return findings
+    places = range(1, model.n + 1)
+    rates = [Name(velocity_name(joint.variable)) for joint in model.robot.joints]
+    velocity_torques, rate = model.quantity("Cqd"), model.quantity("Bdot")
+    printed = {place: f.question.printed for place, f in entries.items() if f.question is not None}
+    for i in places:
+        product_ = add(*(multiply(printed[i, j], rates[j - 1]) for j in places))
+        if not compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal:
+            return findings
+    sums = (
+        add(expression_from_sympy(2 * rate[i - 1, j - 1]), multiply(number(-2), add(printed[i, j], printed[j, i])))
+        for i in places
+        for j in places
+    )
+    skew = "" if all(compare(model.robot, ZERO, entry).equal for entry in sums) else " not"
+    note = f", another factorisation with the same C qd; its N is{skew} skew-symmetric"
+    equal = Verdict(equal=True, exact=True)
+    return tuple(replace(f, verdict=equal, note=note) if f.quantity == "C" else f for f in findings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,40 +112,35 @@ class _Side:
     error: CheckError | None = None
 
 
+_COLUMN = re.compile(r"(?:[nosap]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
+
+
+def _names_its_columns(piece: LatexPiece) -> bool:
+    """Whether a side is a matrix of names for the entries of a pose, n o a p or r_11 ... p_z."""
+    if len(piece.matrices) != 1 or piece.text.strip() != MATRIX_MARK:
+        return False
+    lefts = [taken_apart(cell.text) for row in piece.matrices[0].rows for cell in row if cell.text.strip() not in "01"]
+    return len(lefts) >= 6 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in lefts)
+
+
 class _Check:
     """The comparison of one text."""
 
-    def __init__(self, model: Model, text: str, quantity: str, start: Location, document: bool) -> None:
-        self.model, self.robot, self.text, self.asked, self.start = model, model.robot, text, quantity, start
-        self.document = document
-        has_time = "t" not in robot_symbols(self.robot)
-        found = islice(equations(text, start, document=document, time=has_time), MAX_EQUATIONS + 1)
-        self.equations = tuple(found)
-        if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
-            allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
-            raise CheckError("too many equations in one text", allowed=allowed, location=start)
-        if not self.equations:
-            raise CheckError("empty formula", remedy="write a formula or an equation", location=start)
-        # what the text defines is read first: the order of Christoffel indices, then abbreviations
-        self.orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
-        self.meanings = Meanings(model, next(iter(self.orders.values()), 0))
-        self.plain = LatexReader(self.robot, text, start)
+    def __init__(self, scope: Scope, quantity: str) -> None:
+        self.scope, self.asked, self.document = scope, quantity, scope.document
+        self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
+        self.meanings, self.plain, self.names = scope.meanings, scope.plain, scope.names
         self.skipped: list[Skipped] = []
-        self.definitions: dict[str, list[tuple[int, Expression]]] = {}
-        self.defining: set[int] = set()
-        self.names: set[tuple[int, int]] = set()
-        self._define()
-        self.reader = self._reader(0)
-        self.defining |= self.orders.keys()
-        self.lone = len(self.equations) - len(self.defining) == 1
+        self.reader = scope.reader(0)
+        self.lone = len(scope.equations) - len(scope.defining) == 1
 
     def findings(self) -> Iterator[Finding]:
         """One for each formula and each entry of a matrix."""
-        for index, equation in enumerate(self.equations):
-            if index in self.defining:
+        for index, equation in enumerate(self.scope.equations):
+            if index in self.scope.defining:
                 continue
-            if any(len(meanings) > 1 for meanings in self.definitions.values()):
-                self.reader = self._reader(index)
+            if any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
+                self.reader = self.scope.reader(index)
             try:
                 found = tuple(self._equation(index, equation))
             except CheckError as error:
@@ -135,82 +153,36 @@ class _Check:
                 self._skip(equation[0], unknown)
             else:
                 yield from found
+        for name, side in self.scope.unused() if self.document else ():
+            reason = f"defines {name}, which no other formula uses"
+            self.skipped.append(Skipped(self.plain.location(side.start), reason, self._typed(side)))
 
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
+        if side.inline and not self._names_a_quantity(side):
+            return  # prose speaks of symbols, numbers and conditions all the time
         where = error.location or self.plain.location(side.start)
         self.skipped.append(Skipped(where, error.found, self._typed(side)))
 
+    def _names_a_quantity(self, side: LatexPiece) -> bool:
+        """Whether a piece is the left side of an equation about the robot."""
+        left = taken_apart(side.text)
+        return left is not None and "=" in self.text[side.end :].lstrip()[:2] and bool(self.meanings.targets(left))
+
     def _typed(self, side: LatexPiece) -> str:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
-
-    # -- definitions
-
-    def _torque_index(self, equation: Sides) -> int | None:
-        """Which index of a Christoffel symbol is that of the torque, where the equation defines the symbol.
-
-        It is that of the variable in the derivative that is subtracted, as in -(partial d_ij)/(partial q_k).
-        """
-        first, *others = (self.text[side.start : side.end] for side in equation)
-        symbol = _SYMBOL.fullmatch("".join(first.split()))
-        minus = next(filter(None, map(_SUBTRACTED.search, others)), None)
-        if symbol is None or minus is None:
-            return None
-        letters = symbol[1].replace(",", "")
-        return letters.index(minus[1]) if minus[1] in letters else None
-
-    def _define(self) -> None:
-        """Names that sides define; a definition may need another one that stands before or behind it."""
-        several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1]
-        named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
-        waiting = [some for some in named if any(some[2])]
-        for _ in range(MAX_PASSES):
-            left = [some for some in waiting if not self._defines(*some)]
-            if len(left) == len(waiting):
-                return
-            waiting = left
-
-    def _defines(self, index: int, equation: Sides, names: tuple[str, ...]) -> bool:
-        """Whether an equation gives a new name to a formula that can be read by now."""
-        name, reader = next(filter(None, names)), self._reader(index)
-        for side, its_name in zip(equation, names, strict=True):
-            with suppress(CheckError):
-                if not its_name:
-                    meaning = reader.formula(side)
-                    self.definitions.setdefault(name, []).append((index, meaning))
-                    self.defining |= {index} if names[0] else set()
-                    self.names |= {(index, s.offset) for s, n in zip(equation, names, strict=True) if n == name}
-                    return True
-        return False
-
-    def _reader(self, index: int) -> LatexReader:
-        """Reads an equation with the names that are defined at it or before it, else behind it."""
-        meanings = {}
-        for name, defined in self.definitions.items():
-            # the last definition before the equation, else the first one behind it
-            ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
-            meanings[name] = ordered[0][1]
-        return LatexReader(self.robot, self.text, self.start, meanings, EntryNames(self.meanings))
-
-    def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
-        """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
-        left = None if side.matrices else taken_apart(side.text)
-        if left is None or not left.is_plain or left.arguments or self._is_own(left):
-            return ""
-        if not any(is_scalar(target) for target in self.meanings.targets(left)):
-            return left.flat
-        if not (is_first and left.sub and left.head in _LENT):
-            return ""
-        others = (part for i, e in enumerate(self.equations) if i != index for part in e[1:])
-        return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
-
-    def _is_own(self, left: Left) -> bool:
-        """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""
-        return left.is_plain and self.plain.names.knows(left.flat)
 
     # -- one equation
 
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding]:
         pieces = [piece for piece in equation if (index, piece.offset) not in self.names]
+        if any(map(_names_its_columns, pieces)):
+            pieces = [piece for piece in pieces if not _names_its_columns(piece)]
+            if len(pieces) < 2:
+                where = self.plain.location(equation[-1].start)
+                raise CheckError("a matrix that gives names to the entries of a pose", location=where)
+        # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made
+        kept = [p for p in pieces if p.matrices or not ((left := taken_apart(p.text)) and left.is_of_parameters)]
+        pieces = kept if len(kept) > 1 else pieces
         sides = [self._side(piece, len(pieces) > 1) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(target.turned for side in sides for target in side.targets)
@@ -239,7 +211,18 @@ class _Check:
         for side in said:
             table = side.value if isinstance(side.value, Table) else Table(((self._whole(side),),))
             for name in named or [_Side(first.piece)]:
-                yield from self._compared(name, table, side.piece.start)
+                found = tuple(self._compared(name, table, side.piece.start))
+                if not all(finding.verdict.equal for finding in found):
+                    self._refuse_example(side)
+                yield from found
+
+    def _refuse_example(self, side: _Side) -> None:
+        """Numbers in a document belong to an example at values of the joints that are not known here."""
+        entries = [e.formula for row in side.value.rows for e in row] if isinstance(side.value, Table) else [side.value]
+        decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
+        if self.document and len(decimals) * 2 > len(entries):
+            where = self.plain.location(side.piece.start)
+            raise CheckError(f"{quoted(self._typed(side.piece))} is a numeric example", location=where)
 
     def _side(self, piece: LatexPiece, may_name: bool) -> _Side:
         left = None if piece.matrices else taken_apart(piece.text)
@@ -247,7 +230,7 @@ class _Check:
         if may_name and _PRODUCT.fullmatch(piece.text.strip()) and left is None:
             where = self.plain.location(piece.start)
             return _Side(piece, error=CheckError("a product of matrices", remedy="multiply it out", location=where))
-        if may_name and left is not None and targets and not self._is_own(left):
+        if may_name and left is not None and targets and not self.scope.is_own(left):
             return _Side(piece, left, targets)
         try:
             return _Side(piece, left, targets, self.reader.value(piece))
@@ -320,7 +303,10 @@ class _Check:
             where = self.plain.location(side.piece.start)
             question = Question(self.robot, side.value, first.value)
             left, right = self._typed(first.piece), self._typed(side.piece)
-            yield compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
+            found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
+            if not found.verdict.equal and is_constant(first.value) != is_constant(side.value):
+                raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
+            yield found
 
     # -- comparisons
 
@@ -329,14 +315,27 @@ class _Check:
         # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
         chosen: tuple[Finding, ...] = ()
         rights = tuple(self._meant(name))
-        for right in rights:
-            if (fitting := right.fitting(table)) is not None:
+        fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
+        if len(fits) > 1 and table.shape != (1, 1):
+            fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
+        if fits and name.left is not None and name.left.is_vague and fits[0][0].likeness(fits[0][1]) < VAGUE:
+            shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
+            where = self.plain.location(name.piece.start)
+            raise CheckError(f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}", location=where)
+        for right, fitting in fits:
+            if fitting is not None:
                 found = tuple(self._entries(right, fitting, offset))
                 if all(finding.unknown or finding.verdict.equal for finding in found):
                     chosen = found
                     break
                 chosen = chosen or found
         is_right = bool(chosen) and all(finding.verdict.equal for finding in chosen)
+        if chosen and not is_right and (exchanged := self._exchanged(name, table)) is not None:
+            text, where = self._typed(name.piece), self.plain.location(name.piece.start)
+            repair = Repair((), f"the frames exchanged: the matrix is {exchanged.quantity}", ZERO)
+            quantity = chosen[0].quantity
+            yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
+            return
         if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
             (entry,) = table.rows[0]
             side = _Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
@@ -352,6 +351,16 @@ class _Check:
             printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
             raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
         yield from chosen
+
+    def _exchanged(self, name: _Side, table: Table) -> Right | None:
+        """What a matrix is that is right with the two frames of its left side exchanged."""
+        if name.left is None or name.left.scripts is None or table.shape == (1, 1):
+            return None
+        other = self.meanings.reading ^ frozenset([name.left.scripts])
+        for right in self.scope.rights_read(name.left, other):
+            if (fitting := right.fitting(table)) is not None and right.likeness(fitting) == 1:
+                return right
+        return None
 
     def _meant(self, name: _Side) -> Iterator[Right]:
         """What a left side may mean, of that only what is asked about, if something is."""

@@ -48,7 +48,8 @@ def equations(text: str, start: Location, *, document: bool = False, time: bool 
     plain = cleaned(text, time)
     for begin, end in _displays(plain, start, document):
         try:
-            whole = display_piece(plain, begin, end, text, start)
+            is_inline = document and re.match(r"\$(?!\$)|\\\(", plain[begin:end]) is not None
+            whole = replace(display_piece(plain, begin, end, text, start), inline=is_inline)
         except CheckError:
             if document:
                 continue
@@ -69,7 +70,7 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
             is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
             position = _closing(plain, closing + 1) if is_pair else closing
         elif name is None or name in EQUATION_ENVIRONMENTS:
-            if match.lastgroup and not (document and match["single"] is not None):
+            if match.lastgroup:
                 fences.append((match.start(), match.end()))
             position = match.end()
         elif document:
@@ -113,7 +114,7 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
     spans = _joined(text, [span for row in re.finditer("[^\f]+", text) for span in _row_parts(text, row.span())])
     shown, text = text, text.replace("\f", " ").replace("\v", " ")
     for begin, end in spans:
-        whole = LatexPiece(text, display.offset, display.matrices)
+        whole = replace(display, text=text)
         if number := _NUMBERED.search(shown[begin:end]):
             end = begin + number.start()
         printed = text[begin:end].rstrip()
@@ -180,9 +181,14 @@ def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
             first, last = found[-1]
             before = text[first:last].rstrip(" \v\n\r")
             relations = _relations(text, begin, end)
+            # a row of align with a left side of its own is an equation, even if that begins with a sign: -s1*px &= 0
+            is_aligned = all(
+                found and text[: found[0][0]].rstrip(" \n\r").endswith("\v")
+                for found in (relations, _relations(text, first, last))
+            )
             # an operator at the break, an open bracket, or no relation of its own: still the equation before
             continues = (
-                _OPERATOR.match(part)
+                (_OPERATOR.match(part) and not (is_aligned and text[begin : relations[0][0]].strip(" \v\n\r")))
                 or _ENDS_OPEN.search(before)
                 or _depths(text, first, last) > 0
                 or (not relations and _relations(text, first, last))

@@ -41,6 +41,16 @@ class Turned(StrEnum):
     BOTH = "^-T"
 
 
+class Scripts(StrEnum):
+    """Where the two frames of a transform stand, whose order a document decides as a whole."""
+
+    LEFT = "{}^i_jT"
+    RIGHT = "T^i_j"
+    PAIR = "T_ij"
+
+
+Reading = frozenset[Scripts]  # the scripts that a document reads the other way round: {}_i^jT, T_i^j, T_ji is j in i
+
 # The superscript of a transpose or an inverse, another one before it: that of R^{0T} or of (R^0)^T.
 _TURNED = re.compile(r"(?P<script>.*?)(?:(?P<inverse>-1)|(?P<both>-T|-top|-intercal)|T|top|intercal)")
 
@@ -77,6 +87,30 @@ class Left:
         """Whether it is a letter or word with at most a subscript, as names are."""
         raised = self.sup or self.before or self.before_sub
         return not (raised or self.dots or self.primes or self.is_determinant or self.factor or self.turned)
+
+    @property
+    def scripts(self) -> Scripts | None:
+        """How two frames are written; None where there are not two, or their places say which is which."""
+        if self.before and self.before_sub and not self.sub + self.sup:
+            return Scripts.LEFT
+        if self.sub and self.sup and not self.before + self.before_sub:
+            return Scripts.RIGHT
+        pair = re.fullmatch(r"[0-9A-Za-z],?[0-9A-Za-z]", self.sub)
+        return Scripts.PAIR if pair and not self.sup + self.before + self.before_sub else None
+
+    @property
+    def is_vague(self) -> bool:
+        """Whether it is a letter for anything, without indices that say what it is."""
+        return self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before
+
+    @property
+    def is_of_parameters(self) -> bool:
+        """Whether it is a function of numbers and lengths, such as the T(alpha, a, d, theta) of a row of the table."""
+        arguments = self.arguments.strip("{}").removeprefix("(").removesuffix(")").split(",")
+        plain = re.compile(
+            r"|(?:\\d*dot)?[{]?(?:\\boldsymbol|\\mathbf|\\vec)?[{]?(?:q|\\(?:var)?theta|d|t)[}]?(?:_?[{]?[0-9a-z]+[}]?)?[}]?|\\[cl]?dots"
+        )
+        return len(arguments) > 1 and not all(plain.fullmatch(argument) for argument in arguments)
 
     @property
     def flat(self) -> str:
@@ -166,14 +200,28 @@ def _scripts(text: str) -> tuple[dict[str, str], str]:
     return found, text
 
 
-def candidates(left: Left, n: int, first: int = 1) -> tuple[Target, ...]:
+def candidates(left: Left, n: int, first: int = 1, reading: Reading = frozenset()) -> tuple[Target, ...]:
     """What a left side may mean, the likeliest first."""
+    if left.is_of_parameters:
+        return ()
+    if left.scripts in reading:
+        left = _exchanged(left)
     others = _kinematics(left, n, first) if first != 1 else ()
     found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
     if left.is_determinant:
         whole = [Target("singularities" if left.primes else "detJ")] if left.head == "J" and not left.sub else []
         found = (*whole, *(replace(target, is_determinant=True) for target in found))
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
+
+
+def _exchanged(left: Left) -> Left:
+    """The left side with its two frames in each other's place."""
+    match left.scripts:
+        case Scripts.LEFT:
+            return replace(left, before=left.before_sub, before_sub=left.before)
+        case Scripts.RIGHT:
+            return replace(left, sub=left.sup, sup=left.sub)
+    return replace(left, sub=left.sub[::-1])
 
 
 _VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))
@@ -301,7 +349,9 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     plain = not (left.sup or left.before or left.before_sub)
     if head in ("T", "A", "H", "K", "M"):
         for name in _frames(left, n, first):
-            yield from (Target(name), Target(name, (1, 2, 4), (1, 2, 4)))
+            # of three rows the rotation alone, or the plane of a planar arm
+            parts = ((1, 2, 3), (1, 2, 4)) if head == "T" else ((1, 2, 4),)
+            yield from (Target(name), *(Target(name, part, part) for part in parts))
     if head in ("R", "C", "Rot") and not (head == "C" and plain):
         for name in _frames(left, n, first):
             yield from (Target(name, (1, 2, 3), (1, 2, 3)), Target(name, (1, 2), (1, 2)))
@@ -339,7 +389,7 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     if pair and not upper and lower not in _END and lower not in _BASE and not (lower.isdigit() and int(lower) <= n):
         lower, upper = pair[2], pair[1]
     frame, reference = _frame(lower, n, first), _frame(upper, n, first)
-    if frame is None or reference is None:
+    if frame is None or reference is None or (lower and frame == reference):
         return
     if lower == "" and upper in ("", *_BASE):
         yield "T"
@@ -358,9 +408,6 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
             yield f"T[{reference},{frame}]"
             if reference == 0:
                 yield f"T[{frame}]"
-            if frame < reference and not left.before:  # some books write the reference below
-                yield f"T[{frame},{reference}]"
-                yield from ("T",) if (frame, reference) == (0, n) else ()
 
 
 def _frame(text: str, n: int, first: int) -> int | None:

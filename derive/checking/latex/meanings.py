@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -9,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import sympy
 
-from derive.checking.latex.left import Left, Target, Turned, candidates, is_scalar, taken_apart
+from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.checking.latex.left import Left, Reading, Target, Turned, candidates, is_scalar, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
@@ -17,11 +19,12 @@ from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
-from derive.robot.expression import Expression
+from derive.robot.expression import Expression, names
 from derive.robot.names import joint_label
 
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
 
@@ -39,6 +42,14 @@ class Right:
         turned = table.transposed if 1 in table.shape else table
         return next((t for t in (table, turned) if t.shape == self.value.shape), None)
 
+    def likeness(self, table: Table) -> float:
+        """Which part of the entries of a table in this shape has the same values at a point."""
+        formulas = [
+            (entry.formula, self.value[i, j]) for i, row in enumerate(table.rows) for j, entry in enumerate(row)
+        ]
+        alike = sum(_alike(printed, expression_from_sympy(derived)) for printed, derived in formulas)
+        return alike / len(formulas)
+
     def agrees(self, asked: Right) -> bool:
         """Whether it is what is asked about, or that is an entry or a part of it."""
         if self.value.shape == asked.value.shape:
@@ -52,18 +63,29 @@ class Right:
         return f"{self.quantity}[{','.join(indices)}]" if indices else self.quantity
 
 
+def _alike(printed: Expression, right: Expression) -> bool:
+    rng = random.Random(3)
+    values = {name: rng.uniform(0.3, 1.7) for name in sorted({*names(printed), *names(right)})}
+    try:
+        one, other = float_value(printed, values), float_value(right, values)
+    except NO_VALUE:
+        return False
+    return abs(one - other) <= ALIKE * (1 + abs(other))
+
+
 class Meanings:
     """The quantities of one robot, as left sides name them."""
 
     def __init__(self, model: Model, torque: int = 0) -> None:
         self._model, self._robot, self._torque = model, model.robot, torque
+        self.reading: Reading = frozenset()
         labels = [joint_label(joint.variable) for joint in self._robot.joints]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
         self._rights: dict[Target, Right | None] = {}
 
     def targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
-        found = [self._in_our_order(target) for target in candidates(left, self._robot.n, self._first)]
+        found = [self._in_our_order(target) for target in candidates(left, self._robot.n, self._first, self.reading)]
         return tuple(target for target in found if REGISTRY[target.quantity.partition("[")[0]].is_of(self._robot))
 
     def _in_our_order(self, target: Target) -> Target:

@@ -42,6 +42,7 @@ class LatexPiece:
     text: str  # what stands there, each matrix as one character
     offset: int  # where it begins in the whole text
     matrices: tuple[PrintedMatrix, ...] = ()  # its matrices, in their order
+    inline: bool = False  # whether it stands in a line of prose
 
     @property
     def start(self) -> int:
@@ -66,7 +67,9 @@ class LatexPiece:
         """A part of it."""
         first = self.text.count(MATRIX_MARK, 0, begin)
         text = self.text[begin:end]
-        return LatexPiece(text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)])
+        return LatexPiece(
+            text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)], self.inline
+        )
 
 
 @dataclass(frozen=True, slots=True)

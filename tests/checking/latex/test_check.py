@@ -306,9 +306,9 @@ def test_equations_and_their_sides(text: str, expected: list[list[str]]) -> None
     assert sides(text) == expected
 
 
-def test_prose_of_a_document_is_passed_over() -> None:
+def test_of_a_document_displays_and_mathematics_in_lines_are_read() -> None:
     text = "\\begin{document} Let \\[ x = a \\] \\begin{itemize} \\item $n = 2$ \\end{itemize} \\end{document}"
-    assert sides(text, document=True) == [["x", "a"]]
+    assert sides(text, document=True) == [["x", "a"], ["n", "2"]]
 
 
 @pytest.mark.parametrize(

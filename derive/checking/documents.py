@@ -1,0 +1,373 @@
+r"""Documents as people write them: LaTeX, Markdown, notebooks and plain text, brought into one form that is read.
+
+What is no mathematics (code, comments, HTML) becomes blank, ``$`` marks that belong to nothing too, and an author's own
+macros are written out. Every character knows where it stands in the file, so that a message names that place.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from derive.errors import CheckError, Location, near_miss, quoted
+
+KINDS = {".tex": "LaTeX", ".md": "Markdown", ".markdown": "Markdown", ".ipynb": "a notebook", ".txt": "text"}
+LARGEST = 10_000_000  # bytes of a document
+MAX_EXPANSIONS = 20_000  # calls of an author's macros that are written out in one document
+MAX_DEPTH = 20  # macros inside each other; what is deeper stays as it is, and its formula is not understood
+MAX_GROWTH = 4_000_000  # characters that macros may add
+
+_FOREIGN = {
+    b"%PDF": "a PDF",
+    b"PK\x03\x04": "an Office document or an archive",
+    b"\x89PNG": "a picture",
+    b"\xff\xd8\xff": "a picture",
+}
+
+
+@dataclass(frozen=True)
+class Document:
+    """The text of a document in which only mathematics and prose are left."""
+
+    text: str
+    name: str  # of the file, for messages
+    origins: Sequence[int]  # for each character of the text its offset in the file's text
+    starts: tuple[tuple[int, str], ...]  # offsets at which a part begins whose lines count from 1, with the part's name
+    typed: str  # the file's text, the cells of a notebook behind each other
+
+    def location(self, offset: int) -> Location:
+        """The place of a character in the file; in a notebook the line of its cell."""
+        origin = self.origins[min(offset, len(self.origins) - 1)] if self.origins else 0
+        begin, part = self.starts[bisect_right([start for start, _ in self.starts], origin) - 1]
+        line = self.typed.count("\n", begin, origin) + 1
+        column = origin - max(self.typed.rfind("\n", begin, origin) + 1, begin) + 1
+        return Location(f"{self.name}, {part}" if part else self.name, line, column)
+
+    def placed(self, found: Location) -> Location:
+        """The place in the file of a place in the text."""
+        lines = self.text.splitlines(keepends=True)
+        return self.location(sum(map(len, lines[: found.line - 1])) + found.column - 1)
+
+    def within(self, lines: tuple[int, int] | None = None, section: str = "") -> Document:
+        """Only some lines of the file, or a section with its subsections; the rest is blank."""
+        text = self.text
+        if lines is not None:
+            kept = [lines[0] <= self._lines[origin] <= lines[1] for origin in self.origins]
+            text = "".join(c if keep or c == "\n" else " " for c, keep in zip(text, kept, strict=True))
+        if section:
+            begin, end = self._section(section)
+            text = _blank(text[:begin]) + text[begin:end] + _blank(text[end:])
+        return replace(self, text=text)
+
+    @cached_property
+    def _lines(self) -> list[int]:
+        """The number of the line of every character of the file."""
+        numbers, line = [], 1
+        for character in self.typed:
+            numbers.append(line)
+            line += character == "\n"
+        return [*numbers, line]
+
+    def _section(self, title: str) -> tuple[int, int]:
+        """Where a section begins and ends: at the next heading of its level or above."""
+        found = [(m.start(), _level(m), _title(m)) for m in _HEADING.finditer(self.text)]
+        wanted = " ".join(title.split()).casefold()
+        for index, (begin, level, heading) in enumerate(found):
+            if wanted in heading.casefold():
+                rest = (start for start, other, _ in found[index + 1 :] if other <= level)
+                return begin, next(rest, len(self.text))
+        headings = [heading for *_, heading in found]
+        allowed = f"allowed: {', '.join(map(quoted, headings[:12]))}" if headings else "the document has no headings"
+        remedy = near_miss(title, headings)
+        raise CheckError(f"{self.name} has no section {quoted(title)}", allowed=allowed, remedy=remedy)
+
+
+_HEADING = re.compile(
+    r"^(?P<marks>\#{1,6})[ \t]+(?P<plain>[^\n]*)$"
+    r"|\\(?P<command>chapter|section|subsection|subsubsection|paragraph)\*?\s*(?:\[[^\]]*\])?\{(?P<title>(?:[^{}]|\{[^{}]*\})*)\}",
+    re.MULTILINE,
+)
+_COMMANDS = ("chapter", "section", "subsection", "subsubsection", "paragraph")
+
+
+def _level(heading: re.Match[str]) -> int:
+    return len(heading["marks"]) if heading["marks"] else _COMMANDS.index(heading["command"])
+
+
+def _title(heading: re.Match[str]) -> str:
+    return " ".join((heading["plain"] if heading["marks"] else heading["title"]).strip(" #").split())
+
+
+def read_document(path: str) -> Document:
+    """A document by its path."""
+    name = path if path.isprintable() else quoted(path, 200)
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise CheckError(f"{quoted(path, 200)} cannot be read: {reason}", remedy="check its name") from None
+    suffix = Path(path).suffix.lower()
+    if foreign := next((what for start, what in _FOREIGN.items() if data.startswith(start)), ""):
+        allowed = f"derive check reads {', '.join(KINDS)}"
+        raise CheckError(f"{name} is {foreign}", allowed=allowed, remedy="give its source")
+    if len(data) > LARGEST:
+        raise CheckError(f"{name} has {len(data)} bytes", allowed=f"allowed: at most {LARGEST}")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise CheckError(f"{name} is not UTF-8", remedy="save the file as UTF-8 text") from None
+    return document_of(text, name, suffix)
+
+
+def is_document(text: str) -> bool:
+    """Whether a text has mathematics between words, or says itself that it is a document."""
+    if re.search(
+        r"\\documentclass|\\begin\s*\{document\}|^\#{1,6} |^\s*\{\s*\"(?:cells|metadata|nbformat)\"", text, re.MULTILINE
+    ):
+        return True
+    marked = re.sub(
+        r"\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\\(.*?\\\)|\\begin\s*\{(\w+\*?)\}.*?\\end\s*\{\1\}",
+        "",
+        text,
+        flags=re.DOTALL,
+    )
+    return marked != text and len(re.findall(r"(?<![\\\w])[^\W\d_]{2,}", marked)) >= 2
+
+
+def document_of(text: str, name: str, suffix: str = "") -> Document:
+    """The text of a document; without a suffix what it holds says what it is."""
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if suffix not in KINDS:
+        suffix = ".ipynb" if text.lstrip().startswith("{") and '"cells"' in text else ""
+        suffix = suffix or (".tex" if re.search(r"\\(?:documentclass|begin\{document\}|section)", text) else ".md")
+    typed, starts = _cells(text, name) if suffix == ".ipynb" else (text, ((0, ""),))
+    plain = typed if suffix == ".tex" else _markdown(typed)
+    plain = _balanced(_COMMENT.sub(_kept_or_blank, plain) if suffix == ".tex" else plain)
+    plain, origins = expanded(plain)
+    return Document(plain, name, origins, starts, typed)
+
+
+def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
+    """The Markdown cells of a notebook behind each other, and where each begins."""
+    try:
+        cells = json.loads(text)["cells"]
+        found = [
+            (number, "".join(cell["source"]))
+            for number, cell in enumerate(cells, 1)
+            if cell["cell_type"] in ("markdown", "raw")
+        ]
+    except (ValueError, TypeError, KeyError, RecursionError):
+        raise CheckError(f"{name} is not a notebook", allowed="allowed: JSON with a list of cells") from None
+    whole, starts = "", []
+    for number, source in found:
+        starts.append((len(whole), f"cell {number}"))
+        whole += source + "\n\n"
+    return whole, tuple(starts) or ((0, ""),)
+
+
+# -- what is no mathematics
+
+
+_COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
+_CODE = re.compile(
+    r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>[A-Za-z]*)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
+    r"|<!--.*?-->|\$`(?P<math>[^`\n]+)`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
+    r"|<(?:br|/?(?:p|div|span|center|sup|sub|b|i|em|strong|table|tr|td|th|img|a|h[1-6]|li|ul|ol))\b[^<>\n]*>",
+    re.DOTALL | re.MULTILINE | re.IGNORECASE,
+)
+
+
+def _blank(text: str) -> str:
+    return re.sub(r"[^\n]", " ", text)
+
+
+def _kept_or_blank(match: re.Match[str]) -> str:
+    return match[0] if match[0].startswith("\\") else _blank(match[0])
+
+
+def _markdown(text: str) -> str:
+    r"""Markdown with blanks for code and HTML; ``\\(`` and ``\\[`` are how it writes ``\(`` and ``\[``."""
+
+    def without_code(match: re.Match[str]) -> str:
+        if match["math"]:
+            return f"$ {match['math']} $"
+        if (match["language"] or "").casefold() == "math":
+            begin, end = match.start("body") - match.start(), match.end("body") - match.start()
+            return _marked(match[0][:begin]) + match["body"] + _marked(match[0][end:])
+        return _blank(match[0])
+
+    text = _CODE.sub(without_code, text)
+    return re.sub(r"\\\\(?=[\[\]()](?!\s*-?[0-9.]+\s*(?:pt|em|ex|mm|cm)\s*\]))", " \\\\", text)
+
+
+def _marked(text: str) -> str:
+    """``$$`` in place of a line."""
+    blank = _blank(text)
+    at = len(text) - len(text.lstrip("\n"))
+    return blank[:at] + "$$" + blank[at + 2 :]
+
+
+_DOLLAR = re.compile(r"(?<!\\)\$\$?")
+_PROSE = re.compile(r"\n[ \t]*\n\s*(?:[^\W\d_]+[ ,.;:]+){3}")
+
+
+def _balanced(text: str) -> str:
+    """The text with blanks for dollar signs that open or close nothing: each costs one formula at most."""
+    letters = list(text)
+
+    def drop(mark: re.Match[str]) -> None:
+        letters[mark.start() : mark.end()] = " " * len(mark[0])
+
+    marks = list(_DOLLAR.finditer(text))
+    index = 0
+    while index < len(marks):
+        mark = marks[index]
+        # a display may have blank lines, but no paragraph of prose; mathematics inside a line ends with its paragraph
+        closing = next((j for j in range(index + 1, len(marks)) if marks[j][0] == mark[0]), None)
+        inner = text[mark.end() : marks[closing].start()] if closing is not None else ""
+        ends = _PROSE if mark[0] == "$$" else re.compile(r"\n[ \t]*\n")
+        if closing is None or ends.search(inner):
+            drop(mark)
+            index += 1
+        else:
+            for between in marks[index + 1 : closing]:
+                drop(between)
+            index = closing + 1
+    return "".join(letters)
+
+
+# -- macros of the author
+
+
+@dataclass(frozen=True, slots=True)
+class Macro:
+    """A macro that a document defines."""
+
+    count: int  # its arguments
+    default: str | None  # the first argument where none is given in square brackets; None where all are in braces
+    body: str
+
+
+_DEFINITION = re.compile(
+    r"\\(?:re|provide)?newcommand\*?\s*(?:\{\s*\\(?P<braced>[A-Za-z]+)\s*\}|\\(?P<bare>[A-Za-z]+))\s*"
+    r"(?:\[(?P<count>[0-9])\])?\s*(?:\[(?P<default>[^\]]*)\])?\s*(?=\{)"
+    r"|\\[gex]?def\s*\\(?P<def>[A-Za-z]+)\s*(?P<arguments>(?:#[0-9])*)\s*(?=\{)"
+    r"|\\DeclareMathOperator\*?\s*\{?\s*\\(?P<operator>[A-Za-z]+)\s*\}?\s*(?=\{)"
+    r"|\\providecommand\*?\s*\{?\s*\\(?P<provided>[A-Za-z]+)\s*\}?\s*(?:\[(?P<number>[0-9])\])?\s*(?=\{)"
+)
+_CALL = re.compile(r"\\([A-Za-z]+)")
+
+
+def expanded(text: str) -> tuple[str, Sequence[int]]:
+    """The text with the author's macros written out, and the offset from which each of its characters comes."""
+    macros: dict[str, Macro] = {}
+    letters = text
+    position = 0
+    while match := _DEFINITION.search(letters, position):
+        end = _closing(letters, match.end())
+        body = letters[match.end() + 1 : end]
+        macros |= _defined(match, body)
+        letters = letters[: match.start()] + _blank(letters[match.start() : end + 1]) + letters[end + 1 :]
+        position = end
+    if not macros:
+        return letters, range(len(letters))
+    return _Expansion(macros).of(letters)
+
+
+def _defined(match: re.Match[str], body: str) -> Mapping[str, Macro]:
+    if match["operator"]:
+        return {match["operator"]: Macro(0, None, f"\\operatorname{{{body}}}")}
+    if match["def"]:
+        return {match["def"]: Macro(len(match["arguments"]) // 2, None, body)}
+    name = match["braced"] or match["bare"] or match["provided"]
+    return {name: Macro(int(match["count"] or match["number"] or 0), match["default"], body)}
+
+
+class _Expansion:
+    """Writes macros out, within bounds."""
+
+    def __init__(self, macros: Mapping[str, Macro]) -> None:
+        self._macros, self._left, self._room = macros, MAX_EXPANSIONS, MAX_GROWTH
+
+    def of(self, text: str) -> tuple[str, list[int]]:
+        return self._written(text, list(range(len(text))), 0)
+
+    def _written(self, text: str, origins: list[int], depth: int) -> tuple[str, list[int]]:
+        pieces, places, last = [], [], 0
+        for match in self._calls(text):
+            begin, name = match.start(), match[1]
+            if begin < last:
+                continue  # inside an argument, which is written out with its macro
+            found = self._arguments(self._macros[name], text, match.end())
+            if found is None or depth >= MAX_DEPTH or self._left <= 0 or self._room <= 0:
+                continue
+            spans, end = found
+            self._left -= 1
+            body, inner = self._filled(self._macros[name], text, origins, spans, origins[begin])
+            self._room -= len(body)
+            body, inner = self._written(body, inner, depth + 1)
+            # a letter behind the call must not lengthen the name of a macro that ends the text written out
+            gap = " " if re.search(r"\\[A-Za-z]+$", body) and text[end : end + 1].isalpha() else ""
+            pieces += [text[last:begin], body, gap]
+            places += [*origins[last:begin], *inner, *([origins[begin]] if gap else [])]
+            last = end
+        return "".join([*pieces, text[last:]]), [*places, *origins[last:]]
+
+    def _calls(self, text: str) -> Iterator[re.Match[str]]:
+        return (match for match in _CALL.finditer(text) if match[1] in self._macros)
+
+    def _arguments(self, macro: Macro, text: str, end: int) -> tuple[list[tuple[int, int] | None], int] | None:
+        """Where the arguments of a call stand, and where it ends; None where they are not all there."""
+        spans: list[tuple[int, int] | None] = []
+        for index in range(macro.count):
+            begin = end
+            while text[begin : begin + 1].isspace():
+                begin += 1
+            if index == 0 and macro.default is not None:
+                closing = text.find("]", begin) if text[begin : begin + 1] == "[" else -1
+                spans.append((begin + 1, closing) if closing >= 0 else None)
+                end = closing + 1 if closing >= 0 else end
+            elif text[begin : begin + 1] == "{":
+                closing = _closing(text, begin)
+                spans.append((begin + 1, closing))
+                end = closing + 1
+            elif token := re.compile(r"\\[A-Za-z]+|[^\s{}\\$&]").match(text, begin):
+                spans.append(token.span())
+                end = token.end()
+            else:
+                return None
+        return spans, end
+
+    def _filled(
+        self, macro: Macro, text: str, origins: list[int], spans: list[tuple[int, int] | None], here: int
+    ) -> tuple[str, list[int]]:
+        """The body with the arguments in it; what the body itself says comes from the place of the call."""
+        pieces: list[str] = []
+        places: list[int] = []
+        for part in re.split(r"(#[0-9])", macro.body):
+            number = int(part[1:]) if re.fullmatch(r"#[1-9]", part) else 0
+            if not 0 < number <= len(spans):
+                pieces.append(part)
+                places += [here] * len(part)
+            elif (span := spans[number - 1]) is None:
+                pieces.append(macro.default or "")
+                places += [here] * len(macro.default or "")
+            else:
+                pieces.append(text[span[0] : span[1]])
+                places += origins[span[0] : span[1]]
+        return "".join(pieces), places
+
+
+def _closing(text: str, opening: int) -> int:
+    """Where the brace is that closes the one at a place; the end of the text where there is none."""
+    depth = 0
+    for match in re.compile(r"\\.|[{}]", re.DOTALL).finditer(text, opening):
+        depth += {"{": 1, "}": -1}.get(match[0], 0)
+        if depth == 0:
+            return match.start()
+    return len(text)

@@ -1,0 +1,178 @@
+r"""What a LaTeX text says as a whole: its equations, the names that it defines, and how it writes transforms."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import islice, product
+
+from derive.checking.latex.equations import Sides, equations
+from derive.checking.latex.formula import LatexReader
+from derive.checking.latex.left import Left, Reading, Scripts, is_scalar, taken_apart
+from derive.checking.latex.matrices import Table
+from derive.checking.latex.meanings import EntryNames, Meanings, Right
+from derive.checking.latex.pieces import LatexPiece
+from derive.errors import CheckError, Location
+from derive.model.model import Model
+from derive.robot.expression import Expression
+from derive.robot.names import robot_symbols
+
+MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
+MAX_SIDES = 20  # sides of one equation
+MAX_PASSES = 12  # how often definitions are gone through that need one that stands behind them
+# Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
+_LENT = frozenset("uvwhkexyzfFQ")
+# A Christoffel symbol with letters for its indices.
+_SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
+# A partial derivative that is subtracted, and the index of its variable.
+_SUBTRACTED = re.compile(
+    r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
+)
+
+
+class Scope:
+    """One text for one robot.
+
+    Attributes:
+        equations: What is compared, in the order of the text.
+        definitions: By name the formulas that it is given, each with the number of its equation.
+        defining: Numbers of the equations that only define something.
+        names: Sides that are such a name, by the number of the equation and the offset of the side.
+        readings: How the text is read, in words, where that is not the usual way.
+    """
+
+    def __init__(self, model: Model, text: str, start: Location, document: bool) -> None:
+        self.model, self.robot, self.text, self.start, self.document = model, model.robot, text, start, document
+        has_time = "t" not in robot_symbols(self.robot)
+        found = islice(equations(text, start, document=document, time=has_time), MAX_EQUATIONS + 1)
+        self.equations = tuple(found)
+        if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
+            allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
+            raise CheckError("too many equations in one text", allowed=allowed, location=start)
+        if not self.equations:
+            found = "no mathematics between $ signs, in brackets or in displays" if document else "empty formula"
+            raise CheckError(found, remedy="write a formula or an equation", location=start)
+        # what the text defines is read first: the order of Christoffel indices, then abbreviations
+        orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
+        self.meanings = Meanings(model, next(iter(orders.values()), 0))
+        self.plain = LatexReader(self.robot, text, start)
+        self.readings: list[str] = []
+        self.definitions: dict[str, list[tuple[int, Expression]]] = {}
+        self.defining: set[int] = set()
+        self.names: set[tuple[int, int]] = set()
+        self._define()
+        self._reads = self.reader(0)
+        self.meanings.reading = self._settled_reading()
+        self.defining |= orders.keys()
+
+    def unused(self) -> Iterator[tuple[str, LatexPiece]]:
+        """Names that no other formula uses, though what defines them may be wrong."""
+        for name, meanings in self.definitions.items():
+            for index, _ in meanings:
+                side = next((s for s in self.equations[index] if (index, s.offset) in self.names), None)
+                others = (text for i, e in enumerate(self.equations) if i != index for s in e for text in s.texts)
+                if side is not None and not side.inline and not any(side.text.strip() in text for text in others):
+                    yield name, side
+
+    def _settled_reading(self) -> Reading:
+        """Which frame of a transform is the reference: what most matrices of the text need, else what is usual."""
+        votes: Counter[Scripts] = Counter()
+        seen: Counter[Scripts] = Counter()
+        for equation in self.equations:
+            lefts = [taken_apart(side.text) for side in equation if not side.matrices]
+            named = [left for left in lefts if left is not None and left.scripts and self.meanings.targets(left)]
+            tables = [table for side in equation if side.matrices and (table := self._table(side)) is not None]
+            for left, table in product(named[:1], tables[-1:]):
+                usual, turned = (
+                    max((right.likeness(t) for right in rights if (t := right.fitting(table))), default=0.0)
+                    for reading in (frozenset[Scripts](), frozenset(Scripts))
+                    for rights in [self.rights_read(left, reading)]
+                )
+                assert left.scripts is not None
+                votes[left.scripts] += (turned > usual) - (turned < usual)
+                seen[left.scripts] += turned != usual
+        for scripts in (scripts for scripts, vote in votes.items() if vote > 0):
+            agreeing = (votes[scripts] + seen[scripts]) // 2
+            matrices = f"{agreeing} of {seen[scripts]} matri{'ces' if seen[scripts] > 1 else 'x'}"
+            self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({matrices})")
+        return frozenset(scripts for scripts, vote in votes.items() if vote > 0)
+
+    def rights_read(self, left: Left, reading: Reading) -> list[Right]:
+        """What a left side may mean in a reading."""
+        usual, self.meanings.reading = self.meanings.reading, reading
+        targets = self.meanings.targets(left)
+        self.meanings.reading = usual
+        return [right for target in targets if (right := self.meanings.right(target)) is not None]
+
+    def _table(self, side: LatexPiece) -> Table | None:
+        """The matrix that a side is; None where it cannot be read."""
+        with suppress(CheckError):
+            value = self._reads.value(side)
+            return value if isinstance(value, Table) else None
+        return None
+
+    # -- definitions
+
+    def _torque_index(self, equation: Sides) -> int | None:
+        """Which index of a Christoffel symbol is that of the torque, where the equation defines the symbol.
+
+        It is that of the variable in the derivative that is subtracted, as in -(partial d_ij)/(partial q_k).
+        """
+        first, *others = (self.text[side.start : side.end] for side in equation)
+        symbol = _SYMBOL.fullmatch("".join(first.split()))
+        minus = next(filter(None, map(_SUBTRACTED.search, others)), None)
+        if symbol is None or minus is None:
+            return None
+        letters = symbol[1].replace(",", "")
+        return letters.index(minus[1]) if minus[1] in letters else None
+
+    def _define(self) -> None:
+        """Names that sides define; a definition may need another one that stands before or behind it."""
+        several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1]
+        named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
+        waiting = [some for some in named if any(some[2])]
+        for _ in range(MAX_PASSES):
+            left = [some for some in waiting if not self._defines(*some)]
+            if len(left) == len(waiting):
+                return
+            waiting = left
+
+    def _defines(self, index: int, equation: Sides, names: tuple[str, ...]) -> bool:
+        """Whether an equation gives a new name to a formula that can be read by now."""
+        name, reader = next(filter(None, names)), self.reader(index)
+        for side, its_name in zip(equation, names, strict=True):
+            with suppress(CheckError):
+                if not its_name:
+                    meaning = reader.formula(side)
+                    self.definitions.setdefault(name, []).append((index, meaning))
+                    self.defining |= {index} if names[0] else set()
+                    self.names |= {(index, s.offset) for s, n in zip(equation, names, strict=True) if n == name}
+                    return True
+        return False
+
+    def reader(self, index: int) -> LatexReader:
+        """Reads an equation with the names that are defined at it or before it, else behind it."""
+        meanings = {}
+        for name, defined in self.definitions.items():
+            # the last definition before the equation, else the first one behind it
+            ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
+            meanings[name] = ordered[0][1]
+        return LatexReader(self.robot, self.text, self.start, meanings, EntryNames(self.meanings))
+
+    def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
+        """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
+        left = None if side.matrices else taken_apart(side.text)
+        if left is None or not left.is_plain or left.arguments or self.is_own(left):
+            return ""
+        if not any(is_scalar(target) for target in self.meanings.targets(left)):
+            return left.flat
+        if not (is_first and left.sub and left.head in _LENT):
+            return ""
+        others = (part for i, e in enumerate(self.equations) if i != index for part in e[1:])
+        return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
+
+    def is_own(self, left: Left) -> bool:
+        """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""
+        return left.is_plain and self.plain.names.knows(left.flat)

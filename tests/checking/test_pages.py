@@ -1,0 +1,89 @@
+"""What is said of pages that people write is true: a wrong verdict needs certainty of what a formula is about."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from derive.api.check import formula_printout
+from derive.checking.documents import document_of
+from derive.checking.formulas.findings import FileReport, Outcome, judge
+from derive.errors import CheckError
+from derive.robot.robot import Robot
+
+FILE = yaml.safe_load((Path(__file__).parent / "pages.yaml").read_text(encoding="utf-8"))
+ANT = Robot.from_text(FILE["robots"]["min-ant"])
+
+
+def checked(robot: Robot, text: str, kind: str = ".md") -> FileReport:
+    formula = text if kind == "latex" else document_of(text, "page", kind)
+    return formula_printout(robot, "", formula, latex=True).report
+
+
+@pytest.mark.parametrize("page", FILE["pages"], ids=lambda page: page["id"])
+def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
+    text = FILE["robots"].get(page["robot"])
+    report = checked(Robot.from_text(text) if text else Robot.load(page["robot"]), page["text"], page["kind"])
+    assert [finding.entry for finding in report.wrong] == page["wrong"]
+    assert (report.equal, len(report.unread)) == (page["equal"], page["unread"])
+
+
+def test_a_solution_with_one_sign_is_right_for_some_branches() -> None:
+    (finding,) = checked(ANT, r"$$\theta_3 = \text{atan2}(\sqrt{1 - c_3^2}, c_3)$$").findings
+    assert judge(finding).outcome is Outcome.SOME
+    (finding,) = checked(ANT, r"$$\theta_3 = \text{atan2}(s_3 + 1, c_3)$$").findings
+    assert judge(finding).outcome is Outcome.WRONG
+
+
+COLUMNS = (
+    r"\begin{bmatrix} n_x & o_x & a_x & p_x \\ n_y & o_y & a_y & p_y \\ n_z & o_z & a_z & p_z \\ 0&0&0&1 \end{bmatrix}"
+)
+
+
+def test_names_of_columns_are_no_claim() -> None:
+    assert not checked(ANT, f"$$T_3^0 = {COLUMNS}$$").findings
+    with pytest.raises(CheckError, match="gives names to the entries of a pose"):
+        checked(ANT, f"T_3^0 = {COLUMNS}", "latex")
+
+
+END = r"0 & 0 & 0 & 1 \end{bmatrix}"
+LINK = r"\begin{bmatrix} c_2 & -s_2 & 0 & a_2 c_2 \\ s_2 & c_2 & 0 & a_2 s_2 \\ 0 & 0 & 1 & 0 \\" + END
+FORWARD = {
+    "01": r"\begin{bmatrix} c_1 & 0 & s_1 & 0 \\ s_1 & 0 & -c_1 & 0 \\ 0 & 1 & 0 & d_1 \\" + END,
+    "12": LINK,
+    "23": LINK.replace("_2", "_3"),
+}
+
+
+@pytest.mark.parametrize("written", ["T_{%s%s}", "{}^%s_%sT", "T^%s_%s", "{}^%sT_%s", "T_{%s,%s}"])
+def test_the_order_of_frames_is_settled_once_for_a_whole_document(written: str) -> None:
+    def page(swapped: bool, slip: str = "") -> str:
+        lefts = [written % tuple(reversed(pair) if swapped else pair) for pair in FORWARD]
+        matrices = [m.replace(slip, f"-{slip}") if slip else m for m in FORWARD.values()]
+        return "\n".join(f"$${left} = {matrix}$$" for left, matrix in zip(lefts, matrices, strict=True))
+
+    report = checked(ANT, page(swapped=False))
+    assert (report.equal, report.wrong, report.readings) == (48, (), ())
+    (slipped,) = checked(ANT, page(swapped=False, slip="a_2 s_2")).wrong
+    assert (slipped.row, slipped.column) == (2, 4)
+    if written != "{}^%sT_%s":  # whose places say which frame is which
+        turned = checked(ANT, page(swapped=True))
+        assert (turned.equal, turned.wrong) == (48, ())
+        assert "3 of 3 matrices" in turned.readings[0]
+
+
+def test_one_matrix_that_is_written_the_other_way_is_a_slip_among_others() -> None:
+    lefts = {"01": "T^0_1", "12": "T^1_2", "23": "T^3_2"}
+    report = checked(ANT, "\n".join(f"$${lefts[pair]} = {matrix}$$" for pair, matrix in FORWARD.items()))
+    (slip,) = report.wrong
+    repair = judge(slip).repair
+    assert report.equal == 32
+    assert repair is not None
+    assert repair.text == "the frames exchanged: the matrix is T[2,3]"
+
+
+def test_mathematics_inside_a_line_is_read_and_its_prose_passed_over() -> None:
+    text = r"With $\theta_1 = 30^\circ$ and $n = 3$ it is at $p_z = d_1 - a_2 s_2 + a_3 s_{23}$, see $\foo{x}$."
+    report = checked(ANT, text)
+    assert ([f.entry for f in report.wrong], report.unread) == (["p[3]"], ())
