@@ -211,10 +211,10 @@ class _Check:
         for side in said:
             table = side.value if isinstance(side.value, Table) else Table(((self._whole(side),),))
             for name in named or [_Side(first.piece)]:
-                found = tuple(self._compared(name, table, side.piece.start))
-                if not all(finding.verdict.equal for finding in found):
+                findings = tuple(self._compared(name, table, side.piece.start))
+                if not all(finding.verdict.equal for finding in findings):
                     self._refuse_example(side)
-                yield from found
+                yield from findings
 
     def _refuse_example(self, side: _Side) -> None:
         """Numbers in a document belong to an example at values of the joints that are not known here."""

@@ -52,8 +52,8 @@ class Scope:
             allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
         if not self.equations:
-            found = "no mathematics between $ signs, in brackets or in displays" if document else "empty formula"
-            raise CheckError(found, remedy="write a formula or an equation", location=start)
+            nothing = "no mathematics between $ signs, in brackets or in displays" if document else "empty formula"
+            raise CheckError(nothing, remedy="write a formula or an equation", location=start)
         # what the text defines is read first: the order of Christoffel indices, then abbreviations
         orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
         self.meanings = Meanings(model, next(iter(orders.values()), 0))
