@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from derive.robot.robot import Robot
-from derive.targets.c_inverse import c_inverse
+from derive.targets.c import c_inverse
 from tests.targets.c_models import c_model, needs_compiler
 from tests.targets.generated_models import source_of
 from tests.targets.javascript_model import JavaScriptModel

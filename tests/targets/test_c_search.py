@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.targets.c import render_c
-from derive.targets.c_inverse import c_search
+from derive.targets.c import c_search, render_c
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.readme import render as render_readme
 from tests.inverse.arms import PUBLISHED
