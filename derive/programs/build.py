@@ -39,13 +39,8 @@ def build_program(
     inverse: bool = False,
     spread: Spread | None = None,
 ) -> Program:
-    """The functions of a robot: kinematics, and dynamics where the file has links.
-
-    All are traced on one graph; then the cheapest formulation of each is chosen, of one independently of the others.
-
-    Args:
-        spread: How the choices are spread over processes, None for this one; the program does not depend on it.
-    """
+    """The functions of a robot: kinematics, and dynamics where the file has links; ``spread`` changes no program."""
+    # All are traced on one graph; then the cheapest formulation of each is chosen, independently of the others.
     trace = Trace(robot, effort)
     rows = [row for row in ROWS if row.interface.name in names and row.exists(robot)]
     work: list[_Traced | _Inverse] = [_Traced.of(row, trace) for row in rows]

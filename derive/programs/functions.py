@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 
 from derive.programs.formulations import dynamics, kinematics
@@ -122,7 +123,7 @@ ROWS = (
             "of qd; no finite numbers where cos(pitch) = 0",
             Magnitude.JACOBIAN,
         ),
-        formulations=kinematics.analytic_jacobians("rpy"),
+        formulations=partial(kinematics.analytic_jacobians, "rpy"),
         is_optional=True,
     ),
     FunctionRow(
@@ -136,7 +137,7 @@ ROWS = (
             "of qd; no finite numbers where sin(theta) = 0",
             Magnitude.JACOBIAN,
         ),
-        formulations=kinematics.analytic_jacobians("zyz"),
+        formulations=partial(kinematics.analytic_jacobians, "zyz"),
         is_optional=True,
     ),
     FunctionRow(

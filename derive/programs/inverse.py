@@ -34,7 +34,6 @@ from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot.expression import Expression, Pi
 from derive.robot.options.solution_policy import POLICY
-from derive.robot.robot import Robot
 
 DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
@@ -174,23 +173,21 @@ Solved = tuple[Inverse | InverseSearch | None, str]
 
 def solved(trace: Trace) -> Solved:
     """Inverse kinematics as the file asks for it: a program, what takes its place, or None and the reason."""
-    if not has_exact_rotations(trace.robot):
+    robot = trace.robot
+    if not has_exact_rotations(robot):
         reason = "base or tool is a rotation only to the digits that the file gives"
-        if not has_exact_rotations(trace.robot, NEARLY_EXACT):
+        if not has_exact_rotations(robot, NEARLY_EXACT):
             return None, reason
-        return search_function(trace, _without_formulas(trace.robot, reason))
-    graph = solve(trace.robot)
+        task, names = robot.inverse.task, robot.inverse.given
+        if names is None:  # where the file does not say which joints are given, those that may be
+            given = next(Freedom(robot, task).choices(), ())
+        else:
+            given = tuple(k for k, joint in enumerate(robot.joints) if joint.variable in names)
+        return search_function(trace, refusal(robot, task, given, reason))
+    graph = solve(robot)
     if not graph.is_closed or any(node.kind is NodeKind.GENERAL for node in graph.nodes):
         return search_function(trace, graph)
     return inverse_function(trace, graph), ""
-
-
-def _without_formulas(robot: Robot, reason: str) -> SolutionGraph:
-    """A graph without nodes, with the joints that the file gives or, where it does not say, those that may be given."""
-    task, names = robot.inverse.task, robot.inverse.given
-    if names is None:
-        return refusal(robot, task, next(Freedom(robot, task).choices(), ()), reason)
-    return refusal(robot, task, [k for k, joint in enumerate(robot.joints) if joint.variable in names], reason)
 
 
 def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
@@ -218,8 +215,10 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
     closed = POLICY.closed if graph.is_short else POLICY.reproduced
-    names = _in_words(trace.robot, graph)
-    return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed, around(graph), names)
+    names = postures(trace.robot, graph).names if graph.slots > 1 else ()
+    branches = tuple(", ".join(part for part in name.split(", ") if not part.startswith("#")) for name in names)
+    in_words = branches if all(branches) else ()
+    return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed, around(graph), in_words)
 
 
 def around(graph: SolutionGraph) -> Around:
@@ -235,13 +234,6 @@ def around(graph: SolutionGraph) -> Around:
         ),
         is_short=graph.is_short,
     )
-
-
-def _in_words(robot: Robot, graph: SolutionGraph) -> tuple[str, ...]:
-    """Words for the posture of each branch; nothing where there is one branch, or where a branch has no words."""
-    names = postures(robot, graph).names if graph.slots > 1 else ()
-    words = tuple(", ".join(part for part in name.split(", ") if not part.startswith("#")) for name in names)
-    return words if all(words) else ()
 
 
 def count_text(graph: SolutionGraph) -> str:

@@ -215,10 +215,7 @@ class Program:
 
     def __getitem__(self, name: str) -> Function:
         """The function of that name."""
-        for function in self.functions:
-            if function.name == name:
-                return function
-        raise KeyError(name)
+        return {function.name: function for function in self.functions}[name]
 
     def __contains__(self, name: object) -> bool:
         """Whether there is a function of that name."""

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from math import inf, prod
 from typing import Any
 
-from derive.programs.program import Inverse, InverseSearch, Program, joint_lines
+from derive.programs.program import NEAR, POSE, Elimination, Inverse, InverseSearch, Program, Way
 from derive.programs.tape.tape import Op
-from derive.targets.c_function import c_function
-from derive.targets.c_inverse import c_inverse
+from derive.robot.options.solution_policy import POLICY
+from derive.robot.robot import Robot
+from derive.targets.c_function import c_function, pointers
 from derive.targets.escape import c_comment, c_prefix
 from derive.targets.kernel import case_context
-from derive.targets.target import Source, Target
+from derive.targets.target import Source, Target, bound_text, heading, joint_limits
 from derive.targets.templating import render
 
 HEADER, CODE = "model.h", "model.c"
+# Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones.
+_LEAST = 4
 
 
 def render_c(source: Source) -> dict[str, str]:
@@ -37,7 +42,7 @@ def c_context(source: Source) -> dict[str, Any]:
     solved = solvable(program)
     inverse = c_inverse(solved, source) if solved else None
     texts = [*functions, inverse["function"]] if inverse else functions
-    return c_heading(source) | {
+    return heading(source, c_comment) | {
         "parameters": [{"name": name, "place": str(i)} for i, name in enumerate(program.parameters)],
         "parameter_count": len(program.parameters),
         "prefix": prefix,
@@ -57,15 +62,136 @@ def solvable(program: Program) -> Inverse | InverseSearch | None:
     return program.inverse or search
 
 
-def c_heading(source: Source) -> dict[str, object]:
-    """What the comment at the top of a file in C asks for."""
-    robot = source.robot
+def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any]:
+    """Inverse kinematics in C."""
+    robot, parameters = source.robot, source.program.parameters
+    step = c_function(inverse.step, parameters) if isinstance(inverse, Inverse) else None
+    further = step.constant_count if step else 0
+    function = c_function(inverse.function, parameters, further)
+    hoisted = ["k"] if function.constant_count else []
+    inputs = [*inverse.function.widths, *hoisted]
+    limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
+    joints, nearest = list(enumerate(robot.joints)), [POSE, NEAR, *hoisted]
+    rows = [f"{name} + {width} * row" for name, width in inverse.function.widths.items() if name != NEAR]
+    rows.append(f"{NEAR} ? {NEAR} + {inverse.joints} * row : NULL")
+
+    def _declared(names: Iterable[str], qualifier: str, *, status: bool = True) -> str:
+        return pointers(names, "q", qualifier) + (f", int *{qualifier}status" if status else "")
+
     return {
-        "title": c_comment(robot.title or robot.name),
-        "name": c_comment(robot.name),
-        "version": c_comment(source.version),
-        "digest": robot.digest,
-        "convention": robot.convention.value,
-        "dof": robot.n,
-        "joints": joint_lines(robot, c_comment),
+        "function": function,  # the texts of its program; its constants are followed by those of the step
+        "step": step,  # those of its Newton step
+        "step_constants": f", k + {function.constant_count - further}" if further else "",
+        "constants_declaration": ", const double *restrict k" if further else "",
+        "constants_argument": ", k" if further else "",
+        "branches": inverse.branches,
+        "size": inverse.branches * inverse.joints,  # joint variables of all branches
+        "closed": repr(inverse.closed) if isinstance(inverse, Inverse) else "",
+        "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
+        "loads": [  # the arguments that a batch loads into lanes; an optional one may be NULL, which stands for zeros
+            {"name": name, "width": inverse.function.widths[name], "is_optional": name == NEAR}
+            for name in function.used
+        ],
+        "declaration": _declared(inputs, "restrict "),  # parameters of the public function
+        "batch_declaration": f"size_t count, {_declared(inputs, 'restrict ')}",  # of that of a batch
+        "nearest_declaration": _declared(nearest, "restrict ", status=False),  # of that of the nearest solution
+        "prototype": _declared(inputs, ""),  # parameters of the first in the header
+        "batch_prototype": f"size_t count, {_declared(inputs, '')}",
+        "nearest_prototype": _declared(nearest, "", status=False),
+        "lower": ", ".join(
+            bound_text(pair[0], "INFINITY") for pair in limits
+        ),  # lower limits of the joints, as the inside of an array
+        "upper": ", ".join(bound_text(pair[1], "INFINITY") for pair in limits),
+        "revolute": ", ".join(str(int(joint.is_revolute)) for joint in robot.joints),  # which joints turn, 1 or 0
+        "turning": ", ".join(str(int(i not in inverse.given and joint.is_revolute)) for i, joint in joints),
+        "given": tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
+        "given_array": f", given[{len(inverse.given)}]" if inverse.given else "",
+        "given_lines": tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
+        "nearest_call": ", ".join([*inputs, "solutions", "status"]),
+        "start_call": ", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
+        "alone_declaration": pointers(inputs, "q", "restrict "),
+        "alone_call": ", ".join("start" if name == NEAR else name for name in [*inputs, "q"]),
+        "beside_call": ", ".join([*("moved" if name == POSE else name for name in inputs), "values"]),
+        "row_call": ", ".join([*rows, *hoisted]),  # inputs of a call for one row of a batch
+        "documentation": _inverse_documentation(inverse, robot, function.constant_count),
+        "search": c_search(inverse, robot) if isinstance(inverse, InverseSearch) else None,
     }
+
+
+def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, constant_count: int) -> tuple[str, ...]:
+    """The lines of the comment in the header."""
+    interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
+    far = POLICY.texts["far"]
+    constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."
+    near = (
+        "where joints are that are free at a pose, a configuration; NULL for zeros. If the others",
+        "have no solution with them there, they are elsewhere.",
+    )
+    if isinstance(inverse, InverseSearch):
+        near = ("not looked at: at poses with infinitely many solutions some are returned;", "it may be NULL.")
+    return (
+        interface.summary,
+        "",
+        inverse.summary,
+        f"T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond {far}, none exists.",
+        "",
+        "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
+        *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),
+        f"@param[in]  near    {near[0]}",
+        f"                    {near[1]}",
+        *([constants] if constant_count else []),
+        f"@param[out] q       joint variables, {inverse.branches} x {inverse.joints}: {interface.result}.",
+        f"@param[out] status  what each branch is, {inverse.branches}; may be NULL.",
+        "@return the number of solutions.",
+        "",
+        *((*map(c_comment, inverse.order), *inverse.function.notes) if isinstance(inverse, Inverse) else ()),
+    )
+
+
+def c_search(search: InverseSearch, robot: Robot) -> dict[str, Any]:
+    """Numbers and initialisers for the templates below ``c/search``."""
+    free = [joint for joint in range(robot.n) if joint not in search.given]
+    size = max(each.rows[1] + 2 * each.rows[2] for each in search.eliminations)
+    return {
+        "eliminations": tuple(map(_initialiser, search.eliminations)),  # each as the inside of an array
+        "is_position": all(column == 3 for _, column in search.entries),  # whether the position alone is wanted
+        "free": _listed(free),  # indices of the joints that are solved for, as the inside of an array
+        "free_count": len(free),
+        "given_joints": _listed(search.given or (-1,)),
+        "given_count": len(search.given),
+        "entry_rows": _listed(row for row, _ in search.entries),  # rows of the entries of T that are wanted
+        "entry_columns": _listed(column for _, column in search.entries),
+        "entry_count": len(search.entries),
+        "signs": _listed(float(joint.sign) for joint in robot.joints),  # factors of the joint variables
+        "ways": max(len(each.ways) for each in search.eliminations),  # most ways around the loop of an elimination
+        "rows": max(sum(way.equations for way in each.ways) for each in search.eliminations),  # most equations of one
+        "columns": max(_LEAST, *(max(sum(each.rows), _products(each)) for each in search.eliminations)),
+        "size": max(_LEAST, size),
+        "most": max(search.branches, 8 * size),  # solutions that are kept
+        "motions": tuple(map(_listed, search.motions)),
+    }
+
+
+def _products(elimination: Elimination) -> int:
+    """How many products of the joints beside the hidden one there are."""
+    way = elimination.finish
+    met = {(way.dropped + way.direction * place) % way.joints for place in range(way.eliminated + 1)}
+    others = [joint for joint in range(way.joints) if joint not in met and joint != elimination.hidden]
+    return prod((2 if joint in elimination.straight else 3) + (joint == elimination.multiplied) for joint in others)
+
+
+def _initialiser(elimination: Elimination) -> str:
+    multiplied = -1 if elimination.multiplied is None else elimination.multiplied
+    straight = sum(1 << joint for joint in elimination.straight)
+    ways = ", ".join(map(_way, elimination.ways))
+    head = f"{elimination.start}, {elimination.hidden}, {multiplied}, {{{_listed(elimination.rows)}}}"
+    return f"{{{head}, {straight}, {len(elimination.ways)}, {{{ways}}}, {_way(elimination.finish)}}}"
+
+
+def _way(way: Way) -> str:
+    numbers = (way.dropped, way.direction, way.eliminated, way.equations, way.constant, way.linear)
+    return f"{{{_listed(numbers)}}}"
+
+
+def _listed(values: Iterable[float]) -> str:
+    return ", ".join(map(str, values))

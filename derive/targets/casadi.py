@@ -12,10 +12,9 @@ from derive.interrupts import TemporaryFolder
 from derive.programs.program import NEAR, Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.robot.options.solution_policy import POLICY
-from derive.targets.c import c_heading
 from derive.targets.escape import c_comment, python_docstring
 from derive.targets.numpy import python_context
-from derive.targets.target import Source, Target
+from derive.targets.target import Source, Target, heading
 from derive.targets.templating import render
 
 FILE, CODE, HEADER = "model_casadi.py", "model_casadi.c", "model_casadi.h"
@@ -50,9 +49,9 @@ def render_casadi_c(source: Source) -> dict[str, str]:
     inverse = source.program.inverse
     for branch in casadi_inverse(inverse, len(parameters)) if inverse else ():
         generator.add(branch)
-    heading = render(
+    top = render(
         "casadi-c/heading.c.jinja",
-        **c_heading(source),
+        **heading(source, c_comment),
         parameters=parameters,
         has_inverse=inverse is not None,
         given=", ".join(source.robot.joints[i].variable for i in inverse.given) if inverse else "",
@@ -61,7 +60,7 @@ def render_casadi_c(source: Source) -> dict[str, str]:
     )
     with TemporaryFolder() as folder:
         generator.generate(f"{folder.path}/")
-        return {name: heading + (folder.path / name).read_text(encoding="utf-8") for name in (CODE, HEADER)}
+        return {name: top + (folder.path / name).read_text(encoding="utf-8") for name in (CODE, HEADER)}
 
 
 C_TARGET = Target(

@@ -81,7 +81,7 @@ _C_RESERVED = re.compile(r"(is|mem|str|to|wcs)[a-z]|[0-9_]")
 
 
 def one_line(text: str) -> str:
-    """Text without anything that moves or hides other text."""
+    """Text without anything that moves or hides other text; as it is, for a comment of MATLAB."""
     hidden = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
     return "".join(
         f"<U+{ord(character):04X}>" if unicodedata.category(character) in hidden else character
@@ -131,11 +131,6 @@ def matlab_string(text: str) -> str:
     return "'" + one_line(text).replace("'", "''") + "'"
 
 
-def matlab_comment(text: str) -> str:
-    """Text for a comment, behind a percent sign and a space."""
-    return one_line(text)
-
-
 def html_text(text: str) -> str:
     """Text for an HTML element or a quoted attribute."""
     body = html.escape(one_line(text))
@@ -156,11 +151,6 @@ def xml_text(text: str) -> str:
 def javascript_string(text: str) -> str:
     """A string literal of JavaScript."""
     return json.dumps(text).replace("<", "\\u003c").replace(">", "\\u003e").replace("\x7f", "\\u007f")
-
-
-def javascript_name(name: str) -> str:
-    """The variable that holds a user's symbol."""
-    return f"p_{name}"
 
 
 def javascript_comment(text: str) -> str:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Program, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Program
 from derive.robot.robot import Robot
-from derive.targets.escape import javascript_comment, javascript_name, javascript_string
+from derive.targets.escape import javascript_comment, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, joint_bounds, joint_limits, shape_text
+from derive.targets.target import Source, Target, heading, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
 FILE = "model.mjs"
@@ -16,14 +16,7 @@ FILE = "model.mjs"
 
 def render_javascript(source: Source) -> dict[str, str]:
     """The module ``model.mjs``."""
-    robot = source.robot
-    context = _body_context(robot, source.program) | {
-        "title": javascript_comment(robot.title or robot.name),
-        "version": javascript_comment(source.version),
-        "digest": robot.digest,
-        "convention": robot.convention.value,
-        "joints": joint_lines(robot, javascript_comment),
-    }
+    context = heading(source, javascript_comment) | _body_context(source.robot, source.program)
     return {FILE: render("javascript/model.mjs.jinja", **context)}
 
 
@@ -77,7 +70,7 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> dic
         "documentation": _documentation(function),  # lines of its comment
         "parameters": wrapped([javascript_string(name) for name in needed]),
         "hoists": bool(needed),  # whether it needs any
-        "unpack_parameters": wrapped([javascript_name(name) for name in needed]),  # lines that name them
+        "unpack_parameters": wrapped([f"p_{name}" for name in needed]),  # lines that name them
         "hoisted": kernel.hoisted,  # statements on parameters alone
         "hoisted_results": wrapped(kernel.constant_values),  # lines of the values that the body takes from there
         "checks": _checks(function, kernel, joints) if not function.widths else (),

@@ -217,14 +217,14 @@ def rows_of(values: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(values[i : i + columns]) for i in range(0, len(values), columns))
 
 
-def wrapped(values: Sequence[str]) -> tuple[str, ...]:
-    """Values with a comma after each, in lines."""
+def wrapped(values: Sequence[str], going_on: str = "") -> tuple[str, ...]:
+    """Values with a comma after each, in lines; with a mark of lines that go on, no comma ends the last."""
     lines: list[str] = []
     line = ""
-    for value in values:
-        text = f"{value}, "
+    for place, value in enumerate(values, 1):
+        text = value if going_on and place == len(values) else f"{value}, "
         if line and len(line) + len(text) > LINE_WIDTH:
-            lines.append(line.rstrip())
+            lines.append(line.rstrip() + going_on)
             line = ""
         line += text
     return (*lines, line.rstrip()) if line else tuple(lines)

@@ -8,20 +8,11 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-from derive.programs.program import (
-    ARGUMENTS,
-    Elimination,
-    Function,
-    Inverse,
-    InverseSearch,
-    Program,
-    Way,
-    joint_lines,
-)
+from derive.programs.program import ARGUMENTS, Elimination, Function, Inverse, InverseSearch, Program, Way
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, joint_bounds, joint_limits
+from derive.targets.target import Source, Target, heading, joint_bounds, joint_limits
 from derive.targets.templating import render
 
 FILE = "model_numpy.py"
@@ -59,14 +50,7 @@ def python_context(source: Source) -> dict[str, object]:
         "PARAMETERS": [python_string(name) for name in program.parameters],
         **tables,
     }
-    return {
-        "title": python_docstring(robot.title or robot.name),
-        "name": python_docstring(robot.name),
-        "version": python_docstring(source.version),
-        "digest": robot.digest,
-        "convention": robot.convention.value,
-        "joints": joint_lines(robot, python_docstring),
-        "dof": robot.n,
+    return heading(source, python_docstring) | {
         "constants": [  # tuples at the top of the module, on one line where that is enough
             {"name": name, "inside": _tuple(values), "lines": wrapped(values)}
             | {"short": len(name) + len(_tuple(values)) <= _SHORT}

@@ -9,15 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from itertools import product
-from math import inf, isfinite
+from math import inf
 from typing import Any
 
-from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Inverse, Program, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Inverse, Program
 from derive.programs.tape.tape import BRANCHING_NAMES, PARAMETER, Layer, Op
 from derive.robot.robot import Robot
-from derive.targets.escape import matlab_comment, matlab_package, matlab_string, matlab_symbol
-from derive.targets.kernel import LINE_WIDTH, OCTAVE, entry_names, input_name, write_kernel
-from derive.targets.target import Source, Target, joint_bounds, joint_limits, shape_text
+from derive.targets.escape import matlab_package, matlab_string, matlab_symbol, one_line
+from derive.targets.kernel import OCTAVE, entry_names, input_name, wrapped, write_kernel
+from derive.targets.target import Source, Target, bound_text, heading, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
 _WIDE = "x N"  # how the shape of a batch ends
@@ -29,19 +29,15 @@ def render_octave(source: Source) -> dict[str, str]:
     folder, package = package_folder(robot), matlab_package(robot.name)
     functions = tuple(_function(function, program.parameters, robot, package) for function in program)
     inverse = _inverse(program.inverse, program, robot, package) if program.inverse else None
-    context: dict[str, object] = {
+    context = heading(source, one_line) | {
         "package": package,
-        "title": matlab_comment(robot.title or robot.name),
-        "version": matlab_comment(source.version),
-        "digest": robot.digest,
-        "convention": robot.convention.value,
-        "joints": joint_lines(robot, matlab_comment),
-        "dof": robot.n,
         "revolute": ", ".join("true" if joint.is_revolute else "false" for joint in robot.joints),
-        "parameters": _wrapped([matlab_string(name) for name in program.parameters]),
-        "limits": [", ".join(map(_bound, pair or (-inf, inf))) for pair in joint_limits(robot)],
+        "parameters": wrapped([matlab_string(name) for name in program.parameters], " ..."),
+        "limits": [
+            ", ".join(bound_text(bound, "Inf") for bound in pair or (-inf, inf)) for pair in joint_limits(robot)
+        ],
         "bounds": {
-            name.lower(): "; ".join(_bound(inf if most is None else most) for most in row)
+            name.lower(): "; ".join(bound_text(inf if most is None else most, "Inf") for most in row)
             for name, row in joint_bounds(robot).items()
         },
         "has_parameters": bool(program.parameters),
@@ -49,7 +45,7 @@ def render_octave(source: Source) -> dict[str, str]:
         "inverse": inverse,
         "without_inverse": "its solutions come from eigenvalues or a search, which NumPy and C have"
         if program.search
-        else matlab_comment(program.without_inverse),
+        else one_line(program.without_inverse),
     }
     texts = {f"{folder}/Contents.m": render("octave/Contents.m.jinja", **context)}
     texts[f"{folder}/model.m"] = render("octave/model.m.jinja", **context, constants=_constants(robot, program))
@@ -88,7 +84,7 @@ def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ..
         "base_formulas": [column.formula for column in base],
         "given_joints": [robot.joints[i].label for i in program.inverse.given] if program.inverse else [],
     }
-    return tuple((name, _wrapped([matlab_string(text) for text in texts])) for name, texts in lists.items())
+    return tuple((name, wrapped([matlab_string(text) for text in texts], " ...")) for name, texts in lists.items())
 
 
 def _function(function: Function, parameters: Sequence[str], robot: Robot, package: str) -> dict[str, Any]:
@@ -115,7 +111,7 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         "params_place": len(function.arguments) + 1,  # place of the argument ``params``
         "quoted": ", ".join(f"'{name}'" for name in function.arguments),
         "unpack": _unpacked(function, robot.n),  # statements that name the entries of the arguments
-        "needed": _wrapped([matlab_string(name) for name in needed]),
+        "needed": wrapped([matlab_string(name) for name in needed], " ..."),
         "unpack_parameters": tuple(f"p_{name} = p({k});" for k, name in enumerate(names, 1)),
         "hoists": bool(kernel.constants),  # whether there are values on parameters alone
         "hoisted": kernel.hoisted,  # statements on parameters alone
@@ -177,7 +173,7 @@ def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot,
 
 def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> dict[str, Any]:
     """Inverse kinematics and its help."""
-    names = [matlab_comment(robot.joints[i].label) for i in inverse.given]
+    names = [one_line(robot.joints[i].label) for i in inverse.given]
     params = ["params"] if program.parameters else []
     inputs = [*([GIVEN] if names else []), *params]
     size, count = f"{robot.n} x {inverse.branches}", len(names)
@@ -197,7 +193,7 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         *given,
         *_parameter_lines(program.parameters),
         "",
-        *map(matlab_comment, inverse.order),
+        *map(one_line, inverse.order),
         *inverse.function.notes,
     )
     turning = [
@@ -248,19 +244,3 @@ def _parameter_lines(parameters: Sequence[str]) -> tuple[str, ...]:
     if not parameters:
         return ()
     return ("params: numbers of the free parameters, a struct by name or a vector in the order of those of model().",)
-
-
-def _bound(value: float) -> str:
-    return repr(value) if isfinite(value) else "-Inf" if value < 0 else "Inf"
-
-
-def _wrapped(values: Sequence[str]) -> tuple[str, ...]:
-    """Values with commas between them, in lines that go on."""
-    lines, line = [], ""
-    for place, value in enumerate(values):
-        text = value if place == len(values) - 1 else f"{value}, "
-        if line and len(line) + len(text) > LINE_WIDTH:
-            lines.append(f"{line.rstrip()} ...")
-            line = ""
-        line += text
-    return (*lines, line) if line else tuple(lines)

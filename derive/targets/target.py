@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 
 from derive.algebra.constants import exact_number, to_float
-from derive.programs.program import Program
+from derive.programs.program import Program, joint_lines
 from derive.robot.evaluate import evaluate
 from derive.robot.names import number_of
 from derive.robot.robot import Robot
@@ -45,6 +46,20 @@ class Target:
         return (*self.files, f"{self.package(robot)}/") if self.package else self.files
 
 
+def heading(source: Source, comment: Callable[[str], str]) -> dict[str, object]:
+    """What the comment at the top of a file asks for; ``comment`` makes users' text harmless there."""
+    robot = source.robot
+    return {
+        "title": comment(robot.title or robot.name),
+        "name": comment(robot.name),
+        "version": comment(source.version),
+        "digest": robot.digest,
+        "convention": robot.convention.value,
+        "dof": robot.n,
+        "joints": joint_lines(robot, comment),
+    }
+
+
 def package_name(robot: Robot) -> str:
     """Name of a robot's folder, importable by Python."""
     name = robot.name.replace("-", "_")
@@ -65,6 +80,11 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
         known = [to_float(bound) for bound in bounds if bound is not None]
         limits.append((known[0], known[1]) if len(known) == 2 else None)
     return tuple(limits)
+
+
+def bound_text(value: float, infinity: str) -> str:
+    """A bound in a language that has a word for infinity."""
+    return repr(value) if isfinite(value) else f"-{infinity}" if value < 0 else infinity
 
 
 def joint_bounds(robot: Robot) -> dict[str, tuple[float | None, ...]]:

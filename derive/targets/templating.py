@@ -69,7 +69,5 @@ def template_folder() -> Traversable:
 
 
 def _read(name: str) -> str | None:
-    path = template_folder()
-    for part in name.split("/"):
-        path = path.joinpath(part)
+    path = template_folder().joinpath(name)
     return path.read_text(encoding="utf-8") if path.is_file() else None

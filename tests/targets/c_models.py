@@ -14,6 +14,7 @@ from derive.verification.c_model import CModel, load_c_model
 from tests.targets.generated_models import source_of
 
 REQUIRED = os.environ.get("DERIVE_REQUIRE_COMPILER") == "1"
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wshadow", "-Wconversion", "-Wmissing-prototypes", "-Werror")
 needs_compiler = pytest.mark.skipif(find_compiler() is None and not REQUIRED, reason="no C compiler")
 
 

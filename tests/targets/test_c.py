@@ -1,32 +1,48 @@
-"""The C model: clean C99, one configuration and a batch, the same values as the NumPy model."""
+"""The C model: clean C99, one configuration and a batch, sines and cosines of its own."""
 
 import ctypes
 import random
 import re
 import subprocess
-from dataclasses import replace
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from derive.programs.program import Program
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
-from derive.targets.c import render_c
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.escape import c_prefix
 from derive.verification.c_model import CModel
 from tests.random_robots import random_robot, seeds
-from tests.targets.c_models import c_model, needs_compiler, write_c_model
-from tests.targets.generated_models import PARAMETERS, numpy_model, planar, small_program, source_of
-from tests.targets.test_numpy import TITLES
+from tests.targets.c_models import STRICT, c_model, needs_compiler, write_c_model
+from tests.targets.generated_models import PARAMETERS, planar, small_program
+from tests.targets.searched_arms import GENERAL, program_of, robot_of
 
 pytestmark = needs_compiler
 
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wshadow", "-Wconversion", "-Wmissing-prototypes", "-Werror")
 ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
+SLIDE = "name: slide\nconvention: standard\njoints: [{type: prismatic}]\ngravity: [0, 0, 1]\nlinks: [{mass: 1}]\n"
+TORQUES = ("inverse_dynamics", "forward_dynamics")
+
+
+def number() -> Program:
+    graph = Graph()
+    return small_program(graph, [Value(graph, graph.number(Fraction(2)))])
+
+
+CASES: dict[str, tuple[Callable[[], tuple[Robot, Program | None]], str]] = {
+    "plain": (lambda: (planar(), None), "-O0"),
+    "optimised": (lambda: (planar(), None), "-O3 -march=native"),
+    "fast": (lambda: (planar(), None), "-O2 -ffast-math"),
+    "without angles": (lambda: (Robot.from_text(SLIDE), None), "-O0"),
+    "without inputs": (lambda: (Robot.from_text(ONE_JOINT), number()), "-O0"),
+    "without formulas": (lambda: (robot_of(GENERAL), program_of(GENERAL)), "-O2"),
+}
 
 
 def compiled(folder: Path, *options: str) -> Path:
@@ -37,10 +53,12 @@ def compiled(folder: Path, *options: str) -> Path:
     return library
 
 
-@pytest.mark.parametrize("options", [("-O0",), ("-O3", "-march=native"), ("-O2", "-ffast-math")])
-def test_no_compiler_warns(tmp_path: Path, options: tuple[str, ...]) -> None:
-    write_c_model(tmp_path, planar())
-    compiled(tmp_path, *STRICT, *options)
+@pytest.mark.parametrize("case", CASES)
+def test_no_compiler_warns_and_nothing_is_allocated(tmp_path: Path, case: str) -> None:
+    made, options = CASES[case]
+    text = write_c_model(tmp_path, *made())["model.c"]
+    assert not re.search(r"\b(malloc|calloc|free)\(|\bstatic (double|int) \w+[^\w(]", text)
+    compiled(tmp_path, *STRICT, *options.split())
 
 
 @pytest.mark.slow
@@ -50,54 +68,24 @@ def test_no_compiler_warns_about_random_robots(tmp_path: Path, seed: int) -> Non
     compiled(tmp_path, *STRICT)
 
 
-def test_robots_without_angles_or_without_anything_compile_cleanly(tmp_path: Path) -> None:
-    slide = "name: slide\nconvention: standard\njoints: [{type: prismatic}]\ngravity: [0, 0, 1]\nlinks: [{mass: 1}]\n"
-    write_c_model(tmp_path, Robot.from_text(slide))
-    compiled(tmp_path, *STRICT)
-    graph = Graph()
-    write_c_model(tmp_path, Robot.from_text(ONE_JOINT), small_program(graph, [Value(graph, graph.number(Fraction(2)))]))
-    compiled(tmp_path, *STRICT)
-
-
-def test_there_is_nothing_global_and_nothing_is_allocated(tmp_path: Path) -> None:
-    texts = write_c_model(tmp_path, planar())
+def test_there_is_nothing_global(tmp_path: Path) -> None:
+    write_c_model(tmp_path, planar())
     names = subprocess.run(["nm", compiled(tmp_path, "-c")], capture_output=True, text=True, check=True).stdout
     kinds = {line.split()[-1]: line.split()[-2] for line in names.splitlines()}
     assert {name for name, kind in kinds.items() if kind in "BbCDdGgSs"} <= set()
     assert {name for name, kind in kinds.items() if kind == "U"} <= {"sin", "cos", "sincos", "sqrt", "memcpy"} | {
         name for name in kinds if name.startswith(("_GLOBAL_", "__stack"))
     }
-    assert not re.search(r"\b(malloc|calloc|free|static double|static int)\b", texts["model.c"])
 
 
 def test_the_header_can_be_read_by_cpp(tmp_path: Path) -> None:
-    write_c_model(tmp_path, planar())
-    (tmp_path / "use.cpp").write_text(
-        '#include "model.h"\nvoid f(const double *q, double *r) { planar_forward_kinematics(q, nullptr, r); }\n'
-        if "forward_kinematics_constants" in (tmp_path / "model.h").read_text()
-        else '#include "model.h"\nvoid f(const double *q, double *r) { planar_forward_kinematics(q, r); }\n'
-    )
-    done = subprocess.run(
-        ["g++", "-Wall", "-Wextra", "-pedantic", "-Werror", "-c", "use.cpp", "-o", "use.o"],
-        cwd=tmp_path, capture_output=True, text=True,
-    )  # fmt: skip
+    header = write_c_model(tmp_path, planar())["model.h"]
+    inputs = "q, nullptr, r" if "forward_kinematics_constants" in header else "q, r"
+    call = f"void f(const double *q, double *r) {{ planar_forward_kinematics({inputs}); }}"
+    (tmp_path / "use.cpp").write_text(f'#include "model.h"\n{call}\n')
+    command = ["g++", "-Wall", "-Wextra", "-pedantic", "-Werror", "-c", "use.cpp", "-o", "use.o"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", seeds(4, usual=2))
-def test_random_robots_give_what_the_numpy_model_gives(seed: int) -> None:
-    robot = random_robot(random.Random(seed), 2 + seed)
-    loaded = Robot.from_text(robot.text)
-    model, wanted = c_model(loaded), numpy_model(loaded)
-    rng = np.random.default_rng(seed)
-    for function in source_of(loaded).program:
-        arguments = [rng.uniform(-2, 2, (11, loaded.n)) for _ in function.arguments]
-        expected = getattr(wanted, function.name)(*arguments, params=robot.values)
-        batch = model.call(function.name, arguments, robot.values)
-        single = [model.call(function.name, rows, robot.values) for rows in zip(*arguments, strict=True)]
-        for found in (batch, single) if arguments else (batch,):
-            assert np.abs(found - expected).max() <= 1e-12 * max(1, np.abs(expected).max())
 
 
 @pytest.mark.parametrize("count", [0, 1, 31, 32, 33, 64, 1003])
@@ -151,29 +139,11 @@ def test_batches_are_vectorised(tmp_path: Path) -> None:
     if "Free Software Foundation" not in version:
         pytest.skip("the report is that of gcc")
     texts = write_c_model(tmp_path, planar())
-    command = [
-        *compiler,
-        "-std=c99",
-        "-O3",
-        "-march=native",
-        "-fno-math-errno",
-        "-fopt-info-vec",
-        "-c",
-        "model.c",
-        "-o",
-        "model.o",
-    ]
-    report = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stderr
+    options = [*("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fopt-info-vec"), "-c", "model.c"]
+    report = subprocess.run([*compiler, *options], cwd=tmp_path, capture_output=True, text=True).stderr
     vectorised = {int(line) for line in re.findall(r"model\.c:(\d+):.*loop vectorized", report)}
     lines = texts["model.c"].splitlines()
-    wanted = (
-        "forward_kinematics",
-        "jacobian",
-        "inertia_matrix",
-        "gravity_vector",
-        "inverse_dynamics",
-        "forward_dynamics",
-    )
+    wanted = ("forward_kinematics", "jacobian", "inertia_matrix", "gravity_vector", *TORQUES)
     calls = tuple(f"        {name}_lane(" for name in wanted)
     loops = [i for i, line in enumerate(lines) if line.startswith(calls)]
     assert len(loops) == len(wanted)
@@ -187,33 +157,6 @@ def test_names_of_functions_are_the_robots_own(tmp_path: Path, name: str) -> Non
     assert not re.match(r"(str|mem|is|to|wcs)[a-z]", prefix)
     write_c_model(tmp_path, Robot.from_text(ONE_JOINT.replace("name: one", f"name: {name}")))
     compiled(tmp_path, *STRICT)
-
-
-def test_names_of_users_never_collide_with_names_of_ours() -> None:
-    names = ["lambda", "t1", "k1", "double", "lanes", "result", "LANES", "sign", "int", "count", "sines", "restrict"]
-    cells = zip(names[::4], names[1::4], names[2::4], names[3::4], strict=True)
-    links = "\n".join(f"  - {{mass: {a}, com: [{b}, {c}, 0], inertia: {{zz: {d}}}}}" for a, b, c, d in cells)
-    joints = "\n".join("  - {type: revolute, a: 0.5}" for _ in range(3))
-    text = f"name: names\nconvention: standard\njoints:\n{joints}\ngravity: [0, -9.81, 0]\nlinks:\n{links}\n"
-    robot = Robot.from_text(text)
-    values = {name: 1.0 for name in names}
-    q = np.full(robot.n, 0.1)
-    wanted = numpy_model(robot).gravity_vector(q, params=values)
-    assert c_model(robot).call("gravity_vector", [q], values) == pytest.approx(wanted)
-
-
-@pytest.mark.parametrize("title", TITLES)
-def test_titles_stay_inert(title: str) -> None:
-    plain = planar()
-    texts = render_c(source_of(replace(plain, title=title)))
-    usual = render_c(source_of(plain))
-    for file, text in texts.items():
-        assert without_comments(text) == without_comments(usual[file])
-        assert "??" not in text
-
-
-def without_comments(text: str) -> str:
-    return re.sub(r"/\*.*?\*/", "", text.replace("\\\n", ""), flags=re.DOTALL)
 
 
 @pytest.fixture(scope="module")

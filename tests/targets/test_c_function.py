@@ -1,4 +1,4 @@
-"""A function in C: its parts take what they need and no more."""
+"""Functions in C: their parts take what they need and no more, limits and lengths are those of the robot."""
 
 import re
 from fractions import Fraction
@@ -6,8 +6,10 @@ from fractions import Fraction
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
+from derive.targets.c import c_inverse
 from derive.targets.c_function import c_function
-from tests.targets.generated_models import small_program
+from tests.targets.generated_models import small_program, source_of
+from tests.targets.test_inverse import elbow, program_of
 
 
 def test_work_goes_to_the_part_that_needs_nothing_more() -> None:
@@ -32,3 +34,15 @@ def test_an_argument_without_a_say_is_declared_and_not_loaded() -> None:
 
 def arrays(declaration: str) -> list[str]:
     return re.findall(r"\*(?:restrict )?(\w+)", declaration)
+
+
+def test_inverse_kinematics_has_the_limits_and_lengths_of_the_robot() -> None:
+    program = program_of(elbow())
+    assert program.inverse is not None
+    text = c_inverse(program.inverse, source_of(elbow(), program))
+    assert text["lower"] == "-2.0, -INFINITY, -INFINITY, -1.0"
+    assert text["upper"] == "2.0, INFINITY, INFINITY, 1.0"
+    assert text["revolute"] == "1, 1, 1, 0"
+    assert text["size"] == text["branches"] * 4
+    assert {load["name"]: load["width"] for load in text["loads"]}["T"] == 16
+    assert {load["name"] for load in text["loads"] if load["is_optional"]} <= {"near"}

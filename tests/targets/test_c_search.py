@@ -1,17 +1,12 @@
 """Arms without formulas in NumPy, C and CasADi: every solution, the same in both languages, and the reason if none."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from derive.targets.c import render_c
-from derive.targets.c_inverse import c_search
-from derive.targets.compiler import compile_shared, find_compiler
+from derive.targets.c import c_search, render_c
 from derive.targets.readme import render as render_readme
 from tests.inverse.arms import PUBLISHED
-from tests.targets.c_models import c_model, needs_compiler, write_c_model
+from tests.targets.c_models import c_model, needs_compiler
 from tests.targets.generated_models import casadi_model, source_of
 from tests.targets.searched_arms import (
     CROOKED,
@@ -24,7 +19,6 @@ from tests.targets.searched_arms import (
     robot_of,
     search_of,
 )
-from tests.targets.test_c import STRICT
 
 GIVEN = [3]
 
@@ -112,15 +106,6 @@ def test_in_c_no_solution_exists_at_what_is_no_number(entry: float) -> None:
     assert status[0].any()
     assert not status[1].any()
     assert np.isnan(found[1]).all()
-
-
-@needs_compiler
-def test_no_compiler_warns_and_nothing_is_allocated(tmp_path: Path) -> None:
-    text = write_c_model(tmp_path, robot_of(GENERAL), program_of(GENERAL))["model.c"]
-    assert not re.search(r"\b(malloc|calloc|free)\(", text)
-    compiler = find_compiler()
-    assert compiler is not None
-    compile_shared(compiler, [tmp_path / "model.c"], tmp_path / "model.so", (*STRICT, "-O2"))
 
 
 def test_parameters_may_differ_from_pose_to_pose() -> None:

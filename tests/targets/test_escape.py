@@ -106,7 +106,7 @@ def test_matlab_strings_and_comments_are_one_line(text: str) -> None:
     assert literal[0] == literal[-1] == "'"
     assert "'" not in literal[1:-1].replace("''", "")
     assert len(literal.splitlines()) == 1
-    assert len(escape.matlab_comment(text).splitlines()) <= 1
+    assert len(escape.one_line(text).splitlines()) <= 1
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ first one stands still, and the last one is the end effector. A vector known at 
 it about one z axis after another (four multiplications and two additions each, half of that for a vector in a
 coordinate plane), or at once by the rotation of a station on the way, built from the base outwards. Which costs less
 depends on what else is needed, so all ways are offered, beside cross products of two other columns and sums of vectors
-that other columns need; `derive.programs.optimise.choice` takes the combination that shares most.
+that other columns need; `derive.programs.formulations.choice` takes the combination that shares most.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from derive.mechanics.vectors import (
     subtract,
     transpose,
 )
+from derive.programs.formulations.choice import choose
 from derive.programs.formulations.parallel_axes import ParallelRun, Placement, about_z
-from derive.programs.optimise.choice import choose
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref
 from derive.programs.tape.value import Value
@@ -128,25 +128,28 @@ def cheapest_pose(stations: Stations) -> Frame[Value]:
 
 def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
     """J, the geometric Jacobian in the world frame."""
-    chain = stations.chain
     groups: list[Ways] = []
     for r, run in enumerate(stations.runs):
         # One axis for the whole run, and a linear column for each of its joints.
         groups.append([stations.world(r, _unit(stations, 2), meeting) for meeting in _meetings(stations, r)])
         for k in range(len(run.placements)):
             groups.append(_linear_ways(stations, r, k))
+    return [list(row) for row in zip(*_columns(stations, groups, 1), strict=True)]
+
+
+def _columns(stations: Stations, groups: Sequence[Ways], sense: int) -> list[list[Value]]:
+    """Columns of a Jacobian from the cheapest ways; ``sense`` is -1 where the joints are seen from their other side."""
     # In the order in which the groups were offered: axis, linear columns, next run.
     chosen = iter(_chosen(groups))
     columns: list[list[Value]] = []
     for run in stations.runs:
         z = next(chosen)
-        for place, joint in zip(run.placements, chain.joints[run.first :], strict=False):
-            linear = next(chosen)
+        for place, joint in zip(run.placements, stations.chain.joints[run.first :], strict=False):
             # An axis may be opposed to the run's, and a variable counted the other way.
-            direction = joint.sign * place.direction if joint.revolute else joint.sign
-            spin = scale(direction, z) if joint.revolute else (chain.zero,) * 3
-            columns.append([*scale(direction, linear), *spin])
-    return [[column[row] for column in columns] for row in range(6)]
+            direction = sense * joint.sign * (place.direction if joint.revolute else 1)
+            spin = scale(direction, z) if joint.revolute else (stations.chain.zero,) * 3
+            columns.append([*scale(direction, next(chosen)), *spin])
+    return columns
 
 
 def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
@@ -169,15 +172,7 @@ def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
             ways = [stations.world(r, own, meeting) for meeting in meetings]
             crossed = [cross(pose.position, z) for z in axes] if joint.revolute else []
             groups.append(ways + crossed)
-    chosen = iter(_chosen(groups))
-    columns: list[list[Value]] = []
-    for run in stations.runs:
-        z = next(chosen)
-        for place, joint in zip(run.placements, chain.joints[run.first :], strict=False):
-            direction = -joint.sign * place.direction if joint.revolute else -joint.sign
-            spin = scale(direction, z) if joint.revolute else (zero,) * 3
-            columns.append([*scale(direction, next(chosen)), *spin])
-    return [[column[row] for column in reversed(columns)] for row in range(6)]
+    return [list(row) for row in zip(*reversed(_columns(stations, groups, -1)), strict=True)]
 
 
 def cheapest_links(stations: Stations) -> list[Frame[Value]]:

@@ -3,21 +3,26 @@
 Numbers of the robot are put into a graph traced with its symbols, each formulation is improved for a short time, those
 that come close to the best for a longer one, and the tape is cut from the cheapest. Every threshold of this is in
 `derive.programs.optimise.search_policy`.
+
+Within a formulation, `choose` takes the cheapest combination of ways to compute values that share work: each group of
+outputs has options, and what two choices have in common is computed once, so a combination costs what the union of the
+nodes costs that its options need.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
+from operator import or_
 
 from derive.algebra.constants import Constant, exact_number
 from derive.programs.optimise.improve import Improvement
 from derive.programs.optimise.search_policy import POLICY, Effort
-from derive.programs.tape.build import Replacements, bake, copy, cut
+from derive.programs.tape.build import Replacements, bake, copy, cut, reachable
 from derive.programs.tape.cost import Cost, program_cost
-from derive.programs.tape.graph import Graph, Ref
-from derive.programs.tape.tape import PARAMETER, InputSource, Tape
+from derive.programs.tape.graph import Graph, Ref, node_of
+from derive.programs.tape.tape import OPERATION_COST, PARAMETER, InputSource, Layer, Tape
 from derive.programs.tape.value import Value
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
@@ -37,7 +42,13 @@ class FormulationChoice:
     def __init__(self, robot: Robot, graph: Graph, effort: Effort = Effort.FULL) -> None:
         self._graph = graph
         self._effort = effort
-        self.numbers = _numbers(robot)
+        # For each symbol its number, or its place in the parameter vector.
+        numbers: dict[int, InputSource | Constant] = {}
+        free, known = {name: k for k, name in enumerate(free_symbols(robot))}, number_of(robot)
+        for i, name in enumerate(robot_symbols(robot)):
+            numbers[i] = InputSource(PARAMETER, free[name]) if name in free else exact_number(known[name], {})
+            assert numbers[i] is not None, "the loader admits only numbers as parameters"
+        self.numbers: Replacements = numbers
         self._priced, self._known = Graph(), dict[int, Ref]()
 
     def price(self, outputs: Sequence[Ref]) -> Cost:
@@ -82,12 +93,80 @@ class FormulationChoice:
         return formulations[winner], tape
 
 
-def _numbers(robot: Robot) -> Replacements:
-    """For each symbol its number, or its place in the parameter vector."""
-    free = {name: k for k, name in enumerate(free_symbols(robot))}
-    numbers = number_of(robot)
-    found: dict[int, InputSource | Constant] = {}
-    for i, name in enumerate(robot_symbols(robot)):
-        found[i] = InputSource(PARAMETER, free[name]) if name in free else exact_number(numbers[name], {})
-        assert found[i] is not None, "the loader admits only numbers as parameters"
-    return found
+# The ways to compute one group of outputs; each gives the same outputs in the same order.
+Options = Sequence[Sequence[Ref]]
+
+
+def choose(graph: Graph, groups: Sequence[Options]) -> tuple[int, ...]:
+    """For every group the option to take; it may not be the best, but no combination with one change is better."""
+    # A local search: from several starts, one group after another changes to what is cheapest beside the others.
+    needs = _Needs(graph, groups)
+    _, best = min((needs.settled(start) for start in needs.starts()), key=lambda found: found[0])
+    return tuple(places[k] for places, k in zip(needs.places, best, strict=True))
+
+
+class _Needs:
+    """The body's operations that each option needs, as bits of an integer."""
+
+    def __init__(self, graph: Graph, groups: Sequence[Options]) -> None:
+        bits: dict[int, int] = {}
+        self._of_cost: dict[int, int] = {}  # the operations of each cost
+        free = 1
+        for i in reachable(graph, (ref for options in groups for option in options for ref in option)):
+            mask = _union(bits[k] for k in graph.operands[i])
+            cost = OPERATION_COST[graph.op[i]]
+            if graph.layer[i] is Layer.BODY and cost:
+                mask |= free
+                self._of_cost[cost] = self._of_cost.get(cost, 0) | free
+                free <<= 1
+            bits[i] = mask
+        self.places: list[list[int]] = []
+        self.groups: list[list[int]] = []
+        for options in groups:
+            masks = [_union(bits[node_of(ref)] for ref in option) for option in options]
+            kept: list[int] = []
+            for place, mask in enumerate(masks):
+                if any(masks[k] & ~mask == 0 for k in kept):
+                    continue
+                kept = [k for k in kept if mask & ~masks[k]] + [place]
+            self.places.append(kept)
+            self.groups.append([masks[place] for place in kept])
+
+    def _cost(self, needed: int) -> int:
+        return sum([cost * (needed & mask).bit_count() for cost, mask in self._of_cost.items()])
+
+    def _cheapest(self, group: int, beside: int) -> int:
+        """The option of a group that adds least to what is needed anyway, the first of equals."""
+        costs = [self._cost(beside | option) for option in self.groups[group]]
+        return costs.index(min(costs))
+
+    def starts(self) -> Iterator[list[int]]:
+        """The same place in every group; what is cheapest beside the groups before, and beside those after."""
+        for place in range(max(map(len, self.groups), default=0)):
+            yield [min(place, len(options) - 1) for options in self.groups]
+        count = len(self.groups)
+        for order in (range(count), range(count - 1, -1, -1)):
+            found, needed = [0] * count, 0
+            for group in order:
+                found[group] = self._cheapest(group, needed)
+                needed |= self.groups[group][found[group]]
+            yield found
+
+    def settled(self, found: list[int]) -> tuple[int, list[int]]:
+        """A combination that no change of one group improves, with its cost before it."""
+        groups = self.groups
+        spent = self._cost(_union(groups[g][k] for g, k in enumerate(found)))
+        changed = True
+        while changed:
+            changed = False
+            for group in range(len(found)):
+                beside = _union(groups[g][k] for g, k in enumerate(found) if g != group)
+                place = self._cheapest(group, beside)
+                now = self._cost(beside | groups[group][place])
+                if now < spent:
+                    found[group], spent, changed = place, now, True
+        return spent, found
+
+
+def _union(masks: Iterable[int]) -> int:
+    return reduce(or_, masks, 0)

@@ -56,12 +56,9 @@ def gravity_vectors(trace: Trace) -> Iterator[Formulation]:
 
 def kinetic_energies(trace: Trace) -> Iterator[Formulation]:
     """Formulations of the kinetic energy."""
-    rates = trace.arguments(QD)
-
-    def _values(choices: FrameChoices) -> list[Value]:
-        return [kinetic_energy(trace.arranged(choices, axial=True), rates, trace.half)]
-
-    yield from _searched(trace, "kinetic", f"velocities of the links {_BASE}", _values)
+    words, rates = f"velocities of the links {_BASE}", trace.arguments(QD)
+    chain = partial(trace.arranged, axial=True)
+    yield from _searched(trace, "kinetic", words, lambda choices: [kinetic_energy(chain(choices), rates, trace.half)])
     yield from _closed(trace, "kinetic_energy")
 
 

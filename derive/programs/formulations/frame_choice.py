@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.joint_motion import shift, turn_about_z
@@ -180,10 +181,13 @@ class FrameChoiceSearch:
             best = min(best, start, key=self._cost) if self._work_left > 0 else best
         # Coordinate descent: sweeps over joints and choices until one changes nothing.
         while self._work_left > 0:
-            better = self._swept(best)
-            if better == best:
+            before = best
+            for i, name in product(range(self._chain.n), self._choices):
+                for change in self._changes(i, best[i], name):
+                    if self._work_left > 0:
+                        best = min(best, (*best[:i], change, *best[i + 1 :]), key=self._cost)
+            if best == before:
                 break
-            best = better
         # Different choices may trace the same program: of these the first one.
         first: dict[Outputs, FrameChoices] = {}
         for choices, outputs in self._traced.items():
@@ -191,16 +195,6 @@ class FrameChoiceSearch:
         ranked = sorted(first, key=self._costs.__getitem__)[:count]
         limit = POLICY.frame_choice_margin * self._costs[ranked[0]]
         return tuple(first[outputs] for outputs in ranked if self._costs[outputs] <= limit)
-
-    def _swept(self, best: FrameChoices) -> FrameChoices:
-        """Every choice of every joint once."""
-        for i in range(len(best)):
-            for name in self._choices:
-                for change in self._changes(i, best[i], name):
-                    if self._work_left <= 0:
-                        return best
-                    best = min(best, (*best[:i], change, *best[i + 1 :]), key=self._cost)
-        return best
 
     def _changes(self, i: int, choice: FrameChoice, name: str) -> Sequence[FrameChoice]:
         """What is chosen at a joint with one thing chosen otherwise, if that matters there."""

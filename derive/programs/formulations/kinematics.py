@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
@@ -73,18 +74,14 @@ def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
         yield Formulation(f"{words}, differentiated in time", _in_time)
 
 
-def analytic_jacobians(kind: str) -> Callable[[Trace], Iterator[Formulation]]:
+def analytic_jacobians(kind: str, trace: Trace) -> Iterator[Formulation]:
     """Formulations of J_A."""
+    for words, matrix, pose in _pairs(trace):
+        yield Formulation(f"{words}, and the angles' rates", partial(_in_angles, kind, matrix, pose))
 
-    def _formulations(trace: Trace) -> Iterator[Formulation]:
-        for words, matrix, pose in _pairs(trace):
 
-            def _values(matrix: Callable[[], Matrix] = matrix, pose: Callable[[], Frame[Value]] = pose) -> list[Value]:
-                return flat(analytic_jacobian(kind, column(pose().rotation, TILTED[kind]), matrix()))
-
-            yield Formulation(f"{words}, and the angles' rates", _values)
-
-    return _formulations
+def _in_angles(kind: str, matrix: Callable[[], Matrix], pose: Callable[[], Frame[Value]]) -> list[Value]:
+    return flat(analytic_jacobian(kind, column(pose().rotation, TILTED[kind]), matrix()))
 
 
 def _pairs(trace: Trace) -> Iterator[tuple[str, Callable[[], Matrix], Callable[[], Frame[Value]]]]:

@@ -18,7 +18,7 @@ from derive.programs.formulations.frame_choice import (
     arrange,
     starting_choices,
 )
-from derive.programs.formulations.parallel_axes import ParallelRun, Turn, parallel_runs
+from derive.programs.formulations.parallel_axes import ParallelRun, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
@@ -89,12 +89,9 @@ class Trace:
         """The same on their way to the end effector; None where base or tool is a rotation only nearly."""
         if self.stations is None:
             return None
-        inverted = self.chain.inverted
-
-        def _total(turns: Sequence[Turn]) -> tuple[Value, Value]:
-            return self.domain.cosine_sine_of_sum([(self.n - 1 - k, -direction) for k, direction in turns])
-
-        return Stations(inverted, parallel_runs(inverted, _total))
+        inverted, total = self.chain.inverted, self.domain.cosine_sine_of_sum
+        runs = parallel_runs(inverted, lambda turns: total([(self.n - 1 - k, -direction) for k, direction in turns]))
+        return Stations(inverted, runs)
 
     @cached_property
     def shortest_pose(self) -> Frame[Value] | None:

@@ -141,15 +141,14 @@ class Coefficients:
         node = node_of(ref)
         value = self._residues.get(node)
         if value is None:
-            value = self._residues[node] = self._evaluate(node)
+            source, number = self.graph.sources.get(node), self.graph.constants.get(node)
+            if source is not None:
+                value = scatter(source.kind, source.index)
+            elif isinstance(number, Fraction):
+                value = number.numerator * pow(number.denominator, -1, PRIME) % PRIME
+            elif number is not None:
+                value = scatter("constant", *constants.key_of(number))
+            else:
+                value = residue_of(self.graph.op[node], [self.residue(ref_to(k)) for k in self.graph.operands[node]])
+            self._residues[node] = value
         return (PRIME - value) % PRIME if is_negative(ref) else value
-
-    def _evaluate(self, node: int) -> int:
-        source, value = self.graph.sources.get(node), self.graph.constants.get(node)
-        if source is not None:
-            return scatter(source.kind, source.index)
-        if isinstance(value, Fraction):
-            return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
-        if value is not None:
-            return scatter("constant", *constants.key_of(value))
-        return residue_of(self.graph.op[node], [self.residue(ref_to(k)) for k in self.graph.operands[node]])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import reduce
 
 from derive.programs.optimise.coefficients import Coefficients
 from derive.programs.optimise.network import ROOT, Definition, Monomial, Network, Opaque, Operand, Polynomial
@@ -113,22 +114,14 @@ def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
             return operand.coefficient
         return signed(refs[operand.variable], is_negative(operand.coefficient))
 
-    def _sum_of(polynomial: Polynomial) -> Ref:
-        terms: list[Ref] = []
-        for monomial, coefficient in polynomial.items():
-            term = coefficient
-            for factor in sorted(refs[v] for v in monomial):
-                term = graph.multiply(term, factor)
-            terms.append(term)
-        total = ZERO
-        for term in sorted(terms, key=lambda ref: (graph.layer[node_of(ref)], ref)):  # coefficients first
-            total = graph.add(total, term)
-        return total
-
     for variable in network.order():
         definition = network.definition[variable]
         if not isinstance(definition, Opaque):
-            refs[variable] = _sum_of(definition)
+            terms: list[Ref] = []
+            for monomial, coefficient in definition.items():
+                terms.append(reduce(graph.multiply, sorted(refs[v] for v in monomial), coefficient))
+            terms.sort(key=lambda ref: (graph.layer[node_of(ref)], ref))  # coefficients first
+            refs[variable] = reduce(graph.add, terms, ZERO)
         elif definition.op is None:
             refs[variable] = copy_leaf(old, definition.source, graph)
         else:

@@ -53,24 +53,15 @@ class Watcher(Protocol):
 
 
 class Network:
-    """Definitions of variables, who uses them, and what they cost; changes can be taken back.
-
-    Attributes:
-        definition: By variable.
-        users: For each variable the variables that use it, with how often.
-        cost: Of all definitions, each operation at its `OPERATION_COST`.
-        residue: The value of each variable at the random point at which coefficients are compared.
-        work: Divisors looked at so far, by which effort is measured.
-        watcher: Told of every change.
-    """
+    """Definitions of variables, who uses them, and what they cost; changes can be taken back."""
 
     def __init__(self, coefficients: Coefficients) -> None:
         self.coefficients = coefficients
         self.definition: dict[int, Definition] = {}
-        self.users: dict[int, dict[int, int]] = {}
-        self.cost = 0
-        self.residue: list[int] = []
-        self.work = 0
+        self.users: dict[int, dict[int, int]] = {}  # by variable those that use it, with how often
+        self.cost = 0  # of all definitions, each operation at its `OPERATION_COST`
+        self.residue: list[int] = []  # of each variable, at the random point at which coefficients are compared
+        self.work = 0  # divisors looked at so far, by which effort is measured
         self.watcher: Watcher | None = None
         self._costs: dict[int, int] = {}
         self._by_residue: dict[int, list[int]] = {}

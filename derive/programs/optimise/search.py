@@ -93,10 +93,11 @@ class Search:
         network = self._network
         self._extractor.run()
         self._limit = network.work + work
-        # Cheap and likely trials first; squares only when something has changed since they were last tried.
+        # Squares only when something has changed since they were last tried.
         for _ in range(POLICY.search_rounds):
             cost = network.cost
-            self._try_all(self._used_once())
+            # Sums to be multiplied out: the trials that succeed most often, and the cheapest.
+            self._try_all([(v, None) for v, p in network.polynomials() if len(p) > 1 and len(network.users[v]) == 1])
             if cost < self._rewritten_at:
                 self._rewrite_squares()
                 self._rewritten_at = network.cost
@@ -152,11 +153,6 @@ class Search:
                 self._settle(cost - 1, mark)
             else:
                 self._undo(mark)
-
-    def _used_once(self) -> list[Trial]:
-        """Sums to be multiplied out: the trials that succeed most often, and the cheapest."""
-        users = self._network.users
-        return [(v, None) for v, p in self._network.polynomials() if len(p) > 1 and len(users[v]) == 1]
 
     def _used_often(self) -> list[Trial]:
         """Sums in sums, and products that serve two."""

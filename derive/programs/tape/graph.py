@@ -54,24 +54,16 @@ def signed(ref: Ref, negative: bool) -> Ref:
 
 
 class Graph:
-    """Nodes in the order of their creation; constants are folded, equal operations are made once.
-
-    Attributes:
-        op: What makes each node.
-        operands: Indices of earlier nodes.
-        layer: On what each node depends.
-        constants: The numbers of constant nodes.
-        sources: Where input nodes come from.
-        sums: Values of pairs added before, as `Value` keeps them; `differences` and `products` likewise. A recursion
-            that is traced many times with small changes finds most of its operations here.
-    """
+    """Nodes in the order of their creation; constants are folded, equal operations are made once."""
 
     def __init__(self) -> None:
         self.op: list[Op] = []
-        self.operands: list[tuple[int, ...]] = []
+        self.operands: list[tuple[int, ...]] = []  # indices of earlier nodes
         self.layer: list[Layer] = []
         self.constants: dict[int, Constant] = {}
         self.sources: dict[int, InputSource] = {}
+        # Values of pairs, as `Value` keeps them: a recursion that is traced many times with small changes finds most of
+        # its operations here.
         self.sums: dict[tuple[Ref, Ref], Any] = {}
         self.differences: dict[tuple[Ref, Ref], Any] = {}
         self.products: dict[tuple[Ref, Ref], Any] = {}

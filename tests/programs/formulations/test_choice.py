@@ -5,7 +5,7 @@ from itertools import product
 
 import pytest
 
-from derive.programs.optimise.choice import choose
+from derive.programs.formulations.choice import choose
 from derive.programs.tape.cost import program_cost
 from derive.programs.tape.graph import Graph, Ref
 
