@@ -1377,7 +1377,7 @@ class _Poses:
         elif max(map(abs, row[3:12:4])) > _FAR / 3:
             found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
         else:
-            found = "its rotation mirrors: the determinant is -1"
+            found = "its rotation is a reflection (determinant -1)"
         raise ValueError(f"{self.name}: {where} is not a valid pose: {found}")
 
 

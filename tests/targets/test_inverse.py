@@ -131,7 +131,7 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     ([[1, 2], [3]], {}, r"T must have shape .* got rows of unequal length"),
     ("pose", {}, "T must be real numbers; got dtype"),
     (pose_with(r00=1.1), {}, r"T is not a valid pose: its rotation is not orthonormal \(error 2.1e-01 > 1e-06\)"),
-    (pose_with(r22=-1.0), {}, r"T is not a valid pose: its rotation mirrors: the determinant is -1"),
+    (pose_with(r22=-1.0), {}, r"T is not a valid pose: its rotation is a reflection \(determinant -1\)"),
     (pose_with(r13=np.nan), {}, r"T is not a valid pose: it has non-finite entries"),
     (pose_with(r00=np.nan), {}, r"T is not a valid pose: it has non-finite entries"),
     (pose_with(r33=2.0), {}, r"T is not a valid pose: its last row is \[0.0, 0.0, 0.0, 2.0\], not \[0, 0, 0, 1\]"),
