@@ -68,8 +68,7 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
     step = c_function(inverse.step, parameters) if isinstance(inverse, Inverse) else None
     further = step.constant_count if step else 0
     function = c_function(inverse.function, parameters, further)
-    hoisted = ["k"] if function.constant_count else []
-    inputs = [*inverse.function.widths, *hoisted]
+    inputs = [*inverse.function.widths, *(hoisted := ["k"] if function.constant_count else [])]
     limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
     joints, nearest = list(enumerate(robot.joints)), [POSE, NEAR, *hoisted]
     rows = [f"{name} + {width} * row" for name, width in inverse.function.widths.items() if name != NEAR]
@@ -98,9 +97,8 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "prototype": _declared(inputs, ""),  # parameters of the first in the header
         "batch_prototype": f"size_t count, {_declared(inputs, '')}",
         "nearest_prototype": _declared(nearest, "", status=False),
-        "lower": ", ".join(
-            bound_text(pair[0], "INFINITY") for pair in limits
-        ),  # lower limits of the joints, as the inside of an array
+        # limits of the joints, each list as the inside of an array
+        "lower": ", ".join(bound_text(pair[0], "INFINITY") for pair in limits),
         "upper": ", ".join(bound_text(pair[1], "INFINITY") for pair in limits),
         "revolute": ", ".join(str(int(joint.is_revolute)) for joint in robot.joints),  # which joints turn, 1 or 0
         "turning": ", ".join(str(int(i not in inverse.given and joint.is_revolute)) for i, joint in joints),
