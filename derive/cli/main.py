@@ -46,7 +46,7 @@ COLLECTED_AFTER = (500_000, 10, 10)
 _DESCRIPTION = "Turn a Denavit-Hartenberg table into symbolic equations and verified NumPy, CasADi, C and LaTeX files."
 _EPILOG = """\
 ROBOT is the path of a robot file or a name that `derive list` shows.
-exit status: 0 done, 1 a check failed, 2 wrong input
+exit status: 0 done, 1 a check failed, 2 wrong input; derive help check tells of 3
 
 examples:
   derive show scara-perugia T B      the equations, as the notes print them
