@@ -11,7 +11,7 @@ from derive.workspace.point import Picture
 from derive.workspace.refinement import refined_area
 from derive.workspace.region import Area, Measure, dexterous, enclosing, enlarged, exact_area, is_reached
 from tests.random_robots import swept
-from tests.workspace.arms import arm, limited_joints, plane
+from tests.workspace.arms import limited_joints, plane
 
 shapely = pytest.importorskip("shapely")
 
@@ -148,7 +148,7 @@ def test_where_one_kind_of_postures_ends_at_a_limit_another_goes_on() -> None:
 @pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(40))
 def test_arms_with_limits_have_one_area_in_both_ways(seed: int) -> None:
-    seen = plane(arm(limited_joints(np.random.default_rng(seed))), Picture.TOP)
+    seen = plane(limited_joints(np.random.default_rng(seed)), Picture.TOP)
     exact, followed = exact_area(seen, 150), refined_area(seen, 60)
     width = seen.point.size / 60
     assert followed.size.value == pytest.approx(exact.size.value, abs=0.1 * width * exact.region.length)

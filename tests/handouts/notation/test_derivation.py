@@ -76,7 +76,7 @@ def test_a_general_arm_says_which_joints_the_eigenvalues_give_and_reaches_the_po
     lines = derivation_lines(found, "text", Notation.of(robot))
     assert lines[0] == "16 solutions (complete)"
     first = next(line for line in lines if line.startswith("1. "))
-    assert "by the eigenvalues of a 16x16 matrix, of equations between q" in first
+    assert "from the eigenvalues of a 16x16 matrix: equations in q" in first
     assert sum("from the eigenvector" in line for line in lines) == 2
     assert all(line.startswith("#") for line in derivation_lines(found, "python", Notation.of(robot)))
     assert all(line.startswith("%") for line in derivation_lines(found, "latex", Notation.of(robot)))
