@@ -10,7 +10,7 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load, tell
 from derive.checking.comparison import check_expression
-from derive.checking.documents import KINDS, Document, document_of, is_document, read_document
+from derive.checking.documents import KINDS, Manuscript, document_of, is_document, read_document
 from derive.checking.files import check_path
 from derive.checking.formulas.findings import FileReport, Finding, Skipped, judge
 from derive.checking.formulas.printed import Asked
@@ -197,7 +197,7 @@ def check_inverse(robot: RobotLike, solution: str | Path, *, latex: bool = False
 
 
 def formula_printout(
-    robot: Robot, quantity: str, formula: str | Document, *, latex: bool = False, task: str = ""
+    robot: Robot, quantity: str, formula: str | Manuscript, *, latex: bool = False, task: str = ""
 ) -> Printout:
     """The comparison of what is given without a corpus file; see `check_formula` and `check_latex`.
 
@@ -214,7 +214,7 @@ def formula_printout(
     Raises:
         CheckError: The formula cannot be read.
     """
-    if isinstance(formula, Document):
+    if isinstance(formula, Manuscript):
         return printout_of(_of_document(Model(robot), formula, quantity, task), robot)
     model, source = Model(robot), "--latex" if latex else "--expression"
     if names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
@@ -228,7 +228,7 @@ def formula_printout(
     return printout_of(compare_latex(model, formula, quantity, Location(source)).file_report(source, robot.name), robot)
 
 
-def _of_document(model: Model, document: Document, quantity: str, task: str) -> FileReport:
+def _of_document(model: Model, document: Manuscript, quantity: str, task: str) -> FileReport:
     """The comparisons of a document, each with its place in the file."""
     start = Location(document.name)
     skipped: Iterable[Skipped]
@@ -268,7 +268,7 @@ def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = 
     return Printout(report, *printers, lambda right: is_rounded([right]), remarks)
 
 
-def document_named(text: str, lines: tuple[int, int] | None = None, section: str = "") -> Document | None:
+def document_named(text: str, lines: tuple[int, int] | None = None, section: str = "") -> Manuscript | None:
     """The document that is meant, or the part of it; None where a text is a formula itself.
 
     Args:

@@ -31,7 +31,7 @@ _FOREIGN = {
 
 
 @dataclass(frozen=True)
-class Document:
+class Manuscript:
     """The text of a document in which only mathematics and prose are left."""
 
     text: str
@@ -53,7 +53,7 @@ class Document:
         lines = self.text.splitlines(keepends=True)
         return self.location(sum(map(len, lines[: found.line - 1])) + found.column - 1)
 
-    def within(self, lines: tuple[int, int] | None = None, section: str = "") -> Document:
+    def within(self, lines: tuple[int, int] | None = None, section: str = "") -> Manuscript:
         """Only some lines of the file, or a section with its subsections; the rest is blank."""
         text = self.text
         if lines is not None:
@@ -103,7 +103,7 @@ def _title(heading: re.Match[str]) -> str:
     return " ".join((heading["plain"] if heading["marks"] else heading["title"]).strip(" #").split())
 
 
-def read_document(path: str) -> Document:
+def read_document(path: str) -> Manuscript:
     """A document by its path."""
     name = path if path.isprintable() else quoted(path, 200)
     try:
@@ -139,7 +139,7 @@ def is_document(text: str) -> bool:
     return marked != text and len(re.findall(r"(?<![\\\w])[^\W\d_]{2,}", marked)) >= 2
 
 
-def document_of(text: str, name: str, suffix: str = "") -> Document:
+def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
     """The text of a document; without a suffix what it holds says what it is."""
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if suffix not in KINDS:
@@ -149,7 +149,7 @@ def document_of(text: str, name: str, suffix: str = "") -> Document:
     plain = typed if suffix == ".tex" else _markdown(typed)
     plain = _balanced(_COMMENT.sub(_kept_or_blank, plain) if suffix == ".tex" else plain)
     plain, origins = expanded(plain)
-    return Document(plain, name, origins, starts, typed)
+    return Manuscript(plain, name, origins, starts, typed)
 
 
 def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.checking.documents import MAX_DEPTH, Document, document_of, expanded, read_document
+from derive.checking.documents import MAX_DEPTH, Manuscript, document_of, expanded, read_document
 from derive.errors import CheckError
 
 
-def words(document: Document) -> str:
+def words(document: Manuscript) -> str:
     return " ".join(document.text.split())
 
 
