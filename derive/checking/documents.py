@@ -269,7 +269,7 @@ def expanded(text: str) -> tuple[str, Sequence[int]]:
     letters = text
     position = 0
     while match := _DEFINITION.search(letters, position):
-        end = _closing(letters, match.end())
+        end = closing_brace(letters, match.end())
         body = letters[match.end() + 1 : end]
         macros |= _defined(match, body)
         letters = letters[: match.start()] + _blank(letters[match.start() : end + 1]) + letters[end + 1 :]
@@ -333,7 +333,7 @@ class _Expansion:
                 spans.append((begin + 1, closing) if closing >= 0 else None)
                 end = closing + 1 if closing >= 0 else end
             elif text[begin : begin + 1] == "{":
-                closing = _closing(text, begin)
+                closing = closing_brace(text, begin)
                 spans.append((begin + 1, closing))
                 end = closing + 1
             elif token := re.compile(r"\\[A-Za-z]+|[^\s{}\\$&]").match(text, begin):
@@ -363,7 +363,7 @@ class _Expansion:
         return "".join(pieces), places
 
 
-def _closing(text: str, opening: int) -> int:
+def closing_brace(text: str, opening: int) -> int:
     """Where the brace is that closes the one at a place; the end of the text where there is none."""
     depth = 0
     for match in re.compile(r"\\.|[{}]", re.DOTALL).finditer(text, opening):

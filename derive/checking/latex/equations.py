@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
+from derive.checking.documents import closing_brace
 from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, RELATION, LatexPiece, display_piece
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location
@@ -65,10 +66,10 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
     while match := _FENCE.search(plain, position):
         name = match["name"]
         if match["macro"]:  # of the handout's fragments; the second group of \\mx says the same entry by entry
-            closing = _closing(plain, match.end())
+            closing = closing_brace(plain, match.end())
             fences.append((match.end() + 1, closing))
             is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
-            position = _closing(plain, closing + 1) if is_pair else closing
+            position = closing_brace(plain, closing + 1) if is_pair else closing
         elif name is None or name in EQUATION_ENVIRONMENTS:
             if match.lastgroup:
                 fences.append((match.start(), match.end()))
@@ -90,16 +91,6 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
         where = place(plain, offset + len(text) - len(text.lstrip()), start)
         raise CheckError("formula partly outside the dollar signs", remedy="enclose all of it", location=where)
     yield 0, len(plain)
-
-
-def _closing(text: str, opening: int) -> int:
-    """Where the brace is that closes the one at a place; the end of the text where there is none."""
-    depth = 0
-    for match in re.compile(r"\\.|[{}]", re.DOTALL).finditer(text, opening):
-        depth += {"{": 1, "}": -1}.get(match[0], 0)
-        if depth == 0:
-            return match.start()
-    return len(text)
 
 
 # -- from a display to its equations
