@@ -8,12 +8,13 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing import resource_tracker
 from pathlib import Path
+from queue import SimpleQueue
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
@@ -122,10 +123,14 @@ def _in_processes(
     results: dict[int, R | BuildFailure] = {}
     with interruptible(), _pool(min(jobs, len(robots))) as pool:
         futures: dict[Future[R | BuildFailure], int] = {}
+        done: SimpleQueue[Future[R | BuildFailure]] = SimpleQueue()  # an interrupt may leave the lock of a future held
         with uninterrupted():  # a terminal interrupts every process: those started here leave it to us
             for index, robot in enumerate(robots):
-                futures[pool.submit(_attempt_unless_ended, work, robot)] = index
-        for future in as_completed(futures):
+                future = pool.submit(_attempt_unless_ended, work, robot)
+                futures[future] = index
+                future.add_done_callback(done.put)
+        for _ in robots:
+            future = done.get()
             try:
                 results[futures[future]] = future.result()
             except BrokenProcessPool:

@@ -7,14 +7,17 @@ import shlex
 import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
 from typing import ParamSpec, TypeVar
 
 from derive.errors import TargetError
-from derive.interrupts import TemporaryFolder
+from derive.interrupts import TemporaryFolder, uninterrupted
 
 NAMES = ("cc", "gcc", "clang")  # looked for in this order where ``$CC`` is not set
 SECONDS = 600  # longest run of a compiler
@@ -104,14 +107,37 @@ def _end(process: subprocess.Popen[str]) -> None:
 
 @contextmanager
 def compiling_meanwhile(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
-    """Let compilers work beside what follows; they are stopped if that fails or is interrupted."""
-    with ThreadPoolExecutor(1) as pool:
-        future = pool.submit(work, *arguments, **options)
+    """Let compilers work beside what follows; they are stopped if that fails or is interrupted.
+
+    An interrupt may leave a lock written in Python held for ever, those of threads, pools and futures among them: none
+    is touched by both threads where one can come.
+    """
+    outcome: list[Future[R]] = []
+    ended: SimpleQueue[None] = SimpleQueue()
+
+    def _work() -> None:
+        future: Future[R] = Future()
         try:
-            yield future.result
-        except BaseException:
-            while not future.done():  # it may try another compilation
+            future.set_result(work(*arguments, **options))
+        except BaseException as error:
+            future.set_exception(error)
+        outcome.append(future)
+        ended.put(None)
+
+    def _outcome() -> R:
+        if not outcome:
+            ended.get()
+        return outcome[0].result()
+
+    with uninterrupted():
+        Thread(target=_work, daemon=True).start()
+    try:
+        yield _outcome
+        _outcome()
+    except BaseException:
+        with uninterrupted():
+            while not outcome:  # it may try another compilation
                 for process in tuple(_running):
                     _end(process)
-                wait([future], timeout=0.05)
-            raise
+                time.sleep(0.05)
+        raise

@@ -15,7 +15,7 @@ from typing import IO, Any
 import numpy as np
 
 from derive.errors import VerificationError
-from derive.interrupts import TemporaryFolder
+from derive.interrupts import TemporaryFolder, uninterrupted
 from derive.targets.compiler import Command, find_command
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
@@ -140,7 +140,9 @@ class OctaveModel:
             request += [np.array([array.ndim, *array.shape], dtype=float), array.ravel(order="F")]
         assert self.process.stdin is not None
         timer = threading.Timer(SECONDS, self.process.kill)
-        timer.start()
+        timer.daemon = True  # an interrupt may leave it running
+        with uninterrupted():
+            timer.start()
         try:
             self.process.stdin.write(b"".join(part.tobytes() for part in request))
             self.process.stdin.flush()
