@@ -30,14 +30,18 @@ _HELD_BACK = ContextVar("_HELD_BACK", default=False)
 def uninterrupted() -> Iterator[None]:
     """Hold interrupts back until the body is done; processes that it starts never see one."""
     masked = hasattr(signal, "pthread_sigmask")  # not on Windows
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masked else set()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ()) if masked else set()
     held = _HELD_BACK.set(True)
     try:
+        if masked:
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         yield
     finally:
-        _HELD_BACK.reset(held)
-        if masked:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        try:  # one that waited arrives here, while it is still held back: it would leave the mask as it is
+            if masked:
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        finally:
+            _HELD_BACK.reset(held)
 
 
 @contextmanager
