@@ -18,7 +18,16 @@ from derive.checking.inverse.check import check_inverse as compare_inverse
 from derive.checking.inverse.check import inverse_text, names_inverse
 from derive.checking.inverse.latex import gives_joints
 from derive.checking.latex.check import check_latex as compare_latex
-from derive.checking.report import Printout, difference_text, finding_lines, report_lines, right_text, summary, what
+from derive.checking.report import (
+    Printout,
+    all_lines,
+    difference_text,
+    finding_lines,
+    report_lines,
+    right_text,
+    summary,
+    what,
+)
 from derive.errors import CheckError, Location
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
@@ -304,7 +313,7 @@ def formula_lines(reported: Printout) -> list[str]:
     """
     report = reported.report
     lines = [f"{report.source}: {reading}" for reading in report.readings]
-    lines += [line for finding in report.findings for line in finding_lines(finding, reported)]
+    lines += all_lines(reported)
     lines += [f"{place}: not compared: {reason}" for place, reason in (note.split(": ", 1) for note in report.unread)]
     if len(report.findings) > 1 or report.unread:
         counts = summary(replace(report, unread=()))

@@ -52,6 +52,18 @@ def summary(report: FileReport) -> str:
     return text + (f"; not compared: {', '.join(report.unread)}" if report.unread else "")
 
 
+def all_lines(printout: Printout) -> Iterator[str]:
+    """The verdicts on all formulas; wrong entries of one matrix that have one cause are told together."""
+    for (cause, quantity), group in groupby(printout.report.findings, key=lambda f: (f.cause, f.cause and f.quantity)):
+        findings = tuple(group)
+        if cause:
+            entries = ", ".join(finding.entry for finding in findings)
+            yield f"{findings[0].location}: {quantity} is wrong in {len(findings)} entries for one reason: {cause}"
+            yield f"  wrong: {cut(entries)}"
+            continue
+        yield from (line for finding in findings for line in finding_lines(finding, printout))
+
+
 def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
     """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers."""
     verdict = judge(finding)

@@ -12,17 +12,18 @@ from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 from fractions import Fraction
 from functools import lru_cache
-from math import floor, gcd, lcm, log10, remainder, tau
+from math import floor, gcd, lcm, log10
 from typing import Any
 
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.quotients import opaque
+from derive.checking.formulas.branches import branches, has_branches, needs_branches
 from derive.checking.formulas.diagnosis import Question, Repair, diagnose
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.printed import NO_CITATION, NO_REMARK, Citation, Remark
-from derive.errors import DeriveError, Location, UnknownNameError
+from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare, samples
@@ -35,7 +36,6 @@ from derive.robot.expression import (
     Power,
     Product,
     Sum,
-    children,
     names,
     rebuilt,
     substitute,
@@ -84,6 +84,7 @@ class Finding:
     some: bool = False  # whether it is right for some branches of a solution
     missing: tuple[str, ...] = ()  # names of the branches that are missing
     note: str = ""  # what is said behind the verdict
+    cause: str = ""  # one change that makes all wrong entries of its matrix right
 
     @property
     def entry(self) -> str:
@@ -122,57 +123,19 @@ def compared(
     remark: Remark = NO_REMARK,
 ) -> Finding:
     """The comparison that a question asks; right is what is shown for the right formula."""
-    verdict = verdict_at(where, question.robot, question.right, question.printed)
-    if not verdict.equal and (alike := _alike_as_angles(question)) > 0:
-        if alike == 1:
-            verdict = Verdict(equal=True, exact=False)
-        else:
-            return Finding(quantity, *place, role, text, verdict, right, where, erratum, remark=remark, some=True)
-    return Finding(quantity, *place, role, text, verdict, right, where, erratum, question, remark=remark)
-
-
-ANGLE_POINTS = 24  # points at which two angles are compared up to full turns
-
-
-def _alike_as_angles(question: Question) -> float:
-    """At which part of many points two angles, one of them an arctangent, are the same up to full turns."""
     robot, sides = question.robot, (question.right, question.printed)
-    joints = {joint.variable for joint in robot.joints if joint.is_revolute}
-    if not all(_is_angle(side, joints) for side in sides) or not any(map(_has_arctangent, sides)):
-        return 0.0
-    alike = points = 0
-    for sample in samples(robot, sorted({name for side in sides for name in names(side)})):
-        try:
-            one, other = (float_value(side, {k: float(v) for k, v in sample.items()}) for side in sides)
-        except (ArithmeticError, ValueError):
-            continue
-        points += 1
-        alike += abs(remainder(one - other, tau)) < 1e-9
-        if points == ANGLE_POINTS:
-            break
-    return alike / points if points else 0.0
-
-
-def _is_angle(e: Expression, joints: set[str]) -> bool:
-    """Whether an expression is a sum of joint angles, arctangents and multiples of pi."""
-    match e:
-        case Name(name):
-            return name in joints
-        case Call(function, _):
-            return function == "atan2"
-        case Pi() | Number(0):
-            return True
-        case Sum(terms):
-            return all(_is_angle(term, joints) for term in terms)
-        case Product(factors):
-            return sum(not isinstance(factor, Number) for factor in factors) == 1 and any(
-                _is_angle(factor, joints) for factor in factors
-            )
-    return False
-
-
-def _has_arctangent(e: Expression) -> bool:
-    return (isinstance(e, Call) and e.function == "atan2") or any(map(_has_arctangent, children(e)))
+    only_points = any(map(needs_branches, sides))
+    verdict = NOTHING_KNOWN if only_points else verdict_at(where, robot, *sides)
+    # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
+    if not verdict.equal and any(has_branches(side, roots=role is Role.IDENTITY) for side in sides):
+        seen = branches(robot, *sides)
+        if only_points and not seen.points:
+            found = "formula without a real value at any of many random points"
+            raise CheckError(found, remedy="check its roots and denominators", location=where)
+        if seen.alike or only_points:
+            verdict = Verdict(equal=seen.alike > 0, exact=False)
+            return Finding(quantity, *place, role, text, verdict, right, where, erratum, remark=remark, some=seen.some)
+    return Finding(quantity, *place, role, text, verdict, right, where, erratum, question, remark=remark)
 
 
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
@@ -319,11 +282,13 @@ def judge(finding: Finding) -> Judgement:
     question = finding.question
     if finding.unknown is not None:
         return Judgement(Outcome.UNDECIDABLE)
+    if finding.some:
+        return Judgement(Outcome.SOME, repair=finding.repair)
     if finding.verdict.equal:
         same = finding.same or (question is not None and same_form(question.printed, question.right))
         return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)
     if question is None:
-        return Judgement(Outcome.SOME if finding.some else Outcome.WRONG, repair=finding.repair)
+        return Judgement(Outcome.WRONG, repair=finding.repair)
     terms = _difference_terms(question) if question.is_plain else ()
     lacking: tuple[Expression, ...] = ()
     if len(terms) == 1:  # a difference of one term is a term too many or too few

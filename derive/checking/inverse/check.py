@@ -17,6 +17,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped
@@ -29,7 +30,7 @@ from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInvers
 from derive.checking.inverse.reading import Side, Vocabulary, assembled
 from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.inverse.text import text_equations
-from derive.checking.latex.names import SIGN, PlusMinus
+from derive.checking.latex.names import PlusMinus
 from derive.errors import CheckError, QuantityError, listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict

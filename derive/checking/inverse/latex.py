@@ -37,7 +37,7 @@ def latex_equations(
     found = []
     for equation in equations(marked, start, document=document, time=False):
         found.append([_side(piece, text, robot, start, signs) for piece in equation])
-    return found, list(_words(text))
+    return found, list(printed_words(text))
 
 
 def gives_joints(text: str, robot: Robot) -> bool:
@@ -48,7 +48,7 @@ def gives_joints(text: str, robot: Robot) -> bool:
     return bool(re.search(rf"(?:^|[\s&$,;{{])(?:\\(?:var)?theta|q)\s*_\s*\{{?\s*(?:{labels})\s*\}}?\s*&?\s*=", text))
 
 
-def _words(text: str) -> Iterator[str]:
+def printed_words(text: str) -> Iterator[str]:
     """Names on the line: ``p_{Wx}`` as pWx."""
     for match in _NAME.finditer(text):
         head = match[1]

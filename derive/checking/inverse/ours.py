@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 import sympy
 
+from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.findings import Shape, form_of
 from derive.checking.inverse.order import free_joints
 from derive.checking.inverse.poses import PoseNames, geometry_symbols
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
-from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, DeriveError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignPrinter, pose_names, with_names

@@ -39,6 +39,7 @@ ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
 _ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
 _WRIST = re.compile(r"[pP]?[wWcC]([xyz])|([xyz])[wWcC]")
+_COORDINATE = re.compile(r"([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T)?")
 _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
 
@@ -70,8 +71,8 @@ class PoseNames:
             elif found := _COLUMN.fullmatch(short):
                 column = 4 if found[1] == "o" and o_is_position else _COLUMNS[found[1].lower()]
                 entries[word] = "xyz".index(found[2]) + 1, column
-            elif short in ("x", "y", "z"):
-                entries[word] = "xyz".index(short) + 1, 4
+            elif found := _COORDINATE.fullmatch(short):
+                entries[word] = "xyz".index(found[1].lower()) + 1, 4
             elif found := _WRIST.fullmatch(short):
                 wrist[word] = "xyz".index(found[1] or found[2])
         # one configuration with stand-in numbers tells whether the arm is planar and has a wrist

@@ -14,9 +14,9 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
+from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.checking.formulas.findings import ROUNDED, significant
-from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, Location, listed
 from derive.robot.expression import Call, Expression, Name, Number, children, linear_terms, names, rebuilt
 from derive.robot.robot import Robot

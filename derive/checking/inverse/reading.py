@@ -10,10 +10,10 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.findings import Skipped
 from derive.checking.inverse.poses import PoseNames
 from derive.checking.inverse.printed import PrintedFormula, PrintedInverse, PrintedLine, closeness
-from derive.checking.latex.names import SIGN
 from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import notation_text, resolve_tokens
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, add, names, negate

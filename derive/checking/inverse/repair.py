@@ -12,10 +12,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import combinations
 
+from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import PAIRED
 from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token, spots
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
-from derive.checking.latex.names import SIGN
 from derive.errors import CheckError
 from derive.robot.expression import (
     Call,

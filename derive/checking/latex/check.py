@@ -22,28 +22,25 @@ from derive.checking.formulas.findings import (
     undecidable,
 )
 from derive.checking.latex.equations import Sides
-from derive.checking.latex.left import Left, Target, is_scalar, taken_apart
+from derive.checking.latex.left import Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import Right
+from derive.checking.latex.names import Symbol
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
+from derive.checking.latex.poses import Claim, names_of_pose
 from derive.checking.latex.scope import Scope
+from derive.checking.latex.targets import Target, is_scalar
+from derive.checking.latex.whole import chained, factors, frames_of, one_cause, other_factorisation
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.model.equality import Verdict, compare
+from derive.model.equality import Verdict
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Call, Expression, Name, add, is_constant, multiply, number
-from derive.robot.names import velocity_name
+from derive.robot.expression import ZERO, Call, Expression, Name, is_constant, number, substitute
 
 _ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
 _ROWS = re.compile(r"\\\\|&")
-
-# Transforms side by side.
-_PRODUCT = re.compile(
-    r"(?:(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\\(?:mathbf|boldsymbol|bm|mathrm)\s*\{\s*[TAHRJ]\s*\}|\{\s*[TAHRJ]\s*\}|[TAHRJ])"
-    r"\s*(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\([^()]*\))?\s*(?:\\cdot|\*)?\s*){2,}"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,36 +66,12 @@ def check_latex(
     if quantity:
         model.quantity(quantity)  # refused before anything is read
     check = _Check(Scope(model, text, where, document), quantity)
-    findings = _other_factorisation(model, tuple(check.findings()))
+    findings = other_factorisation(model, tuple(check.findings()))
     if not findings and not (document and check.skipped):
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings))
-
-
-def _other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
-    """C is not unique: a whole printed one with the right C qd is right, and it is said whether its N is skew."""
-    entries = {(f.row, f.column): f for f in findings if f.quantity == "C" and f.question is not None}
-    if len(entries) != model.n**2 or all(f.verdict.equal for f in entries.values()):
-        return findings
-    places = range(1, model.n + 1)
-    rates = [Name(velocity_name(joint.variable)) for joint in model.robot.joints]
-    velocity_torques, rate = model.quantity("Cqd"), model.quantity("Bdot")
-    printed = {place: f.question.printed for place, f in entries.items() if f.question is not None}
-    for i in places:
-        product_ = add(*(multiply(printed[i, j], rates[j - 1]) for j in places))
-        if not compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal:
-            return findings
-    sums = (
-        add(expression_from_sympy(2 * rate[i - 1, j - 1]), multiply(number(-2), add(printed[i, j], printed[j, i])))
-        for i in places
-        for j in places
-    )
-    skew = "" if all(compare(model.robot, ZERO, entry).equal for entry in sums) else " not"
-    note = f", another factorisation with the same C qd; its N is{skew} skew-symmetric"
-    equal = Verdict(equal=True, exact=True)
-    return tuple(replace(f, verdict=equal, note=note) if f.quantity == "C" else f for f in findings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +83,8 @@ class _Side:
     targets: tuple[Target, ...] = ()
     value: Expression | Table | None = None
     error: CheckError | None = None
+    frames: tuple[int, int] | None = None  # of a product of transforms, where it leads
+    is_branch: bool = False  # whether it is a joint variable with a label that may be that of a branch
 
 
 _COLUMN = re.compile(r"(?:[nosap]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
@@ -121,6 +96,15 @@ def _names_its_columns(piece: LatexPiece) -> bool:
         return False
     lefts = [taken_apart(cell.text) for row in piece.matrices[0].rows for cell in row if cell.text.strip() not in "01"]
     return len(lefts) >= 6 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in lefts)
+
+
+def _is_no_claim(piece: LatexPiece) -> bool:
+    """Whether a side says how a matrix is made, by the names of its entries or by derivatives."""
+    cells = [cell.text for matrix in piece.matrices for row in matrix.rows for cell in row]
+    return _names_its_columns(piece) or (bool(cells) and all("\\partial" in cell for cell in cells))
+
+
+_LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV)|,[1-8])?")
 
 
 class _Check:
@@ -135,20 +119,34 @@ class _Check:
         self.lone = len(scope.equations) - len(scope.defining) == 1
 
     def findings(self) -> Iterator[Finding]:
-        """One for each formula and each entry of a matrix."""
+        """One for each formula and each entry of a matrix; those about a pose once it is known which one is meant."""
+        found = list(self._findings())
+        claims = [one for one in found if isinstance(one, Claim)]
+        judged = list(reversed(self.scope.poses.judged(claims, self.scope.readings))) if self.scope.poses else []
+        for one in found:
+            finding = judged.pop() if isinstance(one, Claim) else one
+            if finding is not None:
+                yield finding
+            elif isinstance(one, Claim):
+                shown = ", ".join(sorted(names_of_pose(one.first, one.other)))
+                self.skipped.append(Skipped(one.where, f"which pose {shown} means is not certain", one.right))
+
+    def _findings(self) -> Iterator[Finding | Claim]:
         for index, equation in enumerate(self.scope.equations):
             if index in self.scope.defining:
                 continue
             if any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
                 self.reader = self.scope.reader(index)
+            told = len(self.skipped)
             try:
                 found = tuple(self._equation(index, equation))
             except CheckError as error:
                 if not self.document:
                     raise
-                self._skip(equation[0], error)
+                if len(self.skipped) == told:
+                    self._skip(equation[0], error)
                 continue
-            unknown = next((finding.unknown for finding in found if finding.unknown), None)
+            unknown = next((one.unknown for one in found if isinstance(one, Finding) and one.unknown), None)
             if unknown is not None and self.document:
                 self._skip(equation[0], unknown)
             else:
@@ -173,10 +171,12 @@ class _Check:
 
     # -- one equation
 
-    def _equation(self, index: int, equation: Sides) -> Iterator[Finding]:
+    def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
         pieces = [piece for piece in equation if (index, piece.offset) not in self.names]
-        if any(map(_names_its_columns, pieces)):
-            pieces = [piece for piece in pieces if not _names_its_columns(piece)]
+        if len(pieces) > 2:
+            pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
+        if len(pieces) > 1 and any(map(_is_no_claim, pieces)):
+            pieces = [piece for piece in pieces if not _is_no_claim(piece)]
             if len(pieces) < 2:
                 where = self.plain.location(equation[-1].start)
                 raise CheckError("a matrix that gives names to the entries of a pose", location=where)
@@ -196,6 +196,12 @@ class _Check:
         named = [side for side in sides if side.targets and (side.value is None or (side is first and others))]
         named = [side for side in named if side.left is not None and side.left.head not in _ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
+        chains = [side for side in others if side.frames and self._leads_there(side, named)]
+        for side in chains if not said else ():
+            text, where = self._typed(side.piece), self.plain.location(side.piece.start)
+            quantity = named[0].targets[0].quantity
+            yield Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, True), "", where, same=True)
+        sides, others = ([side for side in group if side not in chains] for group in (sides, others))
         for side in sides if len(sides) == 1 else others:
             if side.error is not None and side not in named:
                 yield from self._unread(side, named, side is sides[-1])
@@ -225,17 +231,39 @@ class _Check:
             raise CheckError(f"{quoted(self._typed(side.piece))} is a numeric example", location=where)
 
     def _side(self, piece: LatexPiece, may_name: bool) -> _Side:
-        left = None if piece.matrices else taken_apart(piece.text)
+        is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
+        left = None if is_formula else taken_apart(piece.text)
         targets = self.meanings.targets(left) if left else ()
-        if may_name and _PRODUCT.fullmatch(piece.text.strip()) and left is None:
+        if may_name and left is None and (chain := factors(piece.text)):
             where = self.plain.location(piece.start)
-            return _Side(piece, error=CheckError("a product of matrices", remedy="multiply it out", location=where))
+            error = CheckError("a product of matrices", remedy="multiply it out", location=where)
+            return _Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
+        if may_name and left is not None and (joint := self._branch_of(left)) is not None:
+            return _Side(piece, left, (), joint, is_branch=True)
         if may_name and left is not None and targets and not self.scope.is_own(left):
             return _Side(piece, left, targets)
         try:
             return _Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
             return _Side(piece, left, targets, error=error)
+
+    def _names_new_entries(self, piece: LatexPiece) -> bool:
+        """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""
+        cells = [cell for matrix in piece.matrices for row in matrix.rows for cell in row]
+        lefts = [taken_apart(cell.text) for cell in cells]
+        if piece.text.strip() != MATRIX_MARK or len(lefts) < 2:
+            return False
+        return all(left and left.is_plain and left.sub and not self.scope.is_own(left) for left in lefts)
+
+    def _branch_of(self, left: Left) -> Expression | None:
+        r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
+        match = _LABELLED.fullmatch(left.sub)
+        if not self.document or match is None or not (left.primes or match["joint"] != left.sub) or left.dots:
+            return None
+        name = Symbol(left.head + match["joint"], 0)
+        is_joint = left.head in ("theta", "q", "d") and self.plain.names.knows(name.text)
+        meaning = self.plain.names.meaning(name) if is_joint else None
+        return meaning if isinstance(meaning, Name) else None
 
     def _said(self, side: _Side, derived: bool) -> _Side:
         """What a side says that names a quantity, too: its formula, or else what is derived for it."""
@@ -285,7 +313,7 @@ class _Check:
             return []
         return [(_Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]
 
-    def _identities(self, said: list[_Side]) -> Iterator[Finding]:
+    def _identities(self, said: list[_Side]) -> Iterator[Finding | Claim]:
         """Sides that say the same, or should."""
         first = said[0]
         joints = {joint.variable for joint in self.robot.joints}
@@ -303,7 +331,13 @@ class _Check:
             where = self.plain.location(side.piece.start)
             question = Question(self.robot, side.value, first.value)
             left, right = self._typed(first.piece), self._typed(side.piece)
+            if names_of_pose(first.value, side.value):
+                yield Claim(first.value, side.value, left, right, where, first.is_branch)
+                continue
             found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
+            if first.is_branch and not found.verdict.equal:
+                label = f"the label in {quoted(left)} may be that of a branch"
+                raise CheckError(label, location=where)
             if not found.verdict.equal and is_constant(first.value) != is_constant(side.value):
                 raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
             yield found
@@ -312,6 +346,7 @@ class _Check:
 
     def _compared(self, name: _Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings for the first quantity that is meant of which everything is right; else for the first one."""
+        table = Table(tuple(tuple(replace(e, formula=self._posed(e.formula)) for e in row) for row in table.rows))
         # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
         chosen: tuple[Finding, ...] = ()
         rights = tuple(self._meant(name))
@@ -336,12 +371,15 @@ class _Check:
             quantity = chosen[0].quantity
             yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
             return
+        wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
+        if len(wrong) > 1 and (cause := self._one_cause(fits, chosen)):
+            chosen = (*(replace(f, cause=cause) for f in wrong), *(f for f in chosen if f not in wrong))
         if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
             (entry,) = table.rows[0]
             side = _Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
-            identity = tuple(self._identities([name, side]))
+            identity = tuple(one for one in self._identities([name, side]) if isinstance(one, Finding))
             is_token = name.left is not None and name.left.head in ("c", "s")
-            chosen = identity if not chosen or is_token or identity[0].verdict.equal else chosen
+            chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
         if not chosen and not rights:
             where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
             raise CheckError(f"{quoted(self._typed(name.piece))} is not derived", allowed=allowed, location=where)
@@ -351,6 +389,20 @@ class _Check:
             printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
             raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
         yield from chosen
+
+    def _posed(self, formula: Expression) -> Expression:
+        """A formula with the usual meaning of names of the pose."""
+        if self.scope.poses is None or not names_of_pose(formula):
+            return formula
+        return substitute(formula, self.scope.poses.readings[0].values)
+
+    def _leads_there(self, side: _Side, named: list[_Side]) -> bool:
+        """Whether a product of transforms leads from the one to the other frame of what is named."""
+        return any(side.frames == frames_of(t, self.robot.n) for name in named for t in name.targets)
+
+    def _one_cause(self, fits: list[tuple[Right, Table]], chosen: tuple[Finding, ...]) -> str:
+        """What makes the matrix right that was compared, where one change does."""
+        return next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
 
     def _exchanged(self, name: _Side, table: Table) -> Right | None:
         """What a matrix is that is right with the two frames of its left side exchanged."""

@@ -11,19 +11,21 @@ from dataclasses import dataclass, replace
 import sympy
 
 from derive.checking.formulas.edits import NO_VALUE, float_value
-from derive.checking.latex.left import Left, Reading, Target, Turned, candidates, is_scalar, taken_apart
+from derive.checking.latex.left import Left, Reading, Turned, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
+from derive.checking.latex.poses import Poses
+from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
-from derive.robot.expression import Expression, names
-from derive.robot.names import joint_label
+from derive.robot.expression import Expression, Name, add, multiply, names
+from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
-_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -76,8 +78,9 @@ def _alike(printed: Expression, right: Expression) -> bool:
 class Meanings:
     """The quantities of one robot, as left sides name them."""
 
-    def __init__(self, model: Model, torque: int = 0) -> None:
-        self._model, self._robot, self._torque = model, model.robot, torque
+    def __init__(self, model: Model) -> None:
+        self._model, self._robot = model, model.robot
+        self.torque = 0  # which index of a Christoffel symbol is that of the torque
         self.reading: Reading = frozenset()
         labels = [joint_label(joint.variable) for joint in self._robot.joints]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
@@ -90,10 +93,10 @@ class Meanings:
 
     def _in_our_order(self, target: Target) -> Target:
         """A Christoffel symbol with the index of the torque in front."""
-        if not (self._torque and target.quantity.startswith("christoffel[")):
+        if not (self.torque and target.quantity.startswith("christoffel[")):
             return target
         indices = target.quantity.removesuffix("]").partition("[")[2].split(",")
-        return replace(target, quantity=f"christoffel[{','.join([indices.pop(self._torque), *indices])}]")
+        return replace(target, quantity=f"christoffel[{','.join([indices.pop(self.torque), *indices])}]")
 
     def right(self, target: Target) -> Right | None:
         """What a target stands for, derived once; None where the robot has no such quantity or entry."""
@@ -149,6 +152,12 @@ class Meanings:
         domain = self._model.domain
         return self._model.form.determinant(domain.constant(expression_from_sympy(expression)))
 
+    def velocity(self, row: int) -> Expression:
+        """A coordinate of the velocity of the end effector, a row of J times the joint velocities."""
+        rates = (Name(velocity_name(joint.variable)) for joint in self._robot.joints)
+        row_of_j = self._model.quantity("J").row(row)
+        return add(*(multiply(expression_from_sympy(entry), rate) for entry, rate in zip(row_of_j, rates, strict=True)))
+
     def asked(self, quantity: str) -> Iterator[Right]:
         """What is asked about: an entry, or a quantity as a whole, or parts of it."""
         with suppress(QuantityError):
@@ -161,13 +170,20 @@ class Meanings:
         yield from (right for target in parts if target.rows and (right := self.right(target)))
 
 
+_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'")  # the velocity of a coordinate of the end effector
+
+
 class EntryNames(Mapping[str, Expression]):
     """Entries of quantities by the names that they have in print, such as b12 and c1,22."""
 
-    def __init__(self, meanings: Meanings) -> None:
-        self._meanings = meanings
+    def __init__(self, meanings: Meanings, poses: Poses | None = None) -> None:
+        self._meanings, self._poses = meanings, poses
 
     def __getitem__(self, name: str) -> Expression:
+        if rate := _RATE.fullmatch(name):
+            return self._meanings.velocity("xyz".index(rate[1].lower()))
+        if self._poses is not None and (found := self._poses.placeholder(name)) is not None:
+            return found
         left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
         for target in self._meanings.targets(left) if left else ():
             if is_scalar(target) and (right := self._meanings.right(target)):

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from derive.checking.formulas.branches import SIGN
 from derive.errors import CheckError
 from derive.lecture.shorthand import resolve_tokens
 from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, negate
@@ -21,7 +22,6 @@ FLAT = {
     **{chr(ord("\u03b1") + i): name for i, name in enumerate(_GREEK.split())},
     **{"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"},
 }
-SIGN = "±"  # first letter of the name of a plus-minus
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
 _CIRCULAR = re.compile(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)")
@@ -153,6 +153,8 @@ class LatexNames:
         if name not in variables:
             match = _ANGLE_SUM.fullmatch(text)
             terms = [term.name for term in self._sum_of_angles(match[2]) if isinstance(term, Name)] if match else []
+        if not terms and dots == 1 and f"{text}'" in self.entries:
+            return self.entries[f"{text}'"]
         if not terms:
             allowed = f"allowed: {', '.join(variables)}"
             raise CheckError(f"derivative of {text}, which is not a joint variable", allowed=allowed)

@@ -10,10 +10,14 @@ from itertools import islice, product
 
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
-from derive.checking.latex.left import Left, Reading, Scripts, is_scalar, taken_apart
-from derive.checking.latex.matrices import Table
+from derive.checking.latex.left import Left, Reading, Scripts, taken_apart
+from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import EntryNames, Meanings, Right
+from derive.checking.latex.names import PlusMinus
 from derive.checking.latex.pieces import LatexPiece
+from derive.checking.latex.poses import Poses
+from derive.checking.latex.targets import is_scalar
+from derive.checking.latex.whole import chained, factors
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 from derive.robot.expression import Expression
@@ -30,6 +34,9 @@ _SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\
 _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
+
+
+_TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
 class Scope:
@@ -56,14 +63,17 @@ class Scope:
             raise CheckError(nothing, remedy="write a formula or an equation", location=start)
         # what the text defines is read first: the order of Christoffel indices, then abbreviations
         orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
-        self.meanings = Meanings(model, next(iter(orders.values()), 0))
+        self.meanings = Meanings(model)
         self.plain = LatexReader(self.robot, text, start)
+        self.poses = Poses(model, text) if document else None
+        self._signs = PlusMinus() if document else None
         self.readings: list[str] = []
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
         self.defining: set[int] = set()
         self.names: set[tuple[int, int]] = set()
         self._define()
         self._reads = self.reader(0)
+        self.meanings.torque = next(iter(orders.values())) if orders else self._settled_torque() if document else 0
         self.meanings.reading = self._settled_reading()
         self.defining |= orders.keys()
 
@@ -80,6 +90,7 @@ class Scope:
         """Which frame of a transform is the reference: what most matrices of the text need, else what is usual."""
         votes: Counter[Scripts] = Counter()
         seen: Counter[Scripts] = Counter()
+        self._vote_by_products(votes, seen)
         for equation in self.equations:
             lefts = [taken_apart(side.text) for side in equation if not side.matrices]
             named = [left for left in lefts if left is not None and left.scripts and self.meanings.targets(left)]
@@ -98,6 +109,44 @@ class Scope:
             matrices = f"{agreeing} of {seen[scripts]} matri{'ces' if seen[scripts] > 1 else 'x'}"
             self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({matrices})")
         return frozenset(scripts for scripts, vote in votes.items() if vote > 0)
+
+    def _settled_torque(self) -> int:
+        """Which index of Christoffel symbols is that of the torque: what most of them need, else the first."""
+        printed = []
+        for equation in self.equations:
+            lefts = [left for side in equation if (left := taken_apart(side.text)) and _TRIPLE.fullmatch(left.flat)]
+            with suppress(CheckError):
+                formula = self._reads.formula(equation[-1])
+                printed += [(left, Table(((Entry(formula),),))) for left in lefts]
+        votes = []
+        for self.meanings.torque in range(3):
+            targets = (next(iter(self.meanings.targets(left)), None) for left, _ in printed)
+            rights = [self.meanings.right(target) if target else None for target in targets]
+            alike = [right.likeness(table) for right, (_, table) in zip(rights, printed, strict=True) if right]
+            votes.append(sum(alike))
+        self.meanings.torque = 0
+        best = max(range(3), key=votes.__getitem__)
+        if best:
+            place = ("", "second", "third")[best]
+            self.readings.append(
+                f"of Christoffel symbols the {place} index is that of the torque ({votes[best]:g} agree)"
+            )
+        return best
+
+    def _vote_by_products(self, votes: Counter[Scripts], seen: Counter[Scripts]) -> None:
+        """A product of transforms is a chain in one order of the frames only."""
+        usual = self.meanings.reading
+        for lefts in filter(None, (factors(side.text) for e in self.equations for side in e if not side.matrices)):
+            scripts = {left.scripts for left in lefts}
+            if len(scripts) > 1 or None in scripts:
+                continue
+            fits = []
+            for self.meanings.reading in (frozenset[Scripts](), frozenset(Scripts)):
+                fits.append(chained(self.meanings, lefts, self.robot.n) is not None)
+            for one in filter(None, scripts):
+                votes[one] += fits[1] - fits[0]
+                seen[one] += fits[1] != fits[0]
+        self.meanings.reading = usual
 
     def rights_read(self, left: Left, reading: Reading) -> list[Right]:
         """What a left side may mean in a reading."""
@@ -159,7 +208,9 @@ class Scope:
             # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
-        return LatexReader(self.robot, self.text, self.start, meanings, EntryNames(self.meanings))
+        return LatexReader(
+            self.robot, self.text, self.start, meanings, EntryNames(self.meanings, self.poses), self._signs
+        )
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""

@@ -14,9 +14,10 @@ import yaml
 from derive.checking.formulas.findings import Outcome, judge
 from derive.checking.latex.check import check_latex
 from derive.checking.latex.equations import equations
-from derive.checking.latex.left import Target, Turned, candidates, is_scalar, taken_apart
+from derive.checking.latex.left import Turned, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import EntryNames, Meanings
+from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import CheckError, Location
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import LatexPrinter

@@ -1,0 +1,146 @@
+"""Formulas with several values, such as those of inverse kinematics: right for all of their branches, or for some."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import hypot, remainder, tau
+
+from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.model.equality import samples
+from derive.robot.expression import (
+    ONE,
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Product,
+    Sum,
+    add,
+    children,
+    multiply,
+    number,
+    power,
+    rebuilt,
+)
+from derive.robot.expression import names as names_of
+from derive.robot.robot import Robot
+
+SIGN = "±"  # first letter of the name of a plus-minus
+POINTS = 24  # points at which two sides are compared
+SIGNS = 6  # signs of one equation that are tried in all combinations
+CLOSE = 1e-8  # relative difference of two values, or that of two angles up to full turns
+_ARCS = ("atan2", "Atan2", "acos", "asin", "atan")
+
+
+@dataclass(frozen=True, slots=True)
+class Branches:
+    """What was seen of two sides at many points."""
+
+    points: int  # points at which both have a value
+    alike: int  # those of them at which some choice of the signs makes them equal
+
+    @property
+    def all(self) -> bool:
+        """Whether the sides are equal for some choice of the signs wherever both have a value."""
+        return 0 < self.alike == self.points
+
+    @property
+    def some(self) -> bool:
+        """Whether they are equal at some of the points only: the other ones belong to other branches."""
+        return 0 < self.alike < self.points
+
+
+def has_branches(e: Expression, roots: bool) -> bool:
+    """Whether a formula stands for several values: signs and arc functions do, and roots if they are to."""
+    kinds = (*_ARCS, "sqrt") if roots else _ARCS
+    return _has(e, kinds)
+
+
+def needs_branches(e: Expression) -> bool:
+    """Whether it has what only a comparison at points understands."""
+    return _has(e, _ARCS[1:])
+
+
+def _has(e: Expression, functions: Sequence[str]) -> bool:
+    """Whether a plus-minus or one of some functions occurs."""
+    own = (isinstance(e, Name) and e.name[0] == SIGN) or (isinstance(e, Call) and e.function in functions)
+    return own or any(_has(child, functions) for child in children(e))
+
+
+def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
+    """Compare two sides at many points, with all choices of their signs; angles count up to full turns."""
+    joints = {joint.variable for joint in robot.joints if joint.is_revolute}
+    modulus = tau if all(_is_angle(side, joints) for side in (one, other)) else 0.0
+    wanted = sorted({*names_of(one), *names_of(other)})
+    signs = [name for name in wanted if name[0] == SIGN][:SIGNS]
+    variants = [(_with_one_arc(one, turned), _with_one_arc(other, turned)) for turned in (False, True)]
+    variants = variants[: 1 + any(map(_may_turn, (one, other)))]
+    points = alike = 0
+    for sample in samples(robot, [name for name in wanted if name[0] != SIGN]):
+        values = {name: float(value) for name, value in sample.items()}
+        near = list(_nearness(variants, values, signs, modulus))
+        points += bool(near)
+        alike += any(near)
+        if points == POINTS:
+            break
+    return Branches(points, alike)
+
+
+def _nearness(
+    variants: Sequence[tuple[Expression, Expression]], values: dict[str, float], signs: Sequence[str], modulus: float
+) -> Iterator[bool]:
+    """Whether two sides are near each other, for each choice of signs that gives both a value."""
+    for one, other in variants:
+        for chosen in itertools.product((1.0, -1.0), repeat=len(signs)):
+            here = values | dict(zip(signs, chosen, strict=True))
+            try:
+                a, b = float_value(one, here), float_value(other, here)
+            except NO_VALUE:
+                continue
+            gap = remainder(a - b, modulus) if modulus else a - b
+            yield abs(gap) <= CLOSE * (1 if modulus else hypot(1, a, b))
+
+
+def _is_angle(e: Expression, joints: set[str]) -> bool:
+    """Whether an expression is a sum of joint angles, arc functions and multiples of pi."""
+    match e:
+        case Name(name):
+            return name in joints
+        case Call(function, _):
+            return function in _ARCS
+        case Pi() | Number(0):
+            return True
+        case Sum(terms):
+            return all(_is_angle(term, joints) for term in terms)
+        case Product(factors):
+            rest = [f for f in factors if not isinstance(f, Number) and not (isinstance(f, Name) and f.name[0] == SIGN)]
+            return len(rest) == 1 and _is_angle(rest[0], joints)
+    return False
+
+
+def _may_turn(e: Expression) -> bool:
+    """Whether it has an arctangent of two arguments in an order that is not certain."""
+    return (isinstance(e, Call) and e.function == "Atan2") or any(map(_may_turn, children(e)))
+
+
+def _with_one_arc(e: Expression, turned: bool) -> Expression:
+    """The formula with atan2 for all arc functions; where turned, `Atan2` has the cosine first."""
+    e = rebuilt(e, lambda part: _with_one_arc(part, turned))
+    match e:
+        case Call("Atan2", (y, x)):
+            return Call("atan2", (x, y) if turned else (y, x))
+        case Call("acos", (x,)):  # acos x = atan2(sqrt(1 - x^2), x)
+            return Call("atan2", (_other_leg(x), x))
+        case Call("asin", (y,)):
+            return Call("atan2", (y, _other_leg(y)))
+        case Call("atan", (x,)):
+            return Call("atan2", (x, ONE))
+    return e
+
+
+def _other_leg(x: Expression) -> Expression:
+    """The root of 1 - x^2."""
+    return Call("sqrt", (add(ONE, multiply(number(-1), power(x, 2))),))

@@ -1,0 +1,299 @@
+r"""What left sides of printed equations may mean: ``\mathbf{T}^0_6``, ``b_{11}``, ``\tau_1``, ``p_x`` as quantities.
+
+Books agree on no letter, and one letter means several things: T is a transform or the kinetic energy, C_{12} an entry
+of C or the cosine of a sum. So a left side has candidates, the likeliest first; the shape of what is printed on the
+right and, last, which of them it equals decide.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from derive.checking.latex.left import AXES, Left, Reading, Scripts, Turned
+from derive.model.quantities import REGISTRY
+
+Indices = tuple[int, ...]
+
+_END = frozenset(
+    [
+        "e",
+        "ee",
+        "eef",
+        "eff",
+        "E",
+        "EE",
+        "EEF",
+        "n",
+        "N",
+        "t",
+        "tool",
+        "Tool",
+        "TOOL",
+        "tcp",
+        "TCP",
+        "H",
+        "h",
+        "end",
+        "hand",
+        "Hand",
+        "F",
+        "G",
+        "gripper",
+        "Gripper",
+        "grip",
+        "tip",
+        "flange",
+        "fingertip",
+        "endeffector",
+    ]
+)
+_BASE = frozenset(["0", "b", "B", "base", "Base", "BASE", "baselink", "world", "World", "w", "W", "s", "S", "O", "o"])
+_LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")
+_ANGULAR = ("omega", "w", "O", "o", "A", "R", "ang", "rot")
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A quantity, or some rows and columns of it."""
+
+    quantity: str  # its name in the registry
+    rows: Indices = ()  # the rows that are meant; none for all
+    columns: Indices = ()  # the columns that are meant; none for all
+    is_determinant: bool = False  # whether its determinant is meant
+    turned: Turned = Turned.NOT  # whether the transpose of these rows and columns is meant, their inverse, or both
+
+
+def candidates(left: Left, n: int, first: int = 1, reading: Reading = frozenset()) -> tuple[Target, ...]:
+    """What a left side may mean, the likeliest first."""
+    if left.is_of_parameters:
+        return ()
+    if left.scripts in reading:
+        left = _exchanged(left)
+    others = _kinematics(left, n, first) if first != 1 else ()
+    found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
+    if left.is_determinant:
+        whole = [Target("singularities" if left.primes else "detJ")] if left.head == "J" and not left.sub else []
+        found = (*whole, *(replace(target, is_determinant=True) for target in found))
+    return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
+
+
+def _exchanged(left: Left) -> Left:
+    """The left side with its two frames in each other's place."""
+    match left.scripts:
+        case Scripts.LEFT:
+            return replace(left, before=left.before_sub, before_sub=left.before)
+        case Scripts.RIGHT:
+            return replace(left, sub=left.sup, sup=left.sub)
+    return replace(left, sub=left.sub[::-1])
+
+
+_VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))
+_SCALARS = ("christoffel", "kinetic", "potential", "detJ", "singularities")
+
+
+def is_scalar(target: Target) -> bool:
+    """Whether a target is one formula."""
+    entry = len(target.rows) == 1 and (len(target.columns) == 1 or target.quantity in _VECTORS)
+    return entry or target.is_determinant or target.quantity.startswith(_SCALARS)
+
+
+def _named(left: Left) -> Iterator[Target]:
+    """Names of the registry itself, and words for angles."""
+    for name in REGISTRY:
+        if len(name) > 2 and left.flat.casefold() == name.replace("_", "").casefold():
+            yield Target(name)
+    angles = {"roll": 1, "pitch": 2, "yaw": 3}
+    if left.head in angles and not left.sub:
+        yield Target("rpy", (angles[left.head],))
+    if left.head in ("phi", "theta", "psi") and not left.sub + left.sup + left.before:
+        index = ("phi", "theta", "psi").index(left.head) + 1
+        yield from (Target("euler_zyz", (index,)), Target("rpy", (4 - index,)))
+    if left.head == "phi" and left.sub in ("RPY", "rpy"):
+        yield Target("rpy")
+    if left.head == "phi" and left.sub.casefold() == "zyz":
+        yield Target("euler_zyz")
+
+
+# Letters that books use for dynamics.
+_DYNAMIC = {
+    "B": ("B",), "M": ("B",), "D": ("B",), "H": ("B",), "I": ("B",), "C": ("C", "Cqd"), "N": ("N",), "S": ("C",),
+    "g": ("g",), "G": ("g",), "tau": ("tau",), "Q": ("tau",), "u": ("tau",), "Gamma": ("tau",),
+    "F": ("tau",), "V": ("Cqd",), "c": ("C", "Cqd"), "h": ("B", "Cqd"),
+    "n": ("N",), "b": ("B",), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("Cqd",),
+    "Y": ("regressor", "regressor_base"), "W": ("regressor",),
+}  # fmt: skip
+_ENERGIES = {
+    **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin", "L"), "kinetic"),
+    **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
+}
+
+
+def _dynamics(left: Left, n: int) -> Iterator[Target]:
+    if left.sup or left.before or left.before_sub or left.primes:
+        return
+    indices = _indices(left.sub, n)
+    if left.head in ("c", "C", "Gamma") and len(indices) == 3:
+        yield Target("christoffel[" + ",".join(map(str, indices)) + "]")
+    quantities = _DYNAMIC.get(left.head, ())
+    # only the rate of the inertia matrix has a dot; C q' and B q'' are the torques of velocities and accelerations
+    if left.dots or left.factor:
+        is_rate = left.dots == 1 and left.head in "BMDHbmdh" and not left.factor
+        product = "Cqd" if left.head in "CS" and left.factor == "d" else ""
+        product = "B_qdd" if left.head in "BMDH" and left.factor == "dd" else product
+        quantities = ("Bdot",) if is_rate else (product,) if product else ()
+    for quantity in quantities:
+        is_vector = quantity in _VECTORS
+        if not left.sub:
+            yield Target(quantity)
+        elif len(indices) == (1 if is_vector else 2) and not quantity.startswith("regressor"):
+            yield Target(quantity, indices[:1], indices[1:])
+    energy = _ENERGIES.get(left.head if left.sub == "tot" else left.flat, "")
+    if energy and not left.dots and not left.factor:
+        yield Target(energy)
+
+
+def _jacobians(left: Left, n: int) -> Iterator[Target]:
+    if left.head not in ("J", "j"):
+        return
+    if left.dots:
+        if left.dots == 1 and not left.sub:
+            yield Target("J_dot")
+        return
+    sub, sup = left.sub, left.sup or left.before
+    # Jacobians of a body, J_P^{(l_2)} of a link and J_P^{(m_2)} of a motor, or with one subscript, J_{vc2}
+    body = re.fullmatch(r"([lmc]|C|G)?([0-9]+)", sup.strip("*"))
+    own = re.fullmatch(r"(v|omega|w|P|O)(l|m|c|C|G)([0-9]+)", sub)
+    kind, index = (sub, body) if body and sub in (*_LINEAR, *_ANGULAR) else (own[1], own) if own else ("", None)
+    if index is not None and (index[1] or not own):
+        letter, number = (index[2], index[3]) if own else (index[1], index[2])
+        where = "motor" if letter == "m" else "com"
+        if letter or own:
+            yield Target(f"J{'v' if kind in _LINEAR else 'w'}_{where}[{number}]")
+            return
+    if left.primes:
+        if sub == "11":
+            yield Target("J_11_reduced")
+        return
+    # the end effector's, seen from the base or from the end effector itself; whole, or the rows of its task
+    frames = [sub] if sub in _END or sub in _BASE or sub == str(n) else []
+    in_end = sup in _END or sup == str(n) or bool(frames and (sub in _END or sub == str(n)))
+    if sup and not in_end and sup not in _BASE:
+        return
+    names = ["J_end", "J"] if in_end else ["J"]
+    indices = _indices(sub, n) if not frames or sub == str(n) else ()
+    if not sub or frames:
+        for name in names:
+            yield from (Target(name), Target(name, (1, 2)), Target(name, (1, 2, 3)), Target(name, (1, 2, 6)))
+    if sub in _LINEAR:
+        yield from (Target(name, rows) for name in names for rows in ((1, 2, 3), (1, 2)))
+    if sub in _ANGULAR:
+        yield from (Target(name, rows) for name in names for rows in ((4, 5, 6), (6,)))
+    if sub in ("A", "a", "RPY", "rpy"):
+        yield Target("J_rpy")
+    if sub in ("A", "a", "ZYZ", "zyz", "E"):
+        yield Target("J_zyz")
+    if sub in ("11", "12", "21", "22"):
+        yield Target(f"J_{sub}")
+    if (match := re.fullmatch(r"([A-Za-z]+)([0-9]+)", sub)) and int(match[2]) <= n:
+        rows = (1, 2, 3) if match[1] in _LINEAR else (4, 5, 6) if match[1] in _ANGULAR else ()
+        if rows:
+            yield Target("J", rows, (int(match[2]),))
+    if len(indices) == 1:
+        yield from (Target("J", rows, indices) for rows in ((), (1, 2, 3), (1, 2)))
+    if len(pair := _indices(sub, max(n, 6))) == 2 and pair[0] <= 6 and pair[1] <= n:
+        yield Target("J", pair[:1], pair[1:])
+
+
+def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
+    """Transforms, rotations, positions, and their entries."""
+    if left.dots or left.primes or left.factor:
+        return
+    head, pair = left.head, _indices(left.sub, 4)
+    plain = not (left.sup or left.before or left.before_sub)
+    if head in ("T", "A", "H", "K", "M"):
+        for name in _frames(left, n, first):
+            # of three rows the rotation alone, or the plane of a planar arm
+            parts = ((1, 2, 3), (1, 2, 4)) if head == "T" else ((1, 2, 4),)
+            yield from (Target(name), *(Target(name, part, part) for part in parts))
+    if head in ("R", "C", "Rot") and not (head == "C" and plain):
+        for name in _frames(left, n, first):
+            yield from (Target(name, (1, 2, 3), (1, 2, 3)), Target(name, (1, 2), (1, 2)))
+    if head in ("R", "r", "T", "t", "a", "A", "H") and plain and len(pair) == 2:
+        yield Target("T", pair[:1], pair[1:])
+    # entries of a vector, p_x or n_y, and coordinates by their own letters, x_E
+    of_vector = left.sub[:1] in AXES and left.sub[1:] in ("", *_END)
+    if of_vector or (head.lower() in AXES and left.sub in ("", "P", "p", *_END)):
+        row = (AXES[left.sub[0] if of_vector else head.lower()],)
+        columns = {"n": (1,), "s": (2,), "o": (2, 4), "a": (3,)}.get(head, ()) if of_vector else ()
+        if not of_vector or head in ("p", "P", "o", "O", "x", "X", "r", "d"):
+            yield Target("p", row)
+        yield from (Target("T", row, (column,)) for column in columns if plain)
+        if not of_vector and head in ("x", "X"):
+            yield from (Target("p"), Target("p", (1, 2)))
+        return
+    if head in AXES and left.sub.isdigit() and plain and (frame := _frame(left.sub, n, 1)):
+        yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
+    column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head)
+    if column and plain and not left.sub:
+        yield Target("T", (1, 2, 3), (column,))
+    if head in ("p", "P", "o", "O", "d", "r", "x", "X"):
+        if not left.sub and not left.sup:
+            yield from (Target("p"), Target("p", (1, 2)))
+        for name in _frames(left, n, first):
+            yield from (Target(name, rows, (4,)) for rows in ((1, 2, 3), (1, 2)))
+    if head in ("z", "Z") and (left.sub or left.before):
+        for name in _frames(left, n, first):
+            yield Target(name, (1, 2, 3), (3,))
+
+
+def _frames(left: Left, n: int, first: int) -> Iterator[str]:
+    """Names of the transforms that the indices of a left side may mean."""
+    # T_6^0 and {}^0T_6 are frame 6 in frame 0; two indices below, T_{06}, are reference and frame
+    lower, upper = left.sub or left.before_sub, left.before or left.sup
+    pair = re.fullmatch(r"([0-9A-Za-z]),?([0-9A-Za-z])", lower)
+    if pair and not upper and lower not in _END and lower not in _BASE and not (lower.isdigit() and int(lower) <= n):
+        lower, upper = pair[2], pair[1]
+    frame, reference = _frame(lower, n, first), _frame(upper, n, first)
+    if frame is None or reference is None or (lower and frame == reference):
+        return
+    if lower == "" and upper in ("", *_BASE):
+        yield "T"
+    elif upper == "":
+        yield from (f"A[{frame}]",) if left.head == "A" and frame else ()
+        yield from ("T",) if lower in _END else ()
+        yield from (f"T[0,{frame}]", f"T[{frame}]")
+        yield from (f"A[{frame}]",) if frame else ()
+        yield from ("T",) if frame == n else ()
+    elif lower:
+        yield from (f"A[{frame}]",) if left.head == "A" and frame == reference + 1 else ()
+        if reference == 0 and frame == n:
+            yield from ("T", f"T[0,{n}]") if lower in _END else (f"T[0,{n}]", "T")
+            yield f"T[{n}]"
+        else:
+            yield f"T[{reference},{frame}]"
+            if reference == 0:
+                yield f"T[{frame}]"
+
+
+def _frame(text: str, n: int, first: int) -> int | None:
+    """The number of a frame, from 0; None where it is none."""
+    if text == "" or (text in _BASE and not (text == "0" and first != 1)):
+        return 0
+    if text in _END:
+        return n
+    index = int(text) - first + 1 if text.isdigit() and text.isascii() else -1
+    return index if 0 <= index <= n else None
+
+
+def _indices(text: str, largest: int) -> Indices:
+    """Indices side by side or separated by commas, each from 1 to a largest one; none where it is something else."""
+    parts = [part for part in re.split(r"[,;]", text) if part]
+    if not all(part.isascii() and part.isdigit() for part in parts):
+        return ()
+    digits = [part if int(part) <= largest and len(parts) > 1 else list(part) for part in parts]
+    found = tuple(int(digit) for part in digits for digit in ([part] if isinstance(part, str) else part))
+    if len(parts) == 1 and 9 < int(parts[0]) <= largest:
+        found = (int(parts[0]),)
+    return found if all(1 <= index <= largest for index in found) else ()

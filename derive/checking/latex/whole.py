@@ -1,0 +1,134 @@
+"""Printed matrices as a whole: one cause for several wrong entries, another factorisation of C, chains of frames."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations, pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.checking.formulas.findings import Finding
+from derive.checking.latex.left import Left, Turned, taken_apart
+from derive.checking.latex.matrices import Table
+from derive.checking.latex.meanings import ALIKE, Meanings, Right
+from derive.checking.latex.targets import Target
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.equality import Verdict, compare
+from derive.model.model import Model
+from derive.robot.expression import ZERO, Expression, Name, add, multiply, names, number
+from derive.robot.names import velocity_name
+
+_SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
+_LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*[TAHR]\s*\}|[TAHR])"
+_ONE = rf"(?:\{{\s*\}})?\s*{_SCRIPTS}{_LETTER}\s*{_SCRIPTS}(?:\([^()]*\))?"
+_FACTOR = re.compile(rf"\s*(?:\\cdot|\\times|\*|\\,)?\s*((?:\(\s*{_ONE}\s*\)\s*{_SCRIPTS})|(?:{_ONE}))")
+_FRAMES = re.compile(r"(?P<kind>[AT])(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
+
+
+def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """C is not unique: a whole printed one with the right C qd is right, and it is said whether its N is skew."""
+    entries = {(f.row, f.column): f for f in findings if f.quantity == "C" and f.question is not None}
+    if len(entries) != model.n**2 or all(f.verdict.equal for f in entries.values()):
+        return findings
+    places = range(1, model.n + 1)
+    rates = [Name(velocity_name(joint.variable)) for joint in model.robot.joints]
+    velocity_torques, rate = model.quantity("Cqd"), model.quantity("Bdot")
+    printed = {place: f.question.printed for place, f in entries.items() if f.question is not None}
+    for i in places:
+        product_ = add(*(multiply(printed[i, j], rates[j - 1]) for j in places))
+        if not compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal:
+            return findings
+    sums = (
+        add(expression_from_sympy(2 * rate[i - 1, j - 1]), multiply(number(-2), add(printed[i, j], printed[j, i])))
+        for i in places
+        for j in places
+    )
+    skew = "" if all(compare(model.robot, ZERO, entry).equal for entry in sums) else " not"
+    note = f", another factorisation with the same C qd; its N is{skew} skew-symmetric"
+    equal = Verdict(equal=True, exact=True)
+    return tuple(replace(f, verdict=equal, note=note) if f.quantity == "C" else f for f in findings)
+
+
+def one_cause(right: Right, table: Table) -> str:
+    """What makes a whole printed matrix right, where one change does; empty where none does."""
+    rows = [[entry.formula for entry in row] for row in table.rows]
+    derived = [[expression_from_sympy(entry) for entry in row] for row in right.value.tolist()]
+    printed_at, right_at = _numbers(rows, derived)
+    if printed_at is None or right_at is None:
+        return ""
+
+    def _same(changed: npt.NDArray[np.float64]) -> bool:
+        return changed.shape == right_at.shape and np.allclose(changed, right_at, rtol=ALIKE, atol=ALIKE)
+
+    return next((cause for cause, changed in _changes(printed_at) if _same(changed)), "")
+
+
+def _numbers(
+    *matrices: list[list[Expression]],
+) -> tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]:
+    """The values of two matrices at one point; None where they have none."""
+    rng = random.Random(5)
+    known = sorted({name for rows in matrices for row in rows for e in row for name in names(e)})
+    values = {name: rng.uniform(0.3, 1.7) for name in known}
+    try:
+        one, other = (np.array([[float_value(e, values) for e in row] for row in rows]) for rows in matrices)
+    except NO_VALUE:
+        return None, None
+    return one, other
+
+
+def _changes(a: npt.NDArray[np.float64]) -> Iterator[tuple[str, npt.NDArray[np.float64]]]:
+    """Slips that concern a matrix as a whole, and the matrix without them."""
+    yield "the matrix is transposed", a.T
+    yield "the sign of all entries", -a
+    for axis, word in enumerate(("row", "column")):
+        for i in range(a.shape[axis]):
+            signs = np.where(np.arange(a.shape[axis]) == i, -1.0, 1.0)
+            yield f"the sign of {word} {i + 1}", a * (signs[:, None] if axis == 0 else signs)
+        for i, j in combinations(range(a.shape[axis]), 2):
+            order = np.arange(a.shape[axis])
+            order[[i, j]] = j, i
+            yield f"{word}s {i + 1} and {j + 1} are exchanged", np.take(a, order, axis)
+
+
+def factors(text: str) -> tuple[Left, ...]:
+    """The transforms that stand side by side in a product; none where it is something else."""
+    found: list[Left] = []
+    position, text = 0, text.strip()
+    while match := _FACTOR.match(text, position):
+        left = taken_apart(re.sub(r"\{\s*\}", "", match[1]))
+        if left is None:
+            return ()
+        found.append(left)
+        position = match.end()
+    return tuple(found) if len(found) > 1 and not text[position:].strip() else ()
+
+
+def chained(meanings: Meanings, lefts: tuple[Left, ...], n: int) -> tuple[int, int] | None:
+    """The frames from which and to which a product of transforms leads; None where one does not follow the other."""
+    steps = [next((pair for t in meanings.targets(left) if (pair := frames_of(t, n))), None) for left in lefts]
+    pairs = [pair for pair in steps if pair is not None]
+    if len(pairs) < len(steps) or any(one[1] != other[0] for one, other in pairwise(pairs)):
+        return None
+    return pairs[0][0], pairs[-1][1]
+
+
+def frames_of(target: Target, n: int) -> tuple[int, int] | None:
+    """The two frames of a transform or a rotation; None of another quantity."""
+    match = _FRAMES.fullmatch(target.quantity)
+    if match is None or target.columns == (4,) or target.turned is Turned.BOTH:
+        return None
+    first, second = match["first"], match["second"]
+    if match["kind"] == "A":
+        pair = (int(first) - 1, int(first)) if first else None
+    else:
+        pair = (int(first), int(second)) if second else (0, int(first)) if first else (0, n)
+    is_rotation = target.rows in ((1, 2, 3), (1, 2)) and target.rows == target.columns
+    if pair is None or (target.turned is Turned.TRANSPOSED and not is_rotation):
+        return None
+    return pair if target.turned is Turned.NOT else pair[::-1]
