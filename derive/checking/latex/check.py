@@ -122,7 +122,10 @@ class _Check:
         """One for each formula and each entry of a matrix; those about a pose once it is known which one is meant."""
         found = list(self._findings())
         claims = [one for one in found if isinstance(one, Claim)]
-        judged = list(reversed(self.scope.poses.judged(claims, self.scope.readings))) if self.scope.poses else []
+        # a position that is printed rightly says which pose its names mean
+        known = any(isinstance(one, Finding) and one.quantity in ("p", "T") and one.verdict.equal for one in found)
+        poses = self.scope.poses
+        judged = list(reversed(poses.judged(claims, self.scope.readings, known))) if poses else []
         for one in found:
             finding = judged.pop() if isinstance(one, Claim) else one
             if finding is not None:
@@ -317,7 +320,9 @@ class _Check:
         """Sides that say the same, or should."""
         first = said[0]
         joints = {joint.variable for joint in self.robot.joints}
-        is_parameter = isinstance(first.value, Name) and first.value.name not in joints
+        is_parameter = (
+            isinstance(first.value, Name) and first.value.name not in joints and not names_of_pose(first.value)
+        )
         is_name = isinstance(first.value, Name | Call)
         constant = any(not isinstance(s.value, Table) and s.value and is_constant(s.value) for s in said[1:])
         if is_parameter or (is_name and constant):

@@ -83,8 +83,11 @@ class Left:
     def is_vague(self) -> bool:
         """Whether it is a letter for anything, without indices that say what it is, or a point of some link."""
         is_point = self.head in AXES and self.sub.isdigit()
-        return is_point or (
-            self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before
+        is_angle = self.head in ("phi", "theta", "psi") and not self.sub
+        return (
+            is_point
+            or is_angle
+            or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
         )
 
     @property

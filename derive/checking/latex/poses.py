@@ -88,7 +88,7 @@ class Poses:
             return None
         return substitute(meaning, {"(phi)": first.arguments[0]})
 
-    def judged(self, claims: Sequence[Claim], told: list[str]) -> list[Finding | None]:
+    def judged(self, claims: Sequence[Claim], told: list[str], known: bool) -> list[Finding | None]:
         """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain."""
         if not claims:
             return []
@@ -100,7 +100,7 @@ class Poses:
         if right and not reading.usual:
             told.append(f"{reading.shown} ({right} of {len(found)} equations)")
         # what no pose explains is wrong only where several others say which pose is meant
-        is_certain = right >= CERTAIN and 2 * right >= len(found)
+        is_certain = (right >= CERTAIN and 2 * right >= len(found)) or (known and reading.usual)
         both = zip(claims, found, strict=True)
         return [f if f.verdict.equal or (is_certain and not claim.is_branch) else None for claim, f in both]
 

@@ -28,6 +28,7 @@ MAX_SIDES = 20  # sides of one equation
 MAX_PASSES = 12  # how often definitions are gone through that need one that stands behind them
 # Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
 _LENT = frozenset("uvwhkexyzfFQ")
+_ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
 # A Christoffel symbol with letters for its indices.
 _SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
 # A partial derivative that is subtracted, and the index of its variable.
@@ -179,7 +180,7 @@ class Scope:
 
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
-        several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1]
+        several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         waiting = [some for some in named if any(some[2])]
         for _ in range(MAX_PASSES):
@@ -217,11 +218,16 @@ class Scope:
         left = None if side.matrices else taken_apart(side.text)
         if left is None or not left.is_plain or left.arguments or self.is_own(left):
             return ""
-        if not any(is_scalar(target) for target in self.meanings.targets(left)):
-            return left.flat
-        if not (is_first and left.sub and left.head in _LENT):
+        if self.poses is not None and self.poses.placeholder(left.flat) is not None:
             return ""
-        others = (part for i, e in enumerate(self.equations) if i != index for part in e[1:])
+        is_point = self.document or not left.is_vague  # y_1 is a point of a page, and a parameter of a formula
+        if not (is_point and any(is_scalar(target) for target in self.meanings.targets(left))):
+            return left.flat
+        is_angle = left.head in _ANGLES and not left.sub
+        if not is_first or not (is_angle or (left.sub and left.head in _LENT)):
+            return ""
+        others = (part for i, e in enumerate(self.equations) if i != index for part in (e if is_angle else e[1:]))
+        others = (part for part in others if part.text.strip() != side.text.strip())
         return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
 
     def is_own(self, left: Left) -> bool:

@@ -25,8 +25,9 @@ from derive.robot.names import velocity_name
 
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
 _LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*[TAHR]\s*\}|[TAHR])"
-_ONE = rf"(?:\{{\s*\}})?\s*{_SCRIPTS}{_LETTER}\s*{_SCRIPTS}(?:\([^()]*\))?"
-_FACTOR = re.compile(rf"\s*(?:\\cdot|\\times|\*|\\,)?\s*((?:\(\s*{_ONE}\s*\)\s*{_SCRIPTS})|(?:{_ONE}))")
+_TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts it from the scripts of the next one
+_ONE = rf"(?:\{{\s*\}})?\s*{_SCRIPTS}{_LETTER}{_TIGHT}(?:\([^()]*\))?"
+_FACTOR = re.compile(rf"\s*(?:\\cdot|\\times|\*|(?:\\[,;:! ]\s*)+)?\s*((?:\(\s*{_ONE}\s*\)\s*{_SCRIPTS})|(?:{_ONE}))")
 _FRAMES = re.compile(r"(?P<kind>[AT])(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
 
 
