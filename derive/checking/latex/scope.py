@@ -10,7 +10,7 @@ from itertools import islice, product
 
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
-from derive.checking.latex.left import Left, Reading, Scripts, taken_apart
+from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import EntryNames, Meanings, Right
 from derive.checking.latex.names import PlusMinus
@@ -218,15 +218,17 @@ class Scope:
         left = None if side.matrices else taken_apart(side.text)
         if left is None or not left.is_plain or left.arguments or self.is_own(left):
             return ""
-        if self.poses is not None and self.poses.placeholder(left.flat) is not None:
+        is_point = left.head in AXES and left.sub.isdigit()
+        if self.poses is not None and not is_point and self.poses.placeholder(left.flat) is not None:
             return ""
-        is_point = self.document or not left.is_vague  # y_1 is a point of a page, and a parameter of a formula
-        if not (is_point and any(is_scalar(target) for target in self.meanings.targets(left))):
+        if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat
         is_angle = left.head in _ANGLES and not left.sub
         if not is_first or not (is_angle or (left.sub and left.head in _LENT)):
             return ""
-        others = (part for i, e in enumerate(self.equations) if i != index for part in (e if is_angle else e[1:]))
+        others = (
+            part for i, e in enumerate(self.equations) if i != index for part in (e if is_angle or is_point else e[1:])
+        )
         others = (part for part in others if part.text.strip() != side.text.strip())
         return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
 
