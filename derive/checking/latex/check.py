@@ -9,38 +9,30 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.findings import (
-    NOTHING_KNOWN,
     FileReport,
     Finding,
     Role,
     Skipped,
-    compared,
     undecidable,
 )
+from derive.checking.latex.comparing import ANY, Comparing, Side
 from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.meanings import Right
 from derive.checking.latex.names import Symbol
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Claim, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import chained, factors, frames_of, one_cause, other_factorisation
+from derive.checking.latex.whole import chained, factors, other_factorisation
 from derive.errors import CheckError, Location, UnknownNameError, quoted
-from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Call, Expression, Name, is_constant, number, substitute
-
-_ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
-VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
-_ROWS = re.compile(r"\\\\|&")
+from derive.robot.expression import ZERO, Expression, Name, is_constant, number
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,19 +66,6 @@ def check_latex(
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings))
 
 
-@dataclass(frozen=True, slots=True)
-class _Side:
-    """A side of an equation: the quantities that it may name, and what it says or why it says nothing."""
-
-    piece: LatexPiece
-    left: Left | None = None
-    targets: tuple[Target, ...] = ()
-    value: Expression | Table | None = None
-    error: CheckError | None = None
-    frames: tuple[int, int] | None = None  # of a product of transforms, where it leads
-    is_branch: bool = False  # whether it is a joint variable with a label that may be that of a branch
-
-
 _COLUMN = re.compile(r"(?:[nosap]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
 
 
@@ -107,13 +86,12 @@ def _is_no_claim(piece: LatexPiece) -> bool:
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV)|,[1-8])?")
 
 
-class _Check:
+class _Check(Comparing):
     """The comparison of one text."""
 
     def __init__(self, scope: Scope, quantity: str) -> None:
-        self.scope, self.asked, self.document = scope, quantity, scope.document
-        self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
-        self.meanings, self.plain, self.names = scope.meanings, scope.plain, scope.names
+        super().__init__(scope, quantity)
+        self.names = scope.names
         self.skipped: list[Skipped] = []
         self.reader = scope.reader(0)
         self.lone = len(scope.equations) - len(scope.defining) == 1
@@ -130,7 +108,7 @@ class _Check:
             finding = judged.pop() if isinstance(one, Claim) else one
             if finding is not None:
                 yield finding
-            elif isinstance(one, Claim):
+            elif isinstance(one, Claim) and not one.is_open:
                 shown = ", ".join(sorted(names_of_pose(one.first, one.other)))
                 self.skipped.append(Skipped(one.where, f"which pose {shown} means is not certain", one.right))
 
@@ -154,9 +132,24 @@ class _Check:
                 self._skip(equation[0], unknown)
             else:
                 yield from found
+        if self.document:
+            yield from self._said_twice()
         for name, side in self.scope.unused() if self.document else ():
             reason = f"defines {name}, which no other formula uses"
             self.skipped.append(Skipped(self.plain.location(side.start), reason, self._typed(side)))
+
+    def _said_twice(self) -> Iterator[Finding | Claim]:
+        """Names that are given two formulas: where these are equal, that is said; otherwise a name has two meanings."""
+        for name, meanings in self.scope.definitions.items():
+            (_, first), *others = meanings
+            for index, other in others:
+                side = next(s for s in self.scope.equations[index] if (index, s.offset) not in self.names)
+                text, where = self._typed(side), self.plain.location(side.start)
+                claim = Claim(first, other, name, text, where, is_open=True)
+                if names_of_pose(first, other):
+                    yield claim
+                elif (found := claim.read(self.robot)).verdict.equal:
+                    yield found
 
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
         if side.inline and not self._names_a_quantity(side):
@@ -169,13 +162,12 @@ class _Check:
         left = taken_apart(side.text)
         return left is not None and "=" in self.text[side.end :].lstrip()[:2] and bool(self.meanings.targets(left))
 
-    def _typed(self, side: LatexPiece) -> str:
-        return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
-
     # -- one equation
 
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
         pieces = [piece for piece in equation if (index, piece.offset) not in self.names]
+        if len(pieces) == 1 < len(equation):  # h = K, which says what K is: compared with what else says so
+            return
         if len(pieces) > 2:
             pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
         if len(pieces) > 1 and any(map(_is_no_claim, pieces)):
@@ -197,7 +189,7 @@ class _Check:
             return
         # sides that name quantities, and what the others say about them
         named = [side for side in sides if side.targets and (side.value is None or (side is first and others))]
-        named = [side for side in named if side.left is not None and side.left.head not in _ANY] or named
+        named = [side for side in named if side.left is not None and side.left.head not in ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
         chains = [side for side in others if side.frames and self._leads_there(side, named)]
         for side in chains if not said else ():
@@ -219,13 +211,13 @@ class _Check:
             said.remove(first)  # a name of the robot itself before what is asked
         for side in said:
             table = side.value if isinstance(side.value, Table) else Table(((self._whole(side),),))
-            for name in named or [_Side(first.piece)]:
+            for name in named or [Side(first.piece)]:
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if not all(finding.verdict.equal for finding in findings):
                     self._refuse_example(side)
                 yield from findings
 
-    def _refuse_example(self, side: _Side) -> None:
+    def _refuse_example(self, side: Side) -> None:
         """Numbers in a document belong to an example at values of the joints that are not known here."""
         entries = [e.formula for row in side.value.rows for e in row] if isinstance(side.value, Table) else [side.value]
         decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
@@ -233,22 +225,22 @@ class _Check:
             where = self.plain.location(side.piece.start)
             raise CheckError(f"{quoted(self._typed(side.piece))} is a numeric example", location=where)
 
-    def _side(self, piece: LatexPiece, may_name: bool) -> _Side:
+    def _side(self, piece: LatexPiece, may_name: bool) -> Side:
         is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
         left = None if is_formula else taken_apart(piece.text)
         targets = self.meanings.targets(left) if left else ()
         if may_name and left is None and (chain := factors(piece.text)):
             where = self.plain.location(piece.start)
             error = CheckError("a product of matrices", remedy="multiply it out", location=where)
-            return _Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
+            return Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
         if may_name and left is not None and (joint := self._branch_of(left)) is not None:
-            return _Side(piece, left, (), joint, is_branch=True)
+            return Side(piece, left, (), joint, is_branch=True)
         if may_name and left is not None and targets and not self.scope.is_own(left):
-            return _Side(piece, left, targets)
+            return Side(piece, left, targets)
         try:
-            return _Side(piece, left, targets, self.reader.value(piece))
+            return Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
-            return _Side(piece, left, targets, error=error)
+            return Side(piece, left, targets, error=error)
 
     def _names_new_entries(self, piece: LatexPiece) -> bool:
         """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""
@@ -268,7 +260,7 @@ class _Check:
         meaning = self.plain.names.meaning(name) if is_joint else None
         return meaning if isinstance(meaning, Name) else None
 
-    def _said(self, side: _Side, derived: bool) -> _Side:
+    def _said(self, side: Side, derived: bool) -> Side:
         """What a side says that names a quantity, too: its formula, or else what is derived for it."""
         read = self._side(side.piece, False)
         if read.value is not None or not derived:
@@ -279,14 +271,14 @@ class _Check:
             return read
         rows = value.tolist()
         table = Table(tuple(tuple(Entry(expression_from_sympy(entry)) for entry in row) for row in rows))
-        return _Side(side.piece, value=table)
+        return Side(side.piece, value=table)
 
-    def _whole(self, side: _Side) -> Entry:
+    def _whole(self, side: Side) -> Entry:
         assert side.value is not None
         assert not isinstance(side.value, Table)
         return Entry(side.value, self._typed(side.piece), side.piece.start)
 
-    def _unread(self, side: _Side, named: list[_Side], is_last: bool) -> Iterator[Finding]:
+    def _unread(self, side: Side, named: list[Side], is_last: bool) -> Iterator[Finding]:
         """What becomes of a side that cannot be read: one between others is passed over, the last one is refused."""
         error = side.error
         assert error is not None
@@ -301,7 +293,7 @@ class _Check:
         else:
             raise error
 
-    def _named_cells(self, first: _Side, second: _Side) -> list[tuple[_Side, Entry]]:
+    def _named_cells(self, first: Side, second: Side) -> list[tuple[Side, Entry]]:
         """Cells of a matrix of names beside those of the matrix that says what they are."""
         matrices = first.piece.matrices
         if len(matrices) != 1 or first.piece.text.strip() != MATRIX_MARK or not isinstance(second.value, Table):
@@ -314,146 +306,4 @@ class _Check:
         targets = [tuple(filter(is_scalar, self.meanings.targets(left))) if left else () for left in lefts]
         if not all(targets):
             return []
-        return [(_Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]
-
-    def _identities(self, said: list[_Side]) -> Iterator[Finding | Claim]:
-        """Sides that say the same, or should."""
-        first = said[0]
-        joints = {joint.variable for joint in self.robot.joints}
-        is_parameter = (
-            isinstance(first.value, Name) and first.value.name not in joints and not names_of_pose(first.value)
-        )
-        is_name = isinstance(first.value, Name | Call)
-        constant = any(not isinstance(s.value, Table) and s.value and is_constant(s.value) for s in said[1:])
-        if is_parameter or (is_name and constant):
-            what = "a symbol of the robot" if is_parameter else "given a number, a condition"
-            where = self.plain.location(first.piece.start)
-            remedy = "write a quantity such as T_3^0 = or b_{11} = on the left"
-            raise CheckError(f"{quoted(self._typed(first.piece))} is {what}", remedy=remedy, location=where)
-        for side in said[1:]:
-            if isinstance(first.value, Table) or isinstance(side.value, Table) or not first.value or not side.value:
-                raise CheckError("matrices on both sides", location=self.plain.location(side.piece.start))
-            where = self.plain.location(side.piece.start)
-            question = Question(self.robot, side.value, first.value)
-            left, right = self._typed(first.piece), self._typed(side.piece)
-            if names_of_pose(first.value, side.value):
-                yield Claim(first.value, side.value, left, right, where, first.is_branch)
-                continue
-            found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
-            if first.is_branch and not found.verdict.equal:
-                label = f"the label in {quoted(left)} may be that of a branch"
-                raise CheckError(label, location=where)
-            if not found.verdict.equal and is_constant(first.value) != is_constant(side.value):
-                raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
-            yield found
-
-    # -- comparisons
-
-    def _compared(self, name: _Side, table: Table, offset: int) -> Iterator[Finding]:
-        """The findings for the first quantity that is meant of which everything is right; else for the first one."""
-        table = Table(tuple(tuple(replace(e, formula=self._posed(e.formula)) for e in row) for row in table.rows))
-        # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
-        chosen: tuple[Finding, ...] = ()
-        rights = tuple(self._meant(name))
-        fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
-        if len(fits) > 1 and table.shape != (1, 1):
-            fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
-        if fits and name.left is not None and name.left.is_vague and fits[0][0].likeness(fits[0][1]) < VAGUE:
-            shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
-            where = self.plain.location(name.piece.start)
-            raise CheckError(f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}", location=where)
-        for right, fitting in fits:
-            if fitting is not None:
-                found = tuple(self._entries(right, fitting, offset))
-                if all(finding.unknown or finding.verdict.equal for finding in found):
-                    chosen = found
-                    break
-                chosen = chosen or found
-        is_right = bool(chosen) and all(finding.verdict.equal for finding in chosen)
-        if chosen and not is_right and (exchanged := self._exchanged(name, table)) is not None:
-            text, where = self._typed(name.piece), self.plain.location(name.piece.start)
-            repair = Repair((), f"the frames exchanged: the matrix is {exchanged.quantity}", ZERO)
-            quantity = chosen[0].quantity
-            yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
-            return
-        wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
-        if len(wrong) > 1 and (cause := self._one_cause(fits, chosen)):
-            chosen = (*(replace(f, cause=cause) for f in wrong), *(f for f in chosen if f not in wrong))
-        if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
-            (entry,) = table.rows[0]
-            side = _Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
-            identity = tuple(one for one in self._identities([name, side]) if isinstance(one, Finding))
-            is_token = name.left is not None and name.left.head in ("c", "s")
-            chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
-        if not chosen and not rights:
-            where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
-            raise CheckError(f"{quoted(self._typed(name.piece))} is not derived", allowed=allowed, location=where)
-        if not chosen:
-            shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
-            quantity = rights[0].quantity if rights else self.asked
-            printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
-            raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
-        yield from chosen
-
-    def _posed(self, formula: Expression) -> Expression:
-        """A formula with the usual meaning of names of the pose."""
-        if self.scope.poses is None or not names_of_pose(formula):
-            return formula
-        return substitute(formula, self.scope.poses.readings[0].values)
-
-    def _leads_there(self, side: _Side, named: list[_Side]) -> bool:
-        """Whether a product of transforms leads from the one to the other frame of what is named."""
-        return any(side.frames == frames_of(t, self.robot.n) for name in named for t in name.targets)
-
-    def _one_cause(self, fits: list[tuple[Right, Table]], chosen: tuple[Finding, ...]) -> str:
-        """What makes the matrix right that was compared, where one change does."""
-        return next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
-
-    def _exchanged(self, name: _Side, table: Table) -> Right | None:
-        """What a matrix is that is right with the two frames of its left side exchanged."""
-        if name.left is None or name.left.scripts is None or table.shape == (1, 1):
-            return None
-        other = self.meanings.reading ^ frozenset([name.left.scripts])
-        for right in self.scope.rights_read(name.left, other):
-            if (fitting := right.fitting(table)) is not None and right.likeness(fitting) == 1:
-                return right
-        return None
-
-    def _meant(self, name: _Side) -> Iterator[Right]:
-        """What a left side may mean, of that only what is asked about, if something is."""
-        meant = (right for target in name.targets if (right := self.meanings.right(target)) is not None)
-        if not self.asked:
-            yield from meant
-            return
-        asked = tuple(self.meanings.asked(self.asked))
-        if not name.targets:
-            yield from asked
-            return
-        all_meant = tuple(meant)
-        agreeing = [
-            right if same.value.shape != right.value.shape else same
-            for right in all_meant
-            if (same := next((other for other in asked if right.agrees(other)), None))
-        ]
-        if not agreeing and all_meant and name.left is not None and name.left.head not in _ANY:
-            text, means = self._typed(name.piece), all_meant[0]
-            raise CheckError(
-                f"left side {quoted(text)} means {means.shown}, but the quantity asked about is {self.asked}",
-                remedy="leave one of them out",
-                location=self.plain.location(name.piece.start),
-            )
-        yield from agreeing or asked
-
-    def _entries(self, right: Right, table: Table, offset: int) -> Iterator[Finding]:
-        for i, row in enumerate(table.rows):
-            for j, entry in enumerate(row):
-                place = right.rows[i], right.columns[j]
-                text = entry.text or notation_text(entry.formula, self.robot)
-                if entry.unknown is not None:
-                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown, False)
-                    continue
-                where = self.plain.location(entry.offset or offset)
-                derived = right.value[i, j]
-                others = other_orders(self.model, right.quantity)
-                question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
-                yield compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
+        return [(Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from derive.checking.documents import closing_brace
-from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, RELATION, LatexPiece, display_piece
+from derive.checking.latex.left import taken_apart
+from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, MATRIX_MARK, RELATION, LatexPiece, display_piece
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location
 from derive.robot.parser import place
@@ -115,7 +116,19 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         # spaces and words that part nothing are blank; commas stay, for a formula must not have one
         plain = [_SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text) for side in sides]
         if found := tuple(replace(side, text=text) for side, text in zip(sides, plain, strict=True) if text.strip()):
-            yield found
+            yield from _unmerged(found)
+
+
+def _unmerged(sides: Sides) -> Iterator[Sides]:
+    """Equations side by side without a sign between them: the matrix of one, and the name of the next."""
+    for i, side in enumerate(sides[1:-1], 1):
+        mark = side.text.find(MATRIX_MARK)
+        name = taken_apart(side.text[mark + 1 :]) if mark >= 0 and not side.text[:mark].strip() else None
+        if name is not None and name.sub + name.sup and sides[i + 1].text.strip() == MATRIX_MARK:
+            yield (*sides[:i], side.part(0, mark + 1))
+            yield from _unmerged((side.part(mark + 1, len(side.text)), *sides[i + 1 :]))
+            return
+    yield sides
 
 
 def _depths(text: str, begin: int, end: int) -> int:

@@ -170,7 +170,12 @@ class Meanings:
         yield from (right for target in parts if target.rows and (right := self.right(target)))
 
 
-_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'")  # the velocity of a coordinate of the end effector
+_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'|v([xyz])")  # the velocity of a coordinate of the end effector
+
+
+def is_rate(name: str) -> bool:
+    """Whether a name is that of a coordinate of the velocity of the end effector."""
+    return _RATE.fullmatch(name) is not None
 
 
 class EntryNames(Mapping[str, Expression]):
@@ -181,7 +186,7 @@ class EntryNames(Mapping[str, Expression]):
 
     def __getitem__(self, name: str) -> Expression:
         if rate := _RATE.fullmatch(name):
-            return self._meanings.velocity("xyz".index(rate[1].lower()))
+            return self._meanings.velocity("xyz".index((rate[1] or rate[2]).lower()))
         if self._poses is not None and (found := self._poses.placeholder(name)) is not None:
             return found
         left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None

@@ -53,11 +53,12 @@ class Claim:
     left: str  # the first side as printed
     right: str  # the other one
     where: Location
+    is_open: bool = False  # whether it may be no claim at all: one name may have two meanings
     is_branch: bool = False  # whether the first side is a joint variable whose label may be that of a branch
 
-    def read(self, robot: Robot, reading: PoseReading) -> Finding:
-        """The comparison in a reading."""
-        first, other = (substitute(e, reading.values) for e in (self.first, self.other))
+    def read(self, robot: Robot, reading: PoseReading | None = None) -> Finding:
+        """The comparison in a reading; without one it has no names of a pose."""
+        first, other = (substitute(e, reading.values) if reading else e for e in (self.first, self.other))
         question = Question(robot, other, first)
         return compared(question, self.left, (0, 0), Role.IDENTITY, self.right, self.left, self.where)
 
@@ -101,8 +102,8 @@ class Poses:
             told.append(f"{reading.shown} ({right} of {len(found)} equations)")
         # what no pose explains is wrong only where several others say which pose is meant
         is_certain = (right >= CERTAIN and 2 * right >= len(found)) or (known and reading.usual)
-        both = zip(claims, found, strict=True)
-        return [f if f.verdict.equal or (is_certain and not claim.is_branch) else None for claim, f in both]
+        is_firm = [is_certain and not (claim.is_branch or claim.is_open) for claim in claims]
+        return [f if f.verdict.equal or firm else None for f, firm in zip(found, is_firm, strict=True)]
 
     @cached_property
     def readings(self) -> tuple[PoseReading, ...]:

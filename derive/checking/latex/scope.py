@@ -12,7 +12,7 @@ from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.meanings import EntryNames, Meanings, Right
+from derive.checking.latex.meanings import EntryNames, Meanings, Right, is_rate
 from derive.checking.latex.names import PlusMinus
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
@@ -217,6 +217,8 @@ class Scope:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
         left = None if side.matrices else taken_apart(side.text)
         if left is None or not left.is_plain or left.arguments or self.is_own(left):
+            return ""
+        if self.document and is_rate(left.flat):
             return ""
         is_point = left.head in AXES and left.sub.isdigit()
         if self.poses is not None and not is_point and self.poses.placeholder(left.flat) is not None:

@@ -1,0 +1,218 @@
+"""The sides of one printed equation against each other, and against the quantities that they name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from derive.checking.formulas.diagnosis import Question, Repair, other_orders
+from derive.checking.formulas.findings import (
+    NOTHING_KNOWN,
+    Finding,
+    Role,
+    compared,
+    undecidable,
+)
+from derive.checking.latex.left import Left
+from derive.checking.latex.matrices import Table
+from derive.checking.latex.meanings import Right
+from derive.checking.latex.pieces import LatexPiece
+from derive.checking.latex.poses import Claim, names_of_pose
+from derive.checking.latex.scope import Scope
+from derive.checking.latex.targets import Target
+from derive.checking.latex.whole import frames_of, one_cause
+from derive.errors import CheckError, quoted
+from derive.lecture.shorthand import notation_text
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.robot.expression import ZERO, Call, Expression, Name, is_constant, substitute
+
+ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
+VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
+_ROWS = re.compile(r"\\\\|&")
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """A side of an equation: the quantities that it may name, and what it says or why it says nothing."""
+
+    piece: LatexPiece
+    left: Left | None = None
+    targets: tuple[Target, ...] = ()
+    value: Expression | Table | None = None
+    error: CheckError | None = None
+    frames: tuple[int, int] | None = None  # of a product of transforms, where it leads
+    is_branch: bool = False  # whether it is a joint variable with a label that may be that of a branch
+
+
+class Comparing:
+    """Comparisons of one text."""
+
+    def __init__(self, scope: Scope, quantity: str) -> None:
+        self.scope, self.asked, self.document = scope, quantity, scope.document
+        self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
+        self.meanings, self.plain = scope.meanings, scope.plain
+
+    def _typed(self, side: LatexPiece) -> str:
+        return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
+
+    def _identities(self, said: list[Side]) -> Iterator[Finding | Claim]:
+        """Sides that say the same, or should."""
+        first = said[0]
+        joints = {joint.variable for joint in self.robot.joints}
+        is_parameter = (
+            isinstance(first.value, Name) and first.value.name not in joints and not names_of_pose(first.value)
+        )
+        is_name = isinstance(first.value, Name | Call)
+        constant = any(not isinstance(s.value, Table) and s.value and is_constant(s.value) for s in said[1:])
+        if is_parameter or (is_name and constant):
+            what = "a symbol of the robot" if is_parameter else "given a number, a condition"
+            where = self.plain.location(first.piece.start)
+            remedy = "write a quantity such as T_3^0 = or b_{11} = on the left"
+            raise CheckError(f"{quoted(self._typed(first.piece))} is {what}", remedy=remedy, location=where)
+        for side in said[1:]:
+            if isinstance(first.value, Table) and isinstance(side.value, Table):
+                yield from self._entry_by_entry(first.piece, first.value, side.piece, side.value)
+                continue
+            if isinstance(first.value, Table) or isinstance(side.value, Table) or not first.value or not side.value:
+                raise CheckError("matrices on both sides", location=self.plain.location(side.piece.start))
+            where = self.plain.location(side.piece.start)
+            question = Question(self.robot, side.value, first.value)
+            left, right = self._typed(first.piece), self._typed(side.piece)
+            if names_of_pose(first.value, side.value):
+                yield Claim(first.value, side.value, left, right, where, is_branch=first.is_branch)
+                continue
+            found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
+            if first.is_branch and not found.verdict.equal:
+                label = f"the label in {quoted(left)} may be that of a branch"
+                raise CheckError(label, location=where)
+            if not found.verdict.equal and is_constant(first.value) != is_constant(side.value):
+                raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
+            yield found
+
+    def _entry_by_entry(
+        self, first: LatexPiece, one: Table, second: LatexPiece, other: Table
+    ) -> Iterator[Finding | Claim]:
+        """Two matrices that are said to be equal."""
+        where = self.plain.location(second.start)
+        if one.shape != other.shape or not self.document:
+            raise CheckError("matrices on both sides", location=where)
+        entries = [
+            (a, b) for row, others in zip(one.rows, other.rows, strict=True) for a, b in zip(row, others, strict=True)
+        ]
+        unknown = next((entry.unknown for pair in entries for entry in pair if entry.unknown), None)
+        if unknown is not None:
+            raise unknown
+        for a, b in entries:
+            left, right = a.text or self._typed(first), b.text or self._typed(second)
+            claim = Claim(a.formula, b.formula, left, right, where)
+            yield claim if names_of_pose(a.formula, b.formula) else claim.read(self.robot)
+
+    def _compared(self, name: Side, table: Table, offset: int) -> Iterator[Finding]:
+        """The findings for the first quantity that is meant of which everything is right; else for the first one."""
+        table = Table(tuple(tuple(replace(e, formula=self._posed(e.formula)) for e in row) for row in table.rows))
+        # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
+        chosen: tuple[Finding, ...] = ()
+        rights = tuple(self._meant(name))
+        fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
+        if len(fits) > 1 and table.shape != (1, 1):
+            fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
+        if fits and name.left is not None and name.left.is_vague and fits[0][0].likeness(fits[0][1]) < VAGUE:
+            shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
+            where = self.plain.location(name.piece.start)
+            raise CheckError(f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}", location=where)
+        for right, fitting in fits:
+            if fitting is not None:
+                found = tuple(self._entries(right, fitting, offset))
+                if all(finding.unknown or finding.verdict.equal for finding in found):
+                    chosen = found
+                    break
+                chosen = chosen or found
+        is_right = bool(chosen) and all(finding.verdict.equal for finding in chosen)
+        if chosen and not is_right and (exchanged := self._exchanged(name, table)) is not None:
+            text, where = self._typed(name.piece), self.plain.location(name.piece.start)
+            repair = Repair((), f"the frames exchanged: the matrix is {exchanged.quantity}", ZERO)
+            quantity = chosen[0].quantity
+            yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
+            return
+        wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
+        if len(wrong) > 1 and (cause := self._one_cause(fits, chosen)):
+            chosen = (*(replace(f, cause=cause) for f in wrong), *(f for f in chosen if f not in wrong))
+        if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
+            (entry,) = table.rows[0]
+            side = Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
+            identity = tuple(one for one in self._identities([name, side]) if isinstance(one, Finding))
+            is_token = name.left is not None and name.left.head in ("c", "s")
+            chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
+        if not chosen and not rights:
+            where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
+            raise CheckError(f"{quoted(self._typed(name.piece))} is not derived", allowed=allowed, location=where)
+        if not chosen:
+            shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
+            quantity = rights[0].quantity if rights else self.asked
+            printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
+            raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
+        yield from chosen
+
+    def _posed(self, formula: Expression) -> Expression:
+        """A formula with the usual meaning of names of the pose."""
+        if self.scope.poses is None or not names_of_pose(formula):
+            return formula
+        return substitute(formula, self.scope.poses.readings[0].values)
+
+    def _leads_there(self, side: Side, named: list[Side]) -> bool:
+        """Whether a product of transforms leads from the one to the other frame of what is named."""
+        return any(side.frames == frames_of(t, self.robot.n) for name in named for t in name.targets)
+
+    def _one_cause(self, fits: list[tuple[Right, Table]], chosen: tuple[Finding, ...]) -> str:
+        """What makes the matrix right that was compared, where one change does."""
+        return next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
+
+    def _exchanged(self, name: Side, table: Table) -> Right | None:
+        """What a matrix is that is right with the two frames of its left side exchanged."""
+        if name.left is None or name.left.scripts is None or table.shape == (1, 1):
+            return None
+        other = self.meanings.reading ^ frozenset([name.left.scripts])
+        for right in self.scope.rights_read(name.left, other):
+            if (fitting := right.fitting(table)) is not None and right.likeness(fitting) == 1:
+                return right
+        return None
+
+    def _meant(self, name: Side) -> Iterator[Right]:
+        """What a left side may mean, of that only what is asked about, if something is."""
+        meant = (right for target in name.targets if (right := self.meanings.right(target)) is not None)
+        if not self.asked:
+            yield from meant
+            return
+        asked = tuple(self.meanings.asked(self.asked))
+        if not name.targets:
+            yield from asked
+            return
+        all_meant = tuple(meant)
+        agreeing = [
+            right if same.value.shape != right.value.shape else same
+            for right in all_meant
+            if (same := next((other for other in asked if right.agrees(other)), None))
+        ]
+        if not agreeing and all_meant and name.left is not None and name.left.head not in ANY:
+            text, means = self._typed(name.piece), all_meant[0]
+            raise CheckError(
+                f"left side {quoted(text)} means {means.shown}, but the quantity asked about is {self.asked}",
+                remedy="leave one of them out",
+                location=self.plain.location(name.piece.start),
+            )
+        yield from agreeing or asked
+
+    def _entries(self, right: Right, table: Table, offset: int) -> Iterator[Finding]:
+        for i, row in enumerate(table.rows):
+            for j, entry in enumerate(row):
+                place = right.rows[i], right.columns[j]
+                text = entry.text or notation_text(entry.formula, self.robot)
+                if entry.unknown is not None:
+                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown, False)
+                    continue
+                where = self.plain.location(entry.offset or offset)
+                derived = right.value[i, j]
+                others = other_orders(self.model, right.quantity)
+                question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
+                yield compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
