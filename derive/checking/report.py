@@ -87,6 +87,8 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
             return
     wrong = f"is {verdict.outcome}" + (" only" if verdict.outcome is Outcome.SOME else "") + finding.note
     yield f"{finding.location}: {what(finding)} {wrong}: {cut(finding.text)}"
+    if verdict.outcome is Outcome.SOME and finding.role is Role.IDENTITY:
+        return
     if right := right_text(finding, printout.printer):
         yield f"  right: {cut(right)}{printout.note(finding)}"
     if verdict.repair is not None:

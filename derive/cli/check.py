@@ -14,6 +14,7 @@ from derive.errors import CheckError, UnknownNameError, quoted
 
 if TYPE_CHECKING:
     from derive.checking.report import Printout
+    from derive.robot.robot import Robot
 
 DESCRIPTION = """\
 Read corpus files (a block `robot:` and a list `expected:` of printed quantities) and say for each printed entry whether
@@ -71,7 +72,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--section", metavar="TITLE", default="", help="read only the section with these words in its heading")
     add("--allow-unread", action="store_true", help="exit status 0 even if some formulas are not compared")
     add_shared(parser, "task", help="task of a printed inverse solution: pose, position, or rows such as x,y,phi")
-    report = "write what is wrong as a Markdown page: document, place, printed, right, why; - prints it"
+    report = "write what is wrong as a Markdown page, - prints it; FILE.html: all verdicts on LaTeX as a web page"
     add_shared(parser, "out", type=Path, help=report)
     add_shared(parser, "force", "quiet", "json")
 
@@ -82,6 +83,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.out == STDOUT and arguments.json:
         raise CheckError(f"--json with -o {STDOUT}", remedy="name a file with -o")
+    if arguments.out is not None and arguments.out.suffix == ".html" and arguments.latex is None:
+        raise CheckError("a web page of formulas that are no LaTeX", remedy="give --latex, or name a .md file")
     refuse_taken([arguments.out] if arguments.out not in (None, STDOUT) else [], force=arguments.force)
     formulas = [text for text in (arguments.expression, arguments.latex) if text is not None]
     if arguments.quantity is None and not formulas:
@@ -134,7 +137,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
         print_json({"quantity": quantity, "printed": text, "verdict": verdict, "reason": str(error)})
         print_error(error)
         return error.exit_status
-    silent = _write_report(arguments, [reported])
+    silent = _write_report(arguments, [reported], robot)
     report = reported.report
     if arguments.json and len(report.findings) == 1 and not report.unread:
         print_json(finding_dict(report.findings[0], reported.exact))
@@ -147,13 +150,17 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     return 1 if not report.passed else UNREAD if report.unread and not arguments.allow_unread else 0
 
 
-def _write_report(arguments: argparse.Namespace, printouts: Sequence[Printout]) -> bool:
+def _write_report(arguments: argparse.Namespace, printouts: Sequence[Printout], robot: Robot | None = None) -> bool:
     """Write or print the page where it is asked for; whether nothing else shall be printed."""
     from derive.checking.report import errata_report
     from derive.publish.atomic_folder import write_files
 
     if arguments.out == STDOUT:
         print(errata_report(printouts), end="")
+    elif arguments.out is not None and arguments.out.suffix == ".html" and robot is not None:
+        from derive.checking.page import verdict_page
+
+        write_files({arguments.out: verdict_page(printouts[0], robot).encode()}, force=arguments.force)
     elif arguments.out is not None:
         write_files({arguments.out: errata_report(printouts).encode()}, force=arguments.force)
     return bool(arguments.quiet or arguments.out == STDOUT)

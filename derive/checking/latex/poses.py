@@ -23,7 +23,7 @@ from derive.robot.expression import Call, Expression, Name, names, substitute
 from derive.robot.names import own_names
 from derive.robot.robot import Robot
 
-CERTAIN = 2  # equations that must be right in one reading of the pose before another one is wrong
+CERTAIN = 1  # equations that must be right in one reading of the pose before another one is wrong
 MARK = "⌖"  # first letter of what stands for a name of the pose
 _POINT = re.compile(r"([xyzXYZ])_?([1-9])")  # a coordinate of the end of a link
 WRIST = 3  # joints of a wrist

@@ -87,6 +87,10 @@ def _changes(a: npt.NDArray[np.float64]) -> Iterator[tuple[str, npt.NDArray[np.f
     """Slips that concern a matrix as a whole, and the matrix without them."""
     yield "the matrix is transposed", a.T
     yield "the sign of all entries", -a
+    if a.shape == (4, 4):
+        turned = a.copy()
+        turned[:3, :3] = a[:3, :3].T
+        yield "the rotation is transposed", turned
     for axis, word in enumerate(("row", "column")):
         for i in range(a.shape[axis]):
             signs = np.where(np.arange(a.shape[axis]) == i, -1.0, 1.0)

@@ -1,0 +1,93 @@
+"""The verdicts on a document as a web page: the reading, each slip beside what is right, and what was not compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import groupby
+
+from derive import version
+from derive.checking.formulas.findings import FileReport, Finding, Judgement, judge
+from derive.checking.report import Printout, difference_text, numbers, summary, what
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.page.writer import page
+from derive.handouts.sheet.document import Block, Document, Paragraph, Rows, Section, Table
+from derive.handouts.sheet.language import Text
+from derive.robot.robot import Robot
+
+MARKED = r"\colorbox{#ffd7d7}"  # behind the printed entry that is wrong
+LONGEST = 4_000  # characters of a formula that is rendered; longer ones are not shown
+
+
+def verdict_page(printout: Printout, robot: Robot) -> str:
+    """One HTML file that needs no network."""
+    report = printout.report
+    sections = [
+        Section("reading", "How it is read", tuple(_reading(report))),
+        Section("slips", "Slips", tuple(_slips(printout, robot))),
+        Section("unread", "Not compared", tuple(_unread(report.unread))),
+        Section("right", "Right", tuple(_right(report))),
+    ]
+    document = Document(
+        title=report.source,
+        subtitle=summary(replace(report, unread=())),
+        name=report.robot,
+        language="en",
+        digest="",
+        version=version.__version__,
+        footer=f"Printed formulas against those derived from the table of {_code(robot.name)}",
+        sections=tuple(section for section in sections if section.blocks),
+    )
+    return page(document, Text())
+
+
+def _reading(report: FileReport) -> Iterator[Block]:
+    yield from (Paragraph(_code(reading)) for reading in report.readings)
+
+
+def _slips(printout: Printout, robot: Robot) -> Iterator[Block]:
+    """Each slip once, with its place, the printed entry, what is right, and one cause."""
+    printer = LatexPrinter(Notation.of(robot))
+    wrong = [finding for finding in printout.report.findings if not finding.verdict.equal and finding.unknown is None]
+    for (cause, quantity), group in groupby(wrong, key=lambda f: (f.cause, f.quantity if f.cause else f.location)):
+        findings = tuple(group)
+        if cause:
+            yield Paragraph(f"{_code(findings[0].location)} {_code(quantity)}: {len(findings)} entries, {cause}")
+        for finding in findings:
+            if not cause:
+                yield Paragraph(f"{_code(finding.location)} {_code(what(finding))}")
+            yield from _slip(finding, judge(finding), printout, printer)
+
+
+def _slip(finding: Finding, verdict: Judgement, printout: Printout, printer: LatexPrinter) -> Iterator[Block]:
+    right = "" if isinstance(finding.right, str) else printer.latex(finding.right)
+    lines = [rf"{MARKED}{{$\displaystyle {finding.text}$}}"] if len(finding.text) <= LONGEST else []
+    lines += [rf"\text{{right:}}\quad {right}"] if right and len(right) <= LONGEST else []
+    yield Rows(tuple(lines))
+    if verdict.repair is not None:
+        yield Paragraph(f"Change: {_code(verdict.repair.text)}")
+    elif terms := difference_text(verdict, printout.printer):
+        yield Paragraph(f"Printed minus right: {_code(terms)}")
+    if finding.verdict.counter_example is not None:
+        yield Paragraph(_code(numbers(finding.verdict.counter_example)))
+
+
+def _unread(unread: Sequence[str]) -> Iterator[Block]:
+    """What was not compared, by its reason."""
+    pairs = sorted((reason, place) for place, _, reason in (note.partition(": ") for note in unread))
+    grouped = ((reason, [place for _, place in group]) for reason, group in groupby(pairs, key=lambda pair: pair[0]))
+    rows = tuple((_code(reason), ", ".join(map(_code, places))) for reason, places in grouped)
+    if rows:
+        yield Table(("reason", "places"), rows)
+
+
+def _right(report: FileReport) -> Iterator[Block]:
+    rows = [(_code(f.location), _code(what(f)), judge(f).outcome.value) for f in report.findings if f.verdict.equal]
+    if rows:
+        yield Table(("place", "formula", "verdict"), tuple(rows))
+
+
+def _code(text: object) -> str:
+    """Somebody's text between backticks."""
+    return f"`{' '.join(str(text).split()).replace('`', chr(39))}`"
