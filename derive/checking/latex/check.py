@@ -164,10 +164,11 @@ class _Check(Comparing):
 
     # -- one equation
 
-    def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
+    def _claiming(self, index: int, equation: Sides) -> list[LatexPiece]:
+        """The sides that say something: neither names that the text defines nor how a matrix is made."""
         pieces = [piece for piece in equation if (index, piece.offset) not in self.names]
         if len(pieces) == 1 < len(equation):  # h = K, which says what K is: compared with what else says so
-            return
+            return []
         if len(pieces) > 2:
             pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
         if len(pieces) > 1 and any(map(_is_no_claim, pieces)):
@@ -177,7 +178,12 @@ class _Check(Comparing):
                 raise CheckError("a matrix that gives names to the entries of a pose", location=where)
         # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made
         kept = [p for p in pieces if p.matrices or not ((left := taken_apart(p.text)) and left.is_of_parameters)]
-        pieces = kept if len(kept) > 1 else pieces
+        return kept if len(kept) > 1 else pieces
+
+    def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
+        pieces = self._claiming(index, equation)
+        if not pieces:
+            return
         sides = [self._side(piece, len(pieces) > 1) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(target.turned for side in sides for target in side.targets)
