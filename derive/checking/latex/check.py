@@ -66,7 +66,8 @@ def check_latex(
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings))
 
 
-_COLUMN = re.compile(r"(?:[nosap]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
+_COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
+_BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2})?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
 def _names_its_columns(piece: LatexPiece) -> bool:
@@ -74,6 +75,8 @@ def _names_its_columns(piece: LatexPiece) -> bool:
     if len(piece.matrices) != 1 or piece.text.strip() != MATRIX_MARK:
         return False
     lefts = [taken_apart(cell.text) for row in piece.matrices[0].rows for cell in row if cell.text.strip() not in "01"]
+    if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
+        return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in lefts)
     return len(lefts) >= 6 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in lefts)
 
 
@@ -106,7 +109,10 @@ class _Check(Comparing):
         judged = list(reversed(poses.judged(claims, self.scope.readings, known))) if poses else []
         for one in found:
             finding = judged.pop() if isinstance(one, Claim) else one
-            if finding is not None:
+            if finding is not None and (condition := self.condition_of(finding)):
+                reason = f"it is right where {condition}, as the text says elsewhere, and not otherwise"
+                self.skipped.append(Skipped(finding.location, reason, finding.text))
+            elif finding is not None:
                 yield finding
             elif isinstance(one, Claim) and not one.is_open:
                 shown = ", ".join(sorted(names_of_pose(one.first, one.other)))
@@ -119,13 +125,15 @@ class _Check(Comparing):
             if any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
                 self.reader = self.scope.reader(index)
             told = len(self.skipped)
+            found: list[Finding | Claim] = []
             try:
-                found = tuple(self._equation(index, equation))
+                found.extend(self._equation(index, equation))
             except CheckError as error:
                 if not self.document:
                     raise
                 if len(self.skipped) == told:
                     self._skip(equation[0], error)
+                yield from (one for one in found if isinstance(one, Claim) or one.verdict.equal)
                 continue
             unknown = next((one.unknown for one in found if isinstance(one, Finding) and one.unknown), None)
             if unknown is not None and self.document:
@@ -178,7 +186,7 @@ class _Check(Comparing):
                 raise CheckError("a matrix that gives names to the entries of a pose", location=where)
         # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made
         kept = [p for p in pieces if p.matrices or not ((left := taken_apart(p.text)) and left.is_of_parameters)]
-        return kept if len(kept) > 1 else pieces
+        return kept if len(kept) > 1 and any(piece.matrices for piece in pieces) else pieces
 
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
         pieces = self._claiming(index, equation)
@@ -259,7 +267,8 @@ class _Check(Comparing):
     def _branch_of(self, left: Left) -> Expression | None:
         r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
         match = _LABELLED.fullmatch(left.sub)
-        if not self.document or match is None or not (left.primes or match["joint"] != left.sub) or left.dots:
+        is_labelled = match is not None and (left.primes or left.sup or match["joint"] != left.sub)
+        if not self.document or match is None or not is_labelled or left.dots:
             return None
         name = Symbol(left.head + match["joint"], 0)
         is_joint = left.head in ("theta", "q", "d") and self.plain.names.knows(name.text)

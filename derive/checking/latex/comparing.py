@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
@@ -25,9 +26,22 @@ from derive.checking.latex.whole import frames_of, one_cause
 from derive.errors import CheckError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.robot.expression import ZERO, Call, Expression, Name, is_constant, substitute
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Product,
+    is_constant,
+    multiply,
+    number,
+    substitute,
+)
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
+REACH = 15  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
 _ROWS = re.compile(r"\\\\|&")
 
@@ -52,9 +66,25 @@ class Comparing:
         self.scope, self.asked, self.document = scope, quantity, scope.document
         self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
         self.meanings, self.plain = scope.meanings, scope.plain
+        # conditions of the text, s_5 = 0, each with its line and the joint values that fulfil it
+        self.conditions: list[tuple[int, str, tuple[dict[str, Expression], ...]]] = []
 
     def _typed(self, side: LatexPiece) -> str:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
+
+    def condition_of(self, finding: Finding) -> str:
+        """Which condition, a few lines before, makes a formula right that is wrong otherwise; empty for none."""
+        question, line = finding.question, finding.location.line or 0
+        if finding.verdict.equal or question is None or finding.role is not Role.IDENTITY:
+            return ""
+        for before, text, values in self.conditions:
+            for value in values if before <= line <= before + REACH else ():
+                right, printed = (substitute(side, value) for side in (question.right, question.printed))
+                here = Question(self.robot, printed, right)
+                with suppress(CheckError):
+                    if compared(here, "", (0, 0), Role.IDENTITY, "", "", finding.location).verdict.equal:
+                        return text
+        return ""
 
     def _identities(self, said: list[Side]) -> Iterator[Finding | Claim]:
         """Sides that say the same, or should."""
@@ -66,8 +96,11 @@ class Comparing:
         is_name = isinstance(first.value, Name | Call)
         constant = any(not isinstance(s.value, Table) and s.value and is_constant(s.value) for s in said[1:])
         if is_parameter or (is_name and constant):
-            what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             where = self.plain.location(first.piece.start)
+            what = "a symbol of the robot" if is_parameter else "given a number, a condition"
+            if fulfilled := _fulfilled(first.value, said[1].value):
+                shown = f"{self._typed(first.piece)} = {self._typed(said[1].piece)}"
+                self.conditions.append((where.line or 0, shown, fulfilled))
             remedy = "write a quantity such as T_3^0 = or b_{11} = on the left"
             raise CheckError(f"{quoted(self._typed(first.piece))} is {what}", remedy=remedy, location=where)
         for side in said[1:]:
@@ -216,3 +249,15 @@ class Comparing:
                 others = other_orders(self.model, right.quantity)
                 question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
                 yield compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
+
+
+def _fulfilled(left: Expression | Table | None, right: Expression | Table | None) -> tuple[dict[str, Expression], ...]:
+    """The joint values with which a joint variable, or its sine or cosine, has a value; none of other conditions."""
+    match left, right:
+        case Name(name), Number() | Pi() | Product():
+            return ({name: right},)
+        case Call("sin", (Name(name),)), Number(0):
+            return ({name: ZERO}, {name: Pi()})
+        case Call("cos", (Name(name),)), Number(0):
+            return tuple({name: multiply(number(half), Pi())} for half in ("1/2", "-1/2"))
+    return ()

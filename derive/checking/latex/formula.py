@@ -103,7 +103,8 @@ class LatexReader:
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
         tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
         try:
-            found = parsed(_RUN.sub(self._long_name, piece.text), self.names, tables)
+            text = piece.text if self.names.signs is None else _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), piece.text)
+            found = parsed(_RUN.sub(self._long_name, text), self.names, tables)
         except UnexpectedInput as error:
             raise self._refusal(piece, error) from None
         except MisplacedError as error:
@@ -203,6 +204,10 @@ class LatexReader:
 _RUN = re.compile(
     r"\\(?:math[a-z]+|text[a-z]*|operatorname\*?|boldsymbol|bm|pmb|vec|mbox)\s*\{[^{}]*\}|\\[A-Za-z]+|_\s*\{[^{}]*\}"
     r"|(?P<run>[A-Za-z]{2,})(?P<sub>[0-9]*\s*(?:_\s*(?:\{[^{}]*\}|[A-Za-z0-9]))?)"
+)
+# The label of a branch, as in \\theta_1^{(2)}.
+_BRANCH = re.compile(
+    r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*\{\s*\([^(){}]{1,3}\)\s*\}"
 )
 _BRACKET = re.compile(r"[][(){}]")
 

@@ -38,3 +38,14 @@ def test_a_name_that_is_given_two_formulas_has_two_meanings_unless_they_are_equa
     assert checked(ANT, said.format("1 - s_3^2")).equal == 2
     other = checked(ANT, said.format("1 - s_2^2"))
     assert not any(finding.quantity == "D" for finding in other.findings)
+
+
+def test_a_formula_may_hold_under_a_condition_that_stands_before_it() -> None:
+    fixed = r"$$p_z = d_1 + a_2 s_2 + a_3 s_{23}$$ $$p_x = c_1 (a_2 c_2 + a_3 c_{23})$$"
+    equation = r"$$p_z - d_1 = (a_2 + a_3) s_2$$"
+    assert len(checked(ANT, f"{fixed} {equation}").wrong) == 1
+    under = checked(ANT, f"{fixed} $$s_3 = 0$$ {equation}")
+    assert under.wrong == ()
+    assert "right where s_3 = 0" in under.unread[-1] + under.unread[0]
+    elsewhere = f"{fixed} $$s_2 = 0$$ {equation.replace('s_2', 'c_2')}"
+    assert len(checked(ANT, elsewhere).wrong) == 1
