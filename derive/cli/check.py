@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.cli.options import STDOUT, add_shared
-from derive.cli.terminal import one_line, print_error, print_json
-from derive.errors import CheckError, UnknownNameError, quoted
+from derive.cli.terminal import line_range, one_line, print_error, print_json
+from derive.errors import CheckError, UnknownNameError
 
 if TYPE_CHECKING:
     from derive.checking.report import Printout
@@ -47,14 +47,6 @@ everything in a document could be compared.
 
 UNREAD = 3  # exit status where nothing is wrong and something was not compared
 LONGEST_CELL = 160  # characters of a formula in the table; longer ones are cut
-
-
-def line_range(text: str) -> tuple[int, int]:
-    """The lines of ``20-80``."""
-    first, dash, last = text.partition("-")
-    if not (first.strip().isdigit() and (last.strip().isdigit() or not dash)) or int(first) > int(last or first):
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is not a range of lines such as 20-80")
-    return int(first), int(last or first)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

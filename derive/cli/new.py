@@ -9,7 +9,7 @@ from pathlib import Path
 from textwrap import dedent
 
 from derive.cli.options import add_shared
-from derive.cli.terminal import positive, print_json
+from derive.cli.terminal import line_range, positive, print_json
 from derive.errors import OutputError, RobotFileError, quoted
 from derive.robot.reading.size_limits import FILE_LIMITS
 
@@ -96,6 +96,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--joints", type=positive, metavar="N", help="number of joints (default 2)")
     parser.add_argument("--from", dest="model", metavar="ROBOT", help="copy this robot file, built-in robot or plan")
     parser.add_argument("--plan", metavar="ROBOT", help="write a motion plan for this robot instead")
+    table = "write the robot of the Denavit-Hartenberg table that this .tex, .md, .ipynb or .txt file prints"
+    parser.add_argument("--from-table", dest="table", metavar="FILE", help=table)
+    parser.add_argument("--lines", metavar="A-B", type=line_range, help="read only these lines of FILE")
     add_shared(parser, "force", "quiet", "json")
 
 
@@ -109,7 +112,19 @@ def run(arguments: argparse.Namespace) -> int:
         raise OutputError(f"{other} with --plan", remedy="leave one out")
     if arguments.model is not None and arguments.joints is not None:
         raise OutputError("--joints with --from", allowed="a copy has the joints of its model", remedy="leave one out")
-    if arguments.plan is not None:
+    others = [option for option in (arguments.plan, arguments.model, arguments.joints) if option is not None]
+    if arguments.table is not None and others:
+        raise OutputError("--from-table with another source of the robot", remedy="leave one out")
+    if arguments.lines is not None and arguments.table is None:
+        raise OutputError("--lines without --from-table", remedy="name the document with --from-table")
+    if arguments.table is not None:
+        from derive.checking.documents import read_document
+        from derive.checking.table import robot_of_table
+
+        _check_name(arguments.name)
+        document = read_document(arguments.table)
+        text, _ = robot_of_table(document.within(arguments.lines) if arguments.lines else document, arguments.name)
+    elif arguments.plan is not None:
         from derive.api.robots import load
 
         _check_name(arguments.name)

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
-from derive.errors import DeriveError, RobotFileWarning
+from derive.errors import DeriveError, RobotFileWarning, quoted
 
 DONE = 0
 FAILED = 1
@@ -153,6 +153,14 @@ def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
             signal.signal(signal.SIGALRM, before)
         shown = ""
         _draw()
+
+
+def line_range(text: str) -> tuple[int, int]:
+    """The lines of ``20-80``."""
+    first, dash, last = text.partition("-")
+    if not (first.strip().isdigit() and (last.strip().isdigit() or not dash)) or int(first) > int(last or first):
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not a range of lines such as 20-80")
+    return int(first), int(last or first)
 
 
 def positive(text: str) -> int:

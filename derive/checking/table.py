@@ -1,0 +1,224 @@
+"""A Denavit-Hartenberg table that a document prints, in LaTeX or Markdown, as a robot file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy
+
+from derive.checking.documents import Manuscript
+from derive.errors import CheckError, DeriveError, Location, quoted
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
+from derive.robot.parser import parse_expression
+from derive.robot.robot import Robot
+from derive.robot.writer import cell_text
+
+COLUMNS = ("theta", "d", "a", "alpha")
+DEGREES_FROM = 7  # a plain number in a column of angles that is as large as this is meant in degrees
+_MARKDOWN = re.compile(r"(?:^[ \t]*\|?[^\n|]*\|[^\n]*\n)+", re.MULTILINE)
+_LATEX = re.compile(r"\\begin\{(?P<kind>tabular\*?|array|longtable)\}(?P<body>.*?)\\end\{(?P=kind)\}", re.DOTALL)
+_HEADS = {
+    "theta": re.compile(r"(?:theta|th|q)(?:i|j|k|n)?"),
+    "d": re.compile(r"(?:d|b)(?:i|j|k|n)?|(?:link)?offset"),
+    "a": re.compile(r"[alr](?:i|j|k|n)?(?:-1)?|(?:link)?length"),
+    "alpha": re.compile(r"alpha(?:i|j|k|n)?(?:-1)?|(?:link)?twist"),
+}
+_UNITS = re.compile(r"\(([^()]*)\)|\[([^\[\]]*)\]")
+_SIGNS = {
+    **{"\u03b8": "theta", "\u03d1": "theta", "\u03b1": "alpha", "\u03c0": "pi"},
+    **{"\u2212": "-", "\u2013": "-", "\u00b0": "^circ", "\u00b7": "*", "\u1d62": "i", "(i-1)": "i-1"},
+    **{chr(0x2080 + digit): str(digit) for digit in range(10)},
+}
+_VARIABLE = re.compile(r"(?:theta|th|q)[0-9]*")
+_FIXED = re.compile(r"[-+0-9./*() pi]*")
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One row: its cells by column as expressions in text, and the names that are marked as variables."""
+
+    cells: Mapping[str, str]
+    marked: frozenset[str]
+    where: Location
+
+
+def robot_of_table(document: Manuscript, name: str) -> tuple[str, Location]:
+    """The robot file of the one table in a document, and where the table begins."""
+    tables = list(_tables(document))
+    if len(tables) != 1:
+        places = ", ".join(f"line {where.line}" for where, _, _ in tables)
+        found = f"{len(tables)} Denavit-Hartenberg tables ({places})" if tables else "no Denavit-Hartenberg table"
+        remedy = "choose one with --lines" if tables else "its head names theta, d, a and alpha"
+        raise CheckError(found, allowed="allowed: one", remedy=remedy, location=Location(document.name))
+    where, is_modified, rows = tables[0]
+    text = "\n".join(_lines(name, is_modified, rows, where)) + "\n"
+    try:
+        Robot.from_text(text)
+    except DeriveError as error:
+        raise CheckError(f"a table that is no robot: {error}", location=where) from None
+    return text, where
+
+
+def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]:
+    """Tables whose head names all four columns."""
+    typed = document.typed
+    kept = {document.origins[i] for i, c in enumerate(document.text) if not c.isspace()}
+    for match in (*_LATEX.finditer(typed), *_MARKDOWN.finditer(typed)):
+        if not any(match.start() <= origin < match.end() for origin in kept):
+            continue
+        lines = _split(match, typed)
+        heads = [_head(cells) for _, cells in lines]
+        start = next((i for i, head in enumerate(heads) if head is not None), None)
+        if start is None:
+            continue
+        head = heads[start]
+        assert head is not None
+        where = _location(document, lines[start][0])
+        modified = any("-1" in _column_name(lines[start][1][head[kind]]) for kind in ("a", "alpha"))
+        rows = [_row(document, offset, cells, lines[start][1], head) for offset, cells in lines[start + 1 :]]
+        yield where, modified, [row for row in rows if row is not None]
+
+
+def _location(document: Manuscript, origin: int) -> Location:
+    line = document.typed.count("\n", 0, origin) + 1
+    return Location(document.name, line, origin - document.typed.rfind("\n", 0, origin))
+
+
+def _split(match: re.Match[str], typed: str) -> list[tuple[int, list[str]]]:
+    """The rows of a table as cells, each with its offset."""
+    found = []
+    if "kind" in match.re.groupindex:
+        offset = match.start("body")
+        for row in re.split(r"(\\\\(?:\[[^\]]*\])?|\\tabularnewline)", match["body"]):
+            text = re.sub(r"\\(?:hline|toprule|midrule|bottomrule)|\\c(?:line|midrule)\{[^}]*\}", "", row)
+            if "&" in text:
+                found.append((offset + len(row) - len(row.lstrip()), re.split(r"(?<!\\)&", text)))
+            offset += len(row)
+        return found
+    offset = match.start()
+    for line in match[0].splitlines(keepends=True):
+        if not re.fullmatch(r"[\s|:\-]*", line):
+            found.append((offset + len(line) - len(line.lstrip()), line.strip().strip("|").split("|")))
+        offset += len(line)
+    return found
+
+
+def _head(cells: Sequence[str]) -> dict[str, int] | None:
+    """The places of the four columns; None where this is no head."""
+    names = [_column_name(cell) for cell in cells]
+    head: dict[str, int] = {}
+    for kind, pattern in _HEADS.items():
+        places = [i for i, name in enumerate(names) if pattern.fullmatch(name)]
+        if len(places) != 1:
+            return None
+        head[kind] = places[0]
+    return head
+
+
+def _column_name(cell: str) -> str:
+    """What the head of a column says, without its unit."""
+    return _plain(_UNITS.sub("", _plain(cell))).casefold()
+
+
+def _row(
+    document: Manuscript, offset: int, cells: Sequence[str], heads: Sequence[str], head: Mapping[str, int]
+) -> _Row | None:
+    """A row; None of a line that is none."""
+    where = _location(document, offset)
+    if len(cells) <= max(head.values()):
+        return None
+    found, marked = {}, set()
+    for kind, i in head.items():
+        text = _plain(cells[i])
+        for match in re.finditer(r"([A-Za-z][A-Za-z0-9]*)\^?\*(?![A-Za-z0-9(])", text):
+            marked.add(match[1])
+        text = re.sub(r"\^\*|\*(?=[-+)]|$)", "", text)
+        unit = " ".join(part for pair in _UNITS.findall(heads[i]) for part in pair).casefold()
+        found[kind] = _in_units(text, kind, "deg" in unit or "°" in unit or "circ" in unit, unit)
+        if not re.fullmatch(r"[-+*/().0-9A-Za-z ]+", found[kind]):
+            remedy = "write a number, a symbol, or a sum of them"
+            raise CheckError(f"cell {quoted(cells[i].strip())} of column {kind}", remedy=remedy, location=where)
+    return _Row(found, frozenset(marked), where)
+
+
+def _plain(text: str) -> str:
+    r"""A cell on one line: ``$\theta_{2} - 90^\circ$`` as theta2-90^circ."""
+    for sign, name in _SIGNS.items():
+        text = text.replace(sign, name)
+    text = re.sub(r"\\(?:displaystyle|left|right|,|;|!|:)|[$~`]|\\\s|\*\*(?=\w|$)|(?<=\w)\*\*", "", text)
+    text = re.sub(r"\\(?:text|mathrm|mathit|mathbf|boldsymbol|bm|operatorname)\s*\{([^{}]*)\}", r"\1", text)
+    while (inner := re.sub(r"\\[dt]?frac\s*\{([^{}]*)\}\s*\{([^{}]*)\}", r"((\1)/(\2))", text)) != text:
+        text = inner
+    text = re.sub(r"\\(?:ast|star)", "*", text).replace("\\circ", "circ").replace("\\cdot", "*")
+    text = re.sub(r"\\(?:var)?([A-Za-z]+)", r"\1", text)
+    text = re.sub(r"\^\s*\{\s*(\*|circ)\s*\}", r"^\1", text)
+    text = re.sub(r"[_{}\s,]", "", text)
+    return re.sub(r"(?<=[0-9)])(?=pi\b)", "*", text)
+
+
+def _in_units(text: str, kind: str, is_degrees: bool, unit: str) -> str:
+    """A cell in radians and metres."""
+    numbers = r"(?<![A-Za-z0-9_.])([0-9]+(?:\.[0-9]+)?)"
+    if kind in ("theta", "alpha"):
+        plain = re.sub(numbers + r"(?:\^?circ|deg)", lambda m: _of_pi(Fraction(m[1]) / 180), text)
+        bare = [Fraction(m[1]) for m in re.finditer(numbers + r"(?![0-9.]*[*/]?pi)", plain)] if plain == text else []
+        if is_degrees or (bare and "pi" not in text and max(bare) >= DEGREES_FROM):
+            return re.sub(numbers, lambda m: _of_pi(Fraction(m[1]) / 180), plain)
+        return plain
+    scale = {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)}.get(unit.strip())
+    return re.sub(numbers, lambda m: str(float(Fraction(m[1]) * scale)), text) if scale else text
+
+
+def _of_pi(turn: Fraction) -> str:
+    """A multiple of pi."""
+    if turn == 0:
+        return "0"
+    whole = "pi" if turn.numerator == 1 else f"{turn.numerator}*pi"
+    return whole if turn.denominator == 1 else f"{whole}/{turn.denominator}"
+
+
+def _lines(name: str, is_modified: bool, rows: Sequence[_Row], where: Location) -> Iterator[str]:
+    yield f"# From the table at {where}, read as the {'modified' if is_modified else 'standard'} convention."
+    yield f"name: {name}"
+    yield f"convention: {'modified' if is_modified else 'standard'}"
+    yield "joints:"
+    for i, row in enumerate(rows, 1):
+        kind, variable = _joint(row, i)
+        if kind:
+            cells = ", ".join(f"{column}: {row.cells[column]}" for column in COLUMNS)
+            yield f"  - {{type: {kind}, q: {variable}, {cells}}}"
+        elif i < len(rows):
+            remedy = "mark its variable with a star; a row without one may only stand last, as the tool"
+            raise CheckError(f"row {i} has no variable", remedy=remedy, location=row.where)
+        else:
+            yield "tool:"
+            yield from (f"  - [{', '.join(entries)}]" for entries in _constant(row, is_modified))
+
+
+def _joint(row: _Row, index: int) -> tuple[str, str]:
+    """Type and variable of a joint; empty of a row in which nothing moves."""
+    theta, d = row.cells["theta"], row.cells["d"]
+    names = [re.findall(r"[A-Za-z][A-Za-z0-9]*", text) for text in (theta, d)]
+    for kind, found in (("revolute", names[0]), ("prismatic", names[1])):
+        if variable := next((n for n in found if n in row.marked), ""):
+            return kind, variable
+    if variable := next((n for n in names[0] if _VARIABLE.fullmatch(n)), ""):
+        return "revolute", variable
+    is_slide = (
+        _FIXED.fullmatch(theta) and len(names[1]) == 1 and re.fullmatch(rf"[dqrs](?:{index}|[A-Z])?", names[1][0])
+    )
+    return ("prismatic", names[1][0]) if is_slide else ("", "")
+
+
+def _constant(row: _Row, is_modified: bool) -> list[list[str]]:
+    """The transform of a row in which nothing moves."""
+    theta, d, a, alpha = (expression_to_sympy(parse_expression(row.cells[c], row.where)) for c in COLUMNS)
+    turn = sympy.rot_ccw_axis3(theta).row_join(sympy.Matrix([0, 0, d]))
+    tilt = sympy.rot_ccw_axis1(alpha).row_join(sympy.Matrix([a, 0, 0]))
+    last = sympy.Matrix([[0, 0, 0, 1]])
+    one, other = (tilt, turn) if is_modified else (turn, tilt)
+    product = one.col_join(last) * other.col_join(last)
+    return [[f"'{cell_text(expression_from_sympy(entry))}'" for entry in product.row(i)] for i in range(4)]
