@@ -78,8 +78,10 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
         assert head is not None
         where = _location(document, lines[start][0])
         modified = any("-1" in _column_name(lines[start][1][head[kind]]) for kind in ("a", "alpha"))
-        rows = [_row(document, offset, cells, lines[start][1], head) for offset, cells in lines[start + 1 :]]
-        yield where, modified, [row for row in rows if row is not None]
+        body = [(offset, cells) for offset, cells in lines[start + 1 :] if len(cells) > max(head.values())]
+        large = {k for k in ("theta", "alpha") if any(_largest(cells[head[k]]) >= DEGREES_FROM for _, cells in body)}
+        rows = [_row(document, offset, cells, lines[start][1], head, large) for offset, cells in body]
+        yield where, modified, rows
 
 
 def _location(document: Manuscript, origin: int) -> Location:
@@ -124,12 +126,15 @@ def _column_name(cell: str) -> str:
 
 
 def _row(
-    document: Manuscript, offset: int, cells: Sequence[str], heads: Sequence[str], head: Mapping[str, int]
-) -> _Row | None:
-    """A row; None of a line that is none."""
+    document: Manuscript,
+    offset: int,
+    cells: Sequence[str],
+    heads: Sequence[str],
+    head: Mapping[str, int],
+    degrees: set[str],
+) -> _Row:
+    """A row, in radians and metres."""
     where = _location(document, offset)
-    if len(cells) <= max(head.values()):
-        return None
     found, marked = {}, set()
     for kind, i in head.items():
         text = _plain(cells[i])
@@ -137,7 +142,7 @@ def _row(
             marked.add(match[1])
         text = re.sub(r"\^\*|\*(?=[-+)]|$)", "", text)
         unit = " ".join(part for pair in _UNITS.findall(heads[i]) for part in pair).casefold()
-        found[kind] = _in_units(text, kind, "deg" in unit or "°" in unit or "circ" in unit, unit)
+        found[kind] = _in_units(text, kind, kind in degrees or "deg" in unit or "°" in unit or "circ" in unit, unit)
         if not re.fullmatch(r"[-+*/().0-9A-Za-z ]+", found[kind]):
             remedy = "write a number, a symbol, or a sum of them"
             raise CheckError(f"cell {quoted(cells[i].strip())} of column {kind}", remedy=remedy, location=where)
@@ -159,13 +164,19 @@ def _plain(text: str) -> str:
     return re.sub(r"(?<=[0-9)])(?=pi\b)", "*", text)
 
 
+def _largest(cell: str) -> float:
+    """The largest plain number of an angle; 0 of one with a unit or with pi."""
+    text = _plain(cell)
+    numbers = re.findall(r"(?<![A-Za-z0-9_.])[0-9]+(?:\.[0-9]+)?", text)
+    return 0.0 if "pi" in text or "circ" in text else max(map(float, numbers), default=0.0)
+
+
 def _in_units(text: str, kind: str, is_degrees: bool, unit: str) -> str:
     """A cell in radians and metres."""
     numbers = r"(?<![A-Za-z0-9_.])([0-9]+(?:\.[0-9]+)?)"
     if kind in ("theta", "alpha"):
         plain = re.sub(numbers + r"(?:\^?circ|deg)", lambda m: _of_pi(Fraction(m[1]) / 180), text)
-        bare = [Fraction(m[1]) for m in re.finditer(numbers + r"(?![0-9.]*[*/]?pi)", plain)] if plain == text else []
-        if is_degrees or (bare and "pi" not in text and max(bare) >= DEGREES_FROM):
+        if is_degrees and "pi" not in plain:
             return re.sub(numbers, lambda m: _of_pi(Fraction(m[1]) / 180), plain)
         return plain
     scale = {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)}.get(unit.strip())

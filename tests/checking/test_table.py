@@ -64,6 +64,11 @@ Joint & $a_i$ & $\alpha_i$ (deg) & $d_i$ & $\theta_i$ \\ \hline
 | 2 | 90 | 0 | d2 | q2 - 90 |
 | 3 | 0 | 0 | q3 | 0 |
 """: "standard: q1,0,0,-pi/2 q2-pi/2,d2,0,pi/2 0,q3,0,0",
+    """| i | theta | d | a | alpha |
+|---|---|---|---|---|
+| 1 | theta1 | 0 | a1 | 5 |
+| 2 | theta2 + 0 | 0 | a2 | 90 |
+""": "standard: theta1,0,a1,pi/36 theta2,0,a2,pi/2",
     """| i | theta | d (mm) | a (mm) | alpha |
 |---|---|---|---|---|
 | 1 | theta1 | 330 | 75 | -pi/2 |
