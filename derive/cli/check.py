@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,7 +53,8 @@ LONGEST_CELL = 160  # characters of a formula in the table; longer ones are cut
 def configure(parser: argparse.ArgumentParser) -> None:
     """The files, or one formula, and the form of the output."""
     add = parser.add_argument
-    add("files", metavar="FILE", nargs="+", help="corpus file: a robot and its printed formulas")
+    files = "corpus file: a robot and its printed formulas; none for the table that the document of --latex prints"
+    add("files", metavar="FILE", nargs="*", help=files)
     quantity = "a quantity of the one robot named instead of FILE, such as 'T[1,4]'; a scalar for E"
     add("--quantity", metavar="QUANTITY", help=quantity)
     formula = parser.add_mutually_exclusive_group()
@@ -79,9 +81,11 @@ def run(arguments: argparse.Namespace) -> int:
         raise CheckError("a web page of formulas that are no LaTeX", remedy="give --latex, or name a .md file")
     refuse_taken([arguments.out] if arguments.out not in (None, STDOUT) else [], force=arguments.force)
     formulas = [text for text in (arguments.expression, arguments.latex) if text is not None]
+    if not arguments.files and arguments.latex is None:
+        raise CheckError("no file", remedy="name a corpus file, or a robot and a formula: derive check --help")
     if arguments.quantity is None and not formulas:
         return _files(arguments)
-    if not formulas or len(arguments.files) != 1 or (arguments.quantity is None and arguments.latex is None):
+    if not formulas or len(arguments.files) > 1 or (arguments.quantity is None and arguments.latex is None):
         remedy = "write: derive check ROBOT --quantity 'T[1,4]' --expression '...'"
         raise CheckError("--quantity and --expression or --latex belong together, with one robot", remedy=remedy)
     return _formula(arguments, formulas[0])
@@ -111,15 +115,23 @@ def _files(arguments: argparse.Namespace) -> int:
 def _formula(arguments: argparse.Namespace, text: str) -> int:
     """What is given without a file; an unknown name is a verdict too where a program reads it."""
     from derive.api.check import document_named, formula_lines, formula_printout
-    from derive.api.robots import load
+    from derive.api.robots import Robot, load
     from derive.checking.formulas.findings import Outcome
     from derive.checking.report import as_dict, finding_dict
 
-    robot, quantity = load(arguments.files[0], remarks_on_bodies=False), arguments.quantity or ""
-    latex = arguments.latex is not None
+    quantity, latex, where = arguments.quantity or "", arguments.latex is not None, None
     if text == "-" and (latex or quantity == "inverse"):
         text = sys.stdin.read()
     formula = document_named(text, arguments.lines, arguments.section) if latex else None
+    if arguments.files:
+        robot = load(arguments.files[0], remarks_on_bodies=False)
+    elif formula is None:
+        raise CheckError("no robot for a formula", remedy="name a robot before --latex")
+    else:
+        from derive.checking.table import robot_of_table
+
+        table, where = robot_of_table(formula, "table")
+        robot = Robot.from_text(table)
     try:
         reported = formula_printout(robot, quantity, formula or text, latex=latex, task=arguments.task or "")
     except UnknownNameError as error:
@@ -129,6 +141,9 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
         print_json({"quantity": quantity, "printed": text, "verdict": verdict, "reason": str(error)})
         print_error(error)
         return error.exit_status
+    if where is not None:
+        said = (f"the robot is that of the table at {where}", *reported.report.readings)
+        reported = replace(reported, report=replace(reported.report, readings=said))
     silent = _write_report(arguments, [reported], robot)
     report = reported.report
     if arguments.json and len(report.findings) == 1 and not report.unread:

@@ -140,3 +140,21 @@ def test_the_command_writes_the_file_and_lines_choose_the_table(
     assert "a2" in Path("arm.yaml").read_text()
     assert main(["new", "two", "--from-table", "notes.md", "--joints", "2"]) == 2
     capsys.readouterr()
+
+
+def test_a_document_with_its_table_is_checked_without_a_robot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = "| 1 | theta1 | 0 | a1 | 0 |\n| 2 | theta2 | 0 | a2 | 0 |\n"
+    Path("notes.md").write_text(
+        f"# Arm\n{HEAD}{rows}\n$$x = a_1 c_1 + a_2 c_{{12}}$$\n$$y = a_1 s_1 - a_2 s_{{12}}$$\n"
+    )
+    assert main(["check", "--latex", "notes.md"]) == 1
+    said = capsys.readouterr().out
+    assert said.startswith("notes.md: the robot is that of the table at notes.md:2:1\n")
+    assert "p[1]: same form" in said
+    assert "p[2] is wrong" in said
+    assert main(["check", "--latex", "x = a_1 c_1"]) == 2
+    assert main(["check"]) == 2
+    assert "name a corpus file" in capsys.readouterr().err
