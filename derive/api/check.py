@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -12,12 +12,14 @@ from derive.api.robots import RobotLike, load, tell
 from derive.checking.comparison import check_expression
 from derive.checking.documents import KINDS, Manuscript, document_of, is_document, read_document
 from derive.checking.files import check_path
-from derive.checking.formulas.findings import FileReport, Finding, Skipped, judge
+from derive.checking.formulas.findings import FileReport, Finding, judge
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.check import check_inverse as compare_inverse
 from derive.checking.inverse.check import inverse_text, names_inverse
 from derive.checking.inverse.latex import gives_joints
+from derive.checking.latex.check import LatexReport
 from derive.checking.latex.check import check_latex as compare_latex
+from derive.checking.latex.several import divided
 from derive.checking.report import (
     Printout,
     all_lines,
@@ -28,7 +30,7 @@ from derive.checking.report import (
     summary,
     what,
 )
-from derive.errors import CheckError, Location
+from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.model.model import Model
@@ -237,23 +239,61 @@ def formula_printout(
     return printout_of(compare_latex(model, formula, quantity, Location(source)).file_report(source, robot.name), robot)
 
 
+def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Printout]:
+    """The comparison of a document about several robots: for each of them the formulas that are about it.
+
+    Args:
+        robots: The robots.
+        document: What is printed.
+
+    Returns:
+        One list of comparisons for each robot, in the same order.
+
+    Raises:
+        CheckError: Two robots have the same name, or nothing in the document can be checked.
+    """
+    names, found = [robot.name for robot in robots], []
+    if len(set(names)) < len(names):
+        raise CheckError(f"two robots are called {quoted(max(names, key=names.count))}", remedy="change one name")
+    refused = None
+    for robot in robots:
+        try:
+            found.append((robot, _compared(Model(robot), document)))
+        except CheckError as error:
+            refused = error
+    if refused is not None and not found:
+        raise refused
+    sections = [document.section_at(place) for place in found[0][1].equations]
+    parts = divided([robot.name for robot, _ in found], [report for _, report in found], sections)
+    return [
+        printout_of(_placed(part, document, robot, f"{document.name} ({robot.name})"), robot)
+        for (robot, _), part in zip(found, parts, strict=True)
+    ]
+
+
 def _of_document(model: Model, document: Manuscript, quantity: str, task: str) -> FileReport:
     """The comparisons of a document, each with its place in the file."""
-    start = Location(document.name)
-    skipped: Iterable[Skipped]
+    if not names_inverse(model, quantity):
+        return _placed(_compared(model, document, quantity), document, model.robot, document.name)
+    asked = Asked(Location(document.name), _task(model, task))
     try:
-        if names_inverse(model, quantity):
-            asked = Asked(start, _task(model, task))
-            findings, skipped = compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True))
-            readings: tuple[str, ...] = ()
-        else:
-            found = compare_latex(model, document.text, quantity, start, document=True)
-            findings, skipped, readings = found.findings, found.skipped, found.readings
+        findings, refused = compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True))
     except CheckError as error:
-        raise error.moved(document.placed(error.location)) if error.location else error from None
-    placed = tuple(replace(finding, location=document.placed(finding.location)) for finding in findings)
-    unread = tuple(f"{document.placed(one.location)}: {one.reason}" for one in skipped)
-    return FileReport(document.name, model.robot.name, placed, unread, readings=readings)
+        raise document.moved(error) from None
+    return _placed(LatexReport(tuple(findings), tuple(refused)), document, model.robot, document.name)
+
+
+def _compared(model: Model, document: Manuscript, quantity: str = "") -> LatexReport:
+    try:
+        return compare_latex(model, document.text, quantity, Location(document.name), document=True)
+    except CheckError as error:
+        raise document.moved(error) from None
+
+
+def _placed(report: LatexReport, document: Manuscript, robot: Robot, source: str) -> FileReport:
+    placed = tuple(replace(finding, location=document.placed(finding.location)) for finding in report.findings)
+    unread = tuple(f"{document.placed(one.location)}: {one.reason}" for one in report.skipped)
+    return FileReport(source, robot.name, placed, unread, readings=report.readings)
 
 
 def _task(model: Model, task: str) -> tuple[str, ...] | None:

@@ -53,6 +53,16 @@ class Manuscript:
         lines = self.text.splitlines(keepends=True)
         return self.location(sum(map(len, lines[: found.line - 1])) + found.column - 1)
 
+    def moved(self, error: CheckError) -> CheckError:
+        """An error in the text at its place in the file."""
+        return error.moved(self.placed(error.location)) if error.location else error
+
+    def section_at(self, found: Location) -> int:
+        """The number of the section in which a place of the text stands; 0 before the first heading."""
+        lines = self.text.splitlines(keepends=True)
+        offset = sum(map(len, lines[: found.line - 1])) + found.column - 1
+        return sum(match.start() <= offset for match in _HEADING.finditer(self.text))
+
     def within(self, lines: tuple[int, int] | None = None, section: str = "") -> Manuscript:
         """Only some lines of the file, or a section with its subsections; the rest is blank."""
         text = self.text

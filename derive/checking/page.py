@@ -20,26 +20,35 @@ MARKED = r"\colorbox{#ffd7d7}"  # behind the printed entry that is wrong
 LONGEST = 4_000  # characters of a formula that is rendered; longer ones are not shown
 
 
-def verdict_page(printout: Printout, robot: Robot) -> str:
-    """One HTML file that needs no network."""
-    report = printout.report
+def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
+    """One HTML file that needs no network: the verdicts for each robot."""
     sections = [
-        Section("reading", "How it is read", tuple(_reading(report))),
-        Section("slips", "Slips", tuple(_slips(printout, robot))),
-        Section("unread", "Not compared", tuple(_unread(report.unread))),
-        Section("right", "Right", tuple(_right(report))),
+        section
+        for number, (printout, robot) in enumerate(zip(printouts, robots, strict=True))
+        for section in _sections(printout, robot, number if len(robots) > 1 else None)
     ]
+    counts = (summary(replace(printout.report, unread=())) for printout in printouts)
     document = Document(
-        title=report.source,
-        subtitle=summary(replace(report, unread=())),
-        name=report.robot,
+        title=printouts[0].report.source.removesuffix(f" ({robots[0].name})"),
+        subtitle="; ".join(counts),
+        name=", ".join(robot.name for robot in robots),
         language="en",
         digest="",
         version=version.__version__,
-        footer=f"Printed formulas against those derived from the table of {_code(robot.name)}",
+        footer=f"Printed formulas against those derived from {', '.join(_code(robot.name) for robot in robots)}",
         sections=tuple(section for section in sections if section.blocks),
     )
     return page(document, Text())
+
+
+def _sections(printout: Printout, robot: Robot, number: int | None) -> Iterator[Section]:
+    report, ending, title = printout.report, "", ""
+    if number is not None:
+        ending, title = f"-{number}", f"{robot.name}: "
+    yield Section(f"reading{ending}", f"{title}How it is read", tuple(_reading(report)))
+    yield Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot)))
+    yield Section(f"unread{ending}", f"{title}Not compared", tuple(_unread(report.unread)))
+    yield Section(f"right{ending}", f"{title}Right", tuple(_right(report)))
 
 
 def _reading(report: FileReport) -> Iterator[Block]:

@@ -14,6 +14,7 @@ from derive.cli.terminal import line_range, one_line, print_error, print_json
 from derive.errors import CheckError, UnknownNameError
 
 if TYPE_CHECKING:
+    from derive.checking.documents import Manuscript
     from derive.checking.report import Printout
     from derive.robot.robot import Robot
 
@@ -29,6 +30,7 @@ One formula can be checked without a file, as plain text or as LaTeX. LaTeX may 
 each entry with its own verdict; --quantity is not needed where the left sides name the quantity. Of a
 document (.tex, .md, .ipynb, .txt, or - for standard input) displays and mathematics inside a line are read, and the
 author's macros; what is not understood is listed as not compared. How transforms are written is decided by all of them.
+A document about several robots is checked with all of them: derive check ONE TWO --latex notes.md.
 
 A printed inverse kinematics is checked as a whole with --quantity inverse: its lines as text separated by semicolons,
 or as LaTeX. The verdict says whether all branches are given, some, or which line is wrong and what repairs it.
@@ -85,6 +87,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise CheckError("no file", remedy="name a corpus file, or a robot and a formula: derive check --help")
     if arguments.quantity is None and not formulas:
         return _files(arguments)
+    if len(arguments.files) > 1 and arguments.latex is not None and arguments.quantity is None:
+        return _several(arguments)
     if not formulas or len(arguments.files) > 1 or (arguments.quantity is None and arguments.latex is None):
         remedy = "write: derive check ROBOT --quantity 'T[1,4]' --expression '...'"
         raise CheckError("--quantity and --expression or --latex belong together, with one robot", remedy=remedy)
@@ -114,7 +118,7 @@ def _files(arguments: argparse.Namespace) -> int:
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:
     """What is given without a file; an unknown name is a verdict too where a program reads it."""
-    from derive.api.check import document_named, formula_lines, formula_printout
+    from derive.api.check import formula_lines, formula_printout
     from derive.api.robots import Robot, load
     from derive.checking.formulas.findings import Outcome
     from derive.checking.report import as_dict, finding_dict
@@ -122,7 +126,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     quantity, latex, where = arguments.quantity or "", arguments.latex is not None, None
     if text == "-" and (latex or quantity == "inverse"):
         text = sys.stdin.read()
-    formula = document_named(text, arguments.lines, arguments.section) if latex else None
+    formula = _document(arguments, text) if latex else None
     if arguments.files:
         robot = load(arguments.files[0], remarks_on_bodies=False)
     elif formula is None:
@@ -144,7 +148,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     if where is not None:
         said = (f"the robot is that of the table at {where}", *reported.report.readings)
         reported = replace(reported, report=replace(reported.report, readings=said))
-    silent = _write_report(arguments, [reported], robot)
+    silent = _write_report(arguments, [reported], [robot])
     report = reported.report
     if arguments.json and len(report.findings) == 1 and not report.unread:
         print_json(finding_dict(report.findings[0], reported.exact))
@@ -152,22 +156,53 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
         print_json(as_dict(report, reported.exact))
     elif not silent:
         print("\n".join(one_line(line) for line in formula_lines(reported)))
-    if report.undecidable:
+    return _status(arguments, [reported])
+
+
+def _several(arguments: argparse.Namespace) -> int:
+    """A document about several robots: for each its formulas."""
+    from derive.api.check import document_printouts, formula_lines
+    from derive.api.robots import load
+    from derive.checking.report import as_dict
+
+    document = _document(arguments, sys.stdin.read() if arguments.latex == "-" else arguments.latex)
+    if document is None:
+        raise CheckError("several robots for one formula", remedy="give a document with --latex, or name one robot")
+    robots = [load(path, remarks_on_bodies=False) for path in arguments.files]
+    printouts = document_printouts(robots, document)
+    silent = _write_report(arguments, printouts, robots)
+    if arguments.json:
+        print_json([as_dict(printout.report, printout.exact) for printout in printouts])
+    elif not silent:
+        print("\n".join(one_line(line) for printout in printouts for line in formula_lines(printout)))
+    return _status(arguments, printouts)
+
+
+def _document(arguments: argparse.Namespace, text: str) -> Manuscript | None:
+    from derive.api.check import document_named
+
+    return document_named(text, arguments.lines, arguments.section)
+
+
+def _status(arguments: argparse.Namespace, printouts: Sequence[Printout]) -> int:
+    if any(printout.report.undecidable for printout in printouts):
         return 2
-    return 1 if not report.passed else UNREAD if report.unread and not arguments.allow_unread else 0
+    if not all(printout.report.passed for printout in printouts):
+        return 1
+    return UNREAD if any(printout.report.unread for printout in printouts) and not arguments.allow_unread else 0
 
 
-def _write_report(arguments: argparse.Namespace, printouts: Sequence[Printout], robot: Robot | None = None) -> bool:
+def _write_report(arguments: argparse.Namespace, printouts: Sequence[Printout], robots: Sequence[Robot] = ()) -> bool:
     """Write or print the page where it is asked for; whether nothing else shall be printed."""
     from derive.checking.report import errata_report
     from derive.publish.atomic_folder import write_files
 
     if arguments.out == STDOUT:
         print(errata_report(printouts), end="")
-    elif arguments.out is not None and arguments.out.suffix == ".html" and robot is not None:
+    elif arguments.out is not None and arguments.out.suffix == ".html" and robots:
         from derive.checking.page import verdict_page
 
-        write_files({arguments.out: verdict_page(printouts[0], robot).encode()}, force=arguments.force)
+        write_files({arguments.out: verdict_page(printouts, robots).encode()}, force=arguments.force)
     elif arguments.out is not None:
         write_files({arguments.out: errata_report(printouts).encode()}, force=arguments.force)
     return bool(arguments.quiet or arguments.out == STDOUT)

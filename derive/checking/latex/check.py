@@ -42,6 +42,7 @@ class LatexReport:
     findings: tuple[Finding, ...]  # one for each formula and each entry of a matrix, in the order of the text
     skipped: tuple[Skipped, ...] = ()  # equations about which nothing is said
     readings: tuple[str, ...] = ()  # how the text as a whole is read, where that is not the usual way
+    equations: tuple[Location, ...] = ()  # where each equation begins
 
     def file_report(self, source: str, robot: str) -> FileReport:
         """The comparisons as those of a file."""
@@ -63,7 +64,8 @@ def check_latex(
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
-    return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings))
+    begins = tuple(check.plain.location(sides[0].start) for sides in check.scope.equations)
+    return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
 
 
 _COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
