@@ -55,8 +55,8 @@ class PoseNames:
     relatives: Mapping[str, tuple[int, int]]
 
     @classmethod
-    def of(cls, robot: Robot, words: Iterable[str]) -> PoseNames:
-        """Those among the words of a text."""
+    def of(cls, robot: Robot, words: Iterable[str], *, any_wrist: bool = False) -> PoseNames:
+        """Those among the words of a text, with names of a wrist only if the arm has a centre, or any wrist will do."""
         own = own_names(robot)
         words = [word for word in dict.fromkeys(words) if word not in own]
         flat = {word: word.replace("_", "") for word in words}
@@ -88,7 +88,7 @@ class PoseNames:
                 if short in (f"{stem}phi", f"{stem}varphi"):
                     angle = Name("(phi)")
                     angles[word] = Call(function, (angle,)) if function else angle
-        wrist = wrist if example.wrist is not None else {}
+        wrist = wrist if any_wrist or example.wrist is not None else {}
         relatives = {other: place for word in entries for other, place in _relatives(word, entries[word])}
         relatives = {name: at for name, at in relatives.items() if name not in own and name not in words}
         return cls(robot, entries, wrist, angles, relatives)

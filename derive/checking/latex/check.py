@@ -144,6 +144,7 @@ class _Check(Comparing):
                 yield from found
         if self.document:
             yield from self._said_twice()
+            yield from self._defined_points()
         for name, side in self.scope.unused() if self.document else ():
             reason = f"defines {name}, which no other formula uses"
             self.skipped.append(Skipped(self.plain.location(side.start), reason, self._typed(side)))
@@ -161,6 +162,16 @@ class _Check(Comparing):
                 elif (found := claim.read(self.robot)).verdict.equal:
                     yield found
 
+    def _defined_points(self) -> Iterator[Claim]:
+        """Points of links, which other formulas take as they are defined here."""
+        for name, meanings in self.scope.definitions.items():
+            for index, meaning in meanings:
+                side = next(s for s in self.scope.equations[index] if (index, s.offset) in self.names)
+                left = taken_apart(side.text)
+                if left is not None and left.is_point and (point := self._stands_for(left)) is not None:
+                    text, where = self._typed(side), self.plain.location(side.start)
+                    yield Claim(point, meaning, name, text, where, is_open=True)
+
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
         if side.inline and not self._names_a_quantity(side):
             return  # prose speaks of symbols, numbers and conditions all the time
@@ -170,7 +181,8 @@ class _Check(Comparing):
     def _names_a_quantity(self, side: LatexPiece) -> bool:
         """Whether a piece is the left side of an equation about the robot."""
         left = taken_apart(side.text)
-        return left is not None and "=" in self.text[side.end :].lstrip()[:2] and bool(self.meanings.targets(left))
+        is_named = left is not None and "=" in self.text[side.end :].lstrip()[:2] and not self.scope.is_own(left)
+        return is_named and left is not None and bool(self.meanings.targets(left))
 
     # -- one equation
 
@@ -230,16 +242,20 @@ class _Check(Comparing):
             for name in named or [Side(first.piece)]:
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if not all(finding.verdict.equal for finding in findings):
-                    self._refuse_example(side)
+                    self._refuse_example(side, findings)
                 yield from findings
 
-    def _refuse_example(self, side: Side) -> None:
+    def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
         """Numbers in a document belong to an example at values of the joints that are not known here."""
         entries = [e.formula for row in side.value.rows for e in row] if isinstance(side.value, Table) else [side.value]
         decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
-        if self.document and len(decimals) * 2 > len(entries):
+        # a whole matrix of numbers for one that moves, such as that of the home position
+        moves = any(f.question is not None and not is_constant(f.question.right) for f in findings)
+        is_example = len(entries) > 1 and moves and all(e is not None and is_constant(e) for e in entries)
+        if self.document and (len(decimals) * 2 > len(entries) or is_example):
             where = self.plain.location(side.piece.start)
-            raise CheckError(f"{quoted(self._typed(side.piece))} is a numeric example", location=where)
+            what = "a matrix of numbers" if len(entries) > 1 else quoted(self._typed(side.piece))
+            raise CheckError(f"{what} is a numeric example", location=where)
 
     def _side(self, piece: LatexPiece, may_name: bool) -> Side:
         is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
@@ -251,12 +267,20 @@ class _Check(Comparing):
             return Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
         if may_name and left is not None and (joint := self._branch_of(left)) is not None:
             return Side(piece, left, (), joint, is_branch=True)
-        if may_name and left is not None and targets and not self.scope.is_own(left):
+        is_point = left is not None and left.is_point and not left.dots and self._stands_for(left) is not None
+        if may_name and left is not None and targets and not self.scope.is_own(left) and not is_point:
             return Side(piece, left, targets)
+        if may_name and left is not None and is_point:
+            return Side(piece, left, (), self._stands_for(left))
         try:
             return Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
             return Side(piece, left, targets, error=error)
+
+    def _stands_for(self, left: Left) -> Expression | None:
+        """What stands for a name of the pose or of a point until it is known which one is meant."""
+        is_own = self.scope.is_own(left) or self.scope.poses is None
+        return None if is_own or self.scope.poses is None else self.scope.poses.placeholder(left.flat)
 
     def _names_new_entries(self, piece: LatexPiece) -> bool:
         """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""

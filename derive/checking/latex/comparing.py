@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
+from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import (
     NOTHING_KNOWN,
     Finding,
@@ -26,6 +27,7 @@ from derive.checking.latex.whole import frames_of, one_cause
 from derive.errors import CheckError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.equality import Verdict
 from derive.robot.expression import (
     ZERO,
     Call,
@@ -36,13 +38,18 @@ from derive.robot.expression import (
     Product,
     is_constant,
     multiply,
+    names,
     number,
     substitute,
 )
+from derive.robot.names import velocity_name
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
 REACH = 15  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
+DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
+ROUGHLY = 0.02  # relative difference that rounding on the way may explain
+_DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 _ROWS = re.compile(r"\\\\|&")
 
 
@@ -119,6 +126,7 @@ class Comparing:
             if first.is_branch and not found.verdict.equal:
                 label = f"the label in {quoted(left)} may be that of a branch"
                 raise CheckError(label, location=where)
+            found = self._rounded(found, first.value, side.value, left, right)
             if not found.verdict.equal and is_constant(first.value) != is_constant(side.value):
                 raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
             yield found
@@ -136,10 +144,25 @@ class Comparing:
         unknown = next((entry.unknown for pair in entries for entry in pair if entry.unknown), None)
         if unknown is not None:
             raise unknown
+        if all(isinstance(a.formula, Name) and is_constant(b.formula) for a, b in entries):
+            raise CheckError("a configuration, joint by joint", location=where)
         for a, b in entries:
             left, right = a.text or self._typed(first), b.text or self._typed(second)
             claim = Claim(a.formula, b.formula, left, right, where)
-            yield claim if names_of_pose(a.formula, b.formula) else claim.read(self.robot)
+            is_open = names_of_pose(a.formula, b.formula)
+            yield claim if is_open else self._rounded(claim.read(self.robot), a.formula, b.formula, left, right)
+
+    def _rounded(self, found: Finding, one: Expression, other: Expression, left: str, right: str) -> Finding:
+        """Numbers of a document agree to a few units of the last printed digit; beyond that it is uncertain."""
+        if found.verdict.equal or not (self.document and is_constant(one) and is_constant(other)):
+            return found
+        gap = abs(float_value(one, {}) - float_value(other, {}))
+        places = next((p for text in (right, left) if (p := [len(d) for d in _DECIMALS.findall(text)])), [])
+        if places and gap <= DIGITS * 10.0 ** -min(places):
+            return replace(found, verdict=Verdict(equal=True, exact=False), question=None)
+        if places and gap <= ROUGHLY * abs(float_value(one, {})):
+            raise CheckError(f"{quoted(left)} = {quoted(right)} may be rounded on the way", location=found.location)
+        return found
 
     def _compared(self, name: Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings for the first quantity that is meant of which everything is right; else for the first one."""
@@ -175,7 +198,8 @@ class Comparing:
             (entry,) = table.rows[0]
             side = Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
             identity = tuple(one for one in self._identities([name, side]) if isinstance(one, Finding))
-            is_token = name.left is not None and name.left.head in ("c", "s")
+            # but an entry of C has velocities
+            is_token = name.left is not None and name.left.head in ("c", "s") and not self._moves(entry.formula)
             chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
         if not chosen and not rights:
             where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
@@ -186,6 +210,9 @@ class Comparing:
             printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
             raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
         yield from chosen
+
+    def _moves(self, formula: Expression) -> bool:
+        return not {velocity_name(joint.variable) for joint in self.robot.joints}.isdisjoint(names(formula))
 
     def _posed(self, formula: Expression) -> Expression:
         """A formula with the usual meaning of names of the pose."""

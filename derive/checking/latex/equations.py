@@ -26,10 +26,12 @@ _SEPARATOR = re.compile(
     r"\\(?:qquad|quad|enspace|Rightarrow|Longrightarrow|implies|rightarrow|Leftrightarrow|iff|therefore|land)(?![A-Za-z])"
     r"|\\(?:text|textrm|mathrm|mbox|intertext|shortintertext|textnormal)\s*"
     rf"\{{(?:\s*[,;.]?\s*(?:{_WORDS})\s*[:,]?\s*|[^{{}}A-Za-z]*|\s[^{{}}]*|[^{{}}]*\s|[^{{}}]+\s[^{{}}]+)\}}"
+    r"|(?<![A-Za-z\\_^{])(?:where|with|then|and)(?![A-Za-z_^}])"
     r"|(?P<mark>[,;])"
 )
 # The number of an equation that is typed behind it.
 _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*\)[\s\v.,;]*$")
+_LEADING = re.compile(r"(?:[\s\v,;]|\\q?quad(?![A-Za-z]))+")
 _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
 _ENDS_OPEN = re.compile(r"(?:[-+*/=]|\\(?:cdot|times|ast))\s*$")
@@ -39,6 +41,12 @@ _FENCE = re.compile(
     r"|\\(?P<macro>eq|mx|whole)\s*(?=\{)"
     r"|\\begin\s*\{(?P<name>[A-Za-z]+)(?P<star>\*?)\}(?P<display>.*?)\\end\s*\{(?P=name)(?P=star)\}",
     re.DOTALL,
+)
+
+
+# How a display begins that continues the one right before it.
+_CONTINUING = re.compile(
+    r"(?:\$\$?|\\\[|\\\(|\\begin\s*\{[a-z]+\*?\})(?:\s|\\q?quad(?![a-z])|\\[ ,;:!]|&)*(?P<sign>[-+=])"
 )
 
 
@@ -84,7 +92,10 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
         outside.append((last, plain[last:begin]))
         last = end
     strange = [(offset, text) for offset, text in outside if not _PROSE.fullmatch(text)]
-    if document or (fences and not strange):
+    if document:
+        yield from _continued(plain, fences)
+        return
+    if fences and not strange:
         yield from fences
         return
     if fences and any(plain.startswith(("$", "\\[", "\\("), begin) for begin, _ in fences):
@@ -94,18 +105,38 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
     yield 0, len(plain)
 
 
+def _continued(plain: str, fences: list[tuple[int, int]]) -> Iterator[tuple[int, int]]:
+    """Displays with those right behind them that go on with a sum, or say what it equals."""
+    whole: tuple[int, int] | None = None
+    for begin, end in fences:
+        sign = _CONTINUING.match(plain, begin, end)
+        if whole is not None and sign is not None and not plain[whole[1] : begin].strip():
+            has_relation = RELATION.search(plain, begin, end) is not None
+            if sign["sign"] == "=" or (RELATION.search(plain, *whole) and (sign["sign"] == "+" or not has_relation)):
+                whole = (whole[0], end)
+                continue
+        if whole is not None:
+            yield whole
+        whole = (begin, end)
+    if whole is not None:
+        yield whole
+
+
 # -- from a display to its equations
 
 
 def _equations(display: LatexPiece) -> Iterator[Sides]:
     # blanks for what marks a display, and for the one brace before a system of equations
     text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), display.text)
+    if display.inline and RELATION.search(text):
+        text = _unbracketed(text)
     if text.count("\\{") != text.count("\\}"):
         text = text.replace("\\{", "  ")
     # rows and what stands side by side in them, then lines of one equation together again
     spans = _joined(text, [span for row in re.finditer("[^\f]+", text) for span in _row_parts(text, row.span())])
     shown, text = text, text.replace("\f", " ").replace("\v", " ")
     for begin, end in spans:
+        begin = match.end() if (match := _LEADING.match(text, begin, end)) else begin
         whole = replace(display, text=text)
         if number := _NUMBERED.search(shown[begin:end]):
             end = begin + number.start()
@@ -117,6 +148,16 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         plain = [_SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text) for side in sides]
         if found := tuple(replace(side, text=text) for side, text in zip(sides, plain, strict=True) if text.strip()):
             yield from _unmerged(found)
+
+
+def _unbracketed(text: str) -> str:
+    """An equation of a line of prose without the brackets around all of it."""
+    inner = text.strip()
+    ends = [i for i in range(1, len(inner) + 1) if _depths(inner, 0, i) == 0]
+    if not (inner.startswith("(") and ends[:1] == [len(inner)]):
+        return text
+    begin, end = text.index("("), text.rindex(")")
+    return f"{text[:begin]} {text[begin + 1 : end]} {text[end + 1 :]}"
 
 
 def _unmerged(sides: Sides) -> Iterator[Sides]:
@@ -190,9 +231,15 @@ def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
                 found and text[: found[0][0]].rstrip(" \n\r").endswith("\v")
                 for found in (relations, _relations(text, first, last))
             )
+            # in other displays one that begins with a minus and has a left side is an equation, too: -p_z = a3 s23
+            is_new = relations and part[0] == "-" and _relations(text, first, last)
             # an operator at the break, an open bracket, or no relation of its own: still the equation before
             continues = (
-                (_OPERATOR.match(part) and not (is_aligned and text[begin : relations[0][0]].strip(" \v\n\r")))
+                (
+                    _OPERATOR.match(part)
+                    and not is_new
+                    and not (is_aligned and text[begin : relations[0][0]].strip(" \v\n\r"))
+                )
                 or _ENDS_OPEN.search(before)
                 or _depths(text, first, last) > 0
                 or (not relations and _relations(text, first, last))

@@ -14,7 +14,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.names import LatexNames, PlusMinus
+from derive.checking.latex.names import FLAT, PRIME, LatexNames, PlusMinus
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, PrintedMatrix
 from derive.checking.latex.typography import PRIMED, cleaned
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
@@ -103,7 +103,10 @@ class LatexReader:
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
         tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
         try:
-            text = piece.text if self.names.signs is None else _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), piece.text)
+            text = piece.text
+            if self.names.signs is not None:  # a document, with labels of branches and primed names of its own
+                text = _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), text)
+                text = _PRIMED_NAME.sub(self._primed, text)
             found = parsed(_RUN.sub(self._long_name, text), self.names, tables)
         except UnexpectedInput as error:
             raise self._refusal(piece, error) from None
@@ -129,6 +132,12 @@ class LatexReader:
             return match[0]
         sign = self.names.sign(run)
         return sign.ljust(len(run)) + match[0][len(run) :]
+
+    def _primed(self, match: re.Match[str]) -> str:
+        """One sign for a letter with primes."""
+        letter = match["letter"].removeprefix("\\")
+        sign = self.names.sign(FLAT.get(letter, letter) + PRIME * len(re.findall(r"'|\\prime", match["primes"])))
+        return (sign + (match["sub"] or "") + (match["more"] or "")).ljust(len(match[0]))
 
     def _matrix(self, matrix: PrintedMatrix) -> Expression | Table:
         """The entries of a matrix; one with an unknown name says so, since the others can be compared all the same."""
@@ -208,6 +217,11 @@ _RUN = re.compile(
 # The label of a branch, as in \\theta_1^{(2)}.
 _BRANCH = re.compile(
     r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*\{\s*\([^(){}]{1,3}\)\s*\}"
+)
+_INDEX = r"\s*_\s*(?:\{[^{}]*\}|\w)"
+_PRIMED_NAME = re.compile(
+    rf"(?P<letter>\\(?:{'|'.join(filter(str.isascii, FLAT))})|(?<![A-Za-z\\])[A-Za-z])(?P<sub>{_INDEX})?"
+    rf"(?P<primes>'+|\s*\^\s*\{{\s*(?:(?:'|\\prime)\s*)+\}}|\s*\^\s*\\prime)(?P<more>{_INDEX})?"
 )
 _BRACKET = re.compile(r"[][(){}]")
 

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from enum import StrEnum
 
-from derive.checking.latex.names import FLAT
+from derive.checking.latex.names import FLAT, PRIME
 
 _FONT = re.compile(
     r"\\(?:mathbf|boldsymbol|bm|pmb|mathcal|mathscr|mathrm|mathit|mathsf|mathtt|mathnormal|vec|text|textrm|textbf|textit|"
@@ -80,14 +80,20 @@ class Left:
         return Scripts.PAIR if pair and not self.sup + self.before + self.before_sub else None
 
     @property
+    def is_point(self) -> bool:
+        """Whether it is a coordinate of a point of some link, such as x_2."""
+        return self.head in AXES and self.sub.isdigit() and not self.sup + self.before
+
+    @property
     def is_vague(self) -> bool:
         """Whether it is a letter for anything, without indices that say what it is, or a point of some link."""
-        is_point = self.head in AXES and self.sub.isdigit()
         is_angle = self.head in ("phi", "theta", "psi") and not self.sub
         return (
-            is_point
+            self.is_point
             or is_angle
             or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
+            # energies of links, speeds, forces on a body
+            or (self.head in ("V", "v", "F", "f", "u", "h") and len(self.sub) == 1 and self.sub.isdigit())
         )
 
     @property
@@ -101,8 +107,8 @@ class Left:
 
     @property
     def flat(self) -> str:
-        """Letter and subscript as one name."""
-        return self.head + self.sub.replace(",", "")
+        """Letter, primes and subscript as one name."""
+        return self.head + PRIME * self.primes + self.sub.replace(",", "")
 
 
 def taken_apart(text: str) -> Left | None:

@@ -88,7 +88,10 @@ class Meanings:
 
     def targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
-        found = [self._in_our_order(target) for target in candidates(left, self._robot.n, self._first, self.reading)]
+        found = [
+            self._in_our_order(target)
+            for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None)
+        ]
         return tuple(target for target in found if REGISTRY[target.quantity.partition("[")[0]].is_of(self._robot))
 
     def _in_our_order(self, target: Target) -> Target:

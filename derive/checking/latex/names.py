@@ -22,6 +22,8 @@ FLAT = {
     **{chr(ord("\u03b1") + i): name for i, name in enumerate(_GREEK.split())},
     **{"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"},
 }
+FLAT |= {name: name for name in _GREEK.split()}
+PRIME = "\u2032"  # of a name of the text's own; a plain one is a derivative
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
 _CIRCULAR = re.compile(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)")

@@ -8,25 +8,44 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum
 from functools import cached_property
+
+import sympy
 
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
 from derive.checking.inverse.latex import printed_words
 from derive.checking.inverse.poses import PoseNames
 from derive.errors import Location
-from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.robot.description import Convention
 from derive.robot.expression import Call, Expression, Name, names, substitute
-from derive.robot.names import own_names
+from derive.robot.names import own_names, velocity_name
 from derive.robot.robot import Robot
 
 CERTAIN = 1  # equations that must be right in one reading of the pose before another one is wrong
 MARK = "⌖"  # first letter of what stands for a name of the pose
-_POINT = re.compile(r"([xyzXYZ])_?([1-9])")  # a coordinate of the end of a link
+_POINT = re.compile(r"([xyzXYZ])_?([1-9])")  # a coordinate of the end of a link, or of its centre of mass
 WRIST = 3  # joints of a wrist
+
+
+class Points(Enum):
+    """What a point with the number of a link is."""
+
+    END = "the ends of links"
+    CENTRE = "centres of mass"
+    JOINT = "the joints where links begin"
+
+
+class Group(Enum):
+    """What is settled for itself, one after the other."""
+
+    PLACE = "positions"
+    TURN = "rotations"
+    POINT = "points of links"
 
 
 @dataclass(frozen=True)
@@ -37,10 +56,12 @@ class PoseReading:
     reference: int  # the frame from which a rotation to the end effector is meant
     values: Mapping[str, Expression]  # what each name stands for
     usual: bool  # whether it is the pose of the end effector in the base
+    points: Points = Points.END  # what points with the number of a link are
 
-    @property
-    def shown(self) -> str:
-        """The reading in words."""
+    def shown(self, group: Group) -> str:
+        """The reading of one kind of names in words."""
+        if group is Group.POINT:
+            return f"points are read as {self.points.value}"
         return f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
 
 
@@ -56,9 +77,9 @@ class Claim:
     is_open: bool = False  # whether it may be no claim at all: one name may have two meanings
     is_branch: bool = False  # whether the first side is a joint variable whose label may be that of a branch
 
-    def read(self, robot: Robot, reading: PoseReading | None = None) -> Finding:
-        """The comparison in a reading; without one it has no names of a pose."""
-        first, other = (substitute(e, reading.values) if reading else e for e in (self.first, self.other))
+    def read(self, robot: Robot, values: Mapping[str, Expression] | None = None) -> Finding:
+        """The comparison with values for the names of a pose; without them it has none."""
+        first, other = (substitute(e, values) if values else e for e in (self.first, self.other))
         question = Question(robot, other, first)
         return compared(question, self.left, (0, 0), Role.IDENTITY, self.right, self.left, self.where)
 
@@ -68,7 +89,7 @@ class Poses:
 
     def __init__(self, model: Model, text: str) -> None:
         words = list(printed_words(text))
-        self._model, self._names = model, PoseNames.of(model.robot, words)
+        self._model, self._names = model, PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
         known = {word: ("xyz".index(match[1].lower()), int(match[2])) for word, match in points.items()}
         self._points = {
@@ -78,7 +99,7 @@ class Poses:
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
         pose = self._names
-        known = name in pose.entries or name in pose.wrist or name in self._points
+        known = name in pose.entries or name in pose.wrist or name.removesuffix("'") in self._points
         return Name(MARK + name) if known else self._angle(name)
 
     def _angle(self, name: str) -> Expression | None:
@@ -91,19 +112,40 @@ class Poses:
 
     def judged(self, claims: Sequence[Claim], told: list[str], known: bool) -> list[Finding | None]:
         """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain."""
-        if not claims:
-            return []
-        readings = [
-            (reading, [claim.read(self._model.robot, reading) for claim in claims]) for reading in self.readings
-        ]
-        reading, found = max(readings, key=lambda pair: sum(finding.verdict.equal for finding in pair[1]))
-        right = sum(finding.verdict.equal for finding in found)
-        if right and not reading.usual:
-            told.append(f"{reading.shown} ({right} of {len(found)} equations)")
-        # what no pose explains is wrong only where several others say which pose is meant
-        is_certain = (right >= CERTAIN and 2 * right >= len(found)) or (known and reading.usual)
-        is_firm = [is_certain and not (claim.is_branch or claim.is_open) for claim in claims]
-        return [f if f.verdict.equal or firm else None for f, firm in zip(found, is_firm, strict=True)]
+        findings: dict[int, Finding | None] = {}
+        chosen = self.readings[0]
+        for group in Group:
+            own = {i: claim for i, claim in enumerate(claims) if self._group(claim) is group}
+            if not own:
+                continue
+            # positions say which origin is meant, then rotations which frame they are seen from
+            readings = (
+                [r for r in self.readings if group is Group.TURN or not r.reference]
+                if group is not Group.POINT
+                else [replace(chosen, values={**chosen.values, **self._values(kind)}, points=kind) for kind in Points]
+            )
+            found = [(r, [claim.read(self._model.robot, r.values) for claim in own.values()]) for r in readings]
+            chosen, verdicts = max(found, key=lambda pair: sum(finding.verdict.equal for finding in pair[1]))
+            right = sum(finding.verdict.equal for finding in verdicts)
+            if right and chosen is not readings[0]:
+                told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
+            # what no reading explains is wrong only where others of its kind say which one is meant
+            is_certain = (right >= CERTAIN and 2 * right >= len(verdicts)) or (
+                known and group is Group.PLACE and chosen.usual
+            )
+            for (i, claim), finding in zip(own.items(), verdicts, strict=True):
+                # labels of branches, and names with two meanings, may explain what is wrong
+                may_differ = claim.is_branch or (claim.is_open and group is not Group.POINT)
+                findings[i] = finding if finding.verdict.equal or (is_certain and not may_differ) else None
+        return [findings[i] for i in range(len(claims))]
+
+    def _group(self, claim: Claim) -> Group:
+        """What the names in a claim say: a point of a link, a rotation, or a position."""
+        known = names_of_pose(claim.first, claim.other)
+        if any(name.removesuffix("'") in self._points for name in known):
+            return Group.POINT
+        is_turn = any(self._names.entries.get(name, (0, 4))[1] < 4 for name in known)
+        return Group.TURN if is_turn else Group.PLACE
 
     @cached_property
     def readings(self) -> tuple[PoseReading, ...]:
@@ -113,7 +155,10 @@ class Poses:
         whole = self._model.quantity("T")
         distinct = [k for k, p in origins.items() if p != whole[:3, 3] and p != origins.get(k + 1)]
         places = [(n, 0), *((k, 0) for k in distinct)]
-        places += [(k, n - WRIST) for k, _ in places] if n > WRIST else []
+        # rotations of a wrist of three joints, or of what follows the three joints of the arm
+        places += [
+            (k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) for k, _ in places[: len(places)] if 0 < frame < n
+        ]
         return tuple(self._reading(position, reference) for position, reference in places)
 
     def _reading(self, position: int, reference: int) -> PoseReading:
@@ -126,11 +171,35 @@ class Poses:
             for name, (row, column) in self._names.entries.items()
         }
         entries |= {name: wrist[k, 3] for name, k in self._names.wrist.items()}
-        shift = self._model.robot.convention is Convention.MODIFIED  # there a link ends at the next frame
-        ends = {k: quantity(f"T[0,{k + shift}]") if k + shift <= n else quantity("T") for _, k in self._points.values()}
-        entries |= {name: ends[k][axis, 3] for name, (axis, k) in self._points.items()}
-        values = {MARK + name: expression_from_sympy(value) for name, value in entries.items()}
+        values = _placed(entries) | self._values(Points.END)
         return PoseReading(position, reference, values, position == n and not reference)
+
+    def _values(self, kind: Points) -> dict[str, Expression]:
+        """What the names of points stand for, and those of their velocities."""
+        found = {k: self._point(k, kind) for _, k in self._points.values()}
+        points = {name: found[k][axis] for name, (axis, k) in self._points.items()}
+        return _placed(points | {f"{name}'": self._rate(point) for name, point in points.items()})
+
+    def _point(self, link: int, kind: Points) -> Matrix:
+        """A point of a link in the base."""
+        robot, n = self._model.robot, self._model.n
+        if kind is Points.CENTRE and robot.links:
+            frame, centre = self._model.quantity(f"T[0,{link}]"), map(expression_to_sympy, robot.links[link - 1].com)
+            return frame[:3, 3] + frame[:3, :3] * sympy.Matrix(list(centre))
+        # in the modified convention a link begins at its frame, and ends at the next one
+        end = link + (robot.convention is Convention.MODIFIED) - (kind is Points.JOINT)
+        return (self._model.quantity(f"T[0,{end}]") if end <= n else self._model.quantity("T"))[:3, 3]
+
+    def _rate(self, point: Expr) -> Expr:
+        """The velocity of a coordinate by the chain rule."""
+        symbols = {symbol.name: symbol for symbol in point.free_symbols}
+        joints = [joint.variable for joint in self._model.robot.joints if joint.variable in symbols]
+        rates = (sympy.Symbol(velocity_name(name)) for name in joints)
+        return sympy.Add(*(point.diff(symbols[name]) * rate for name, rate in zip(joints, rates, strict=True)))
+
+
+def _placed(values: Mapping[str, Expr]) -> dict[str, Expression]:
+    return {MARK + name: expression_from_sympy(value) for name, value in values.items()}
 
 
 def names_of_pose(*formulas: Expression) -> set[str]:

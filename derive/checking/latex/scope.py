@@ -6,11 +6,12 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from itertools import islice, product
 
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
-from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
+from derive.checking.latex.left import Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import EntryNames, Meanings, Right, is_rate
 from derive.checking.latex.names import PlusMinus
@@ -216,12 +217,13 @@ class Scope:
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
         left = None if side.matrices else taken_apart(side.text)
+        if left is not None and left.primes and replace(left, primes=0).is_plain and not left.sub and self.document:
+            return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
         if left is None or not left.is_plain or left.arguments or self.is_own(left):
             return ""
-        if self.document and is_rate(left.flat):
+        if self.document and (is_rate(left.flat) or (len(left.head) > 1 and self._is_known(side))):
             return ""
-        is_point = left.head in AXES and left.sub.isdigit()
-        if self.poses is not None and not is_point and self.poses.placeholder(left.flat) is not None:
+        if self.poses is not None and not left.is_point and self.poses.placeholder(left.flat) is not None:
             return ""
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat
@@ -229,10 +231,19 @@ class Scope:
         if not is_first or not (is_angle or (left.sub and left.head in _LENT)):
             return ""
         others = (
-            part for i, e in enumerate(self.equations) if i != index for part in (e if is_angle or is_point else e[1:])
+            part
+            for i, e in enumerate(self.equations)
+            if i != index
+            for part in (e if is_angle or left.is_point else e[1:])
         )
         others = (part for part in others if part.text.strip() != side.text.strip())
         return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
+
+    def _is_known(self, side: LatexPiece) -> bool:
+        """Whether what looks like one name is a product of known ones, such as dC_{23}."""
+        with suppress(CheckError):
+            return bool(self.plain.formula(side))
+        return False
 
     def is_own(self, left: Left) -> bool:
         """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""

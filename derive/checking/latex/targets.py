@@ -65,12 +65,16 @@ class Target:
     turned: Turned = Turned.NOT  # whether the transpose of these rows and columns is meant, their inverse, or both
 
 
-def candidates(left: Left, n: int, first: int = 1, reading: Reading = frozenset()) -> tuple[Target, ...]:
-    """What a left side may mean, the likeliest first."""
+def candidates(
+    left: Left, n: int, first: int = 1, reading: Reading = frozenset(), *, tool: bool = False
+) -> tuple[Target, ...]:
+    """What a left side may mean, the likeliest first; the frame behind the last one is that of a tool."""
     if left.is_of_parameters:
         return ()
     if left.scripts in reading:
         left = _exchanged(left)
+    if tool and str(n + 1) in (left.sub, left.before_sub) and left.sup + left.before in _BASE:
+        left = replace(left, sub="tool" if left.sub else "", before_sub="tool" if left.before_sub else "")
     others = _kinematics(left, n, first) if first != 1 else ()
     found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
     if left.is_determinant:

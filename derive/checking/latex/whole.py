@@ -32,27 +32,34 @@ _FRAMES = re.compile(r"(?P<kind>[AT])(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+
 
 
 def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
-    """C is not unique: a whole printed one with the right C qd is right, and it is said whether its N is skew."""
+    """C is not unique: printed rows with the right C qd are right; of a whole C it is said whether its N is skew."""
     entries = {(f.row, f.column): f for f in findings if f.quantity == "C" and f.question is not None}
-    if len(entries) != model.n**2 or all(f.verdict.equal for f in entries.values()):
-        return findings
     places = range(1, model.n + 1)
+    rows = [i for i in places if all((i, j) in entries for j in places)]
+    wrong = [i for i in rows if not all(entries[i, j].verdict.equal for j in places)]
+    if not wrong:
+        return findings
     rates = [Name(velocity_name(joint.variable)) for joint in model.robot.joints]
     velocity_torques, rate = model.quantity("Cqd"), model.quantity("Bdot")
     printed = {place: f.question.printed for place, f in entries.items() if f.question is not None}
-    for i in places:
+
+    def is_right(i: int) -> bool:
         product_ = add(*(multiply(printed[i, j], rates[j - 1]) for j in places))
-        if not compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal:
-            return findings
-    sums = (
-        add(expression_from_sympy(2 * rate[i - 1, j - 1]), multiply(number(-2), add(printed[i, j], printed[j, i])))
-        for i in places
-        for j in places
-    )
-    skew = "" if all(compare(model.robot, ZERO, entry).equal for entry in sums) else " not"
-    note = f", another factorisation with the same C qd; its N is{skew} skew-symmetric"
+        return compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal
+
+    other = [i for i in wrong if is_right(i)]
+    note = ", another factorisation with the same C qd"
+    if len(rows) == model.n and other == wrong:
+        sums = (
+            add(expression_from_sympy(2 * rate[i - 1, j - 1]), multiply(number(-2), add(printed[i, j], printed[j, i])))
+            for i in places
+            for j in places
+        )
+        is_skew = all(compare(model.robot, ZERO, entry).equal for entry in sums)
+        note += f"; its N is{'' if is_skew else ' not'} skew-symmetric"
+        other = rows
     equal = Verdict(equal=True, exact=True)
-    return tuple(replace(f, verdict=equal, note=note) if f.quantity == "C" else f for f in findings)
+    return tuple(replace(f, verdict=equal, note=note) if f.quantity == "C" and f.row in other else f for f in findings)
 
 
 def one_cause(right: Right, table: Table) -> str:
