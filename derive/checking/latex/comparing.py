@@ -27,7 +27,7 @@ from derive.checking.latex.whole import frames_of, one_cause
 from derive.errors import CheckError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.model.equality import Verdict
+from derive.model.equality import Verdict, compare
 from derive.robot.expression import (
     ZERO,
     Call,
@@ -36,9 +36,11 @@ from derive.robot.expression import (
     Number,
     Pi,
     Product,
+    add,
     is_constant,
     multiply,
     names,
+    negate,
     number,
     substitute,
 )
@@ -166,14 +168,29 @@ class Comparing:
 
     def _compared(self, name: Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings for the first quantity that is meant of which everything is right; else for the first one."""
-        table = Table(tuple(tuple(replace(e, formula=self._posed(e.formula)) for e in row) for row in table.rows))
+        known = names_of_pose(*(entry.formula for row in table.rows for entry in row))
+        if known and self.scope.poses is not None:
+            poses = self.scope.poses
+            readings = poses.point_readings if any(map(poses.is_point, known)) else [poses.readings[0].values]
+            for values in readings:
+                posed = tuple(
+                    tuple(replace(e, formula=substitute(e.formula, values)) for e in row) for row in table.rows
+                )
+                with suppress(*([CheckError] if len(readings) > 1 else [])):
+                    found = tuple(self._compared(name, Table(posed), offset))
+                    if len(readings) == 1 or all(finding.verdict.equal for finding in found):
+                        yield from found
+                        return
+            what = f"which points {', '.join(sorted(known))} mean is not certain"
+            raise CheckError(what, location=self.plain.location(offset))
         # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
         chosen: tuple[Finding, ...] = ()
         rights = tuple(self._meant(name))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
         if len(fits) > 1 and table.shape != (1, 1):
             fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
-        if fits and name.left is not None and name.left.is_vague and fits[0][0].likeness(fits[0][1]) < VAGUE:
+        is_vague = name.left is not None and name.left.is_vague
+        if fits and is_vague and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
             shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
             where = self.plain.location(name.piece.start)
             raise CheckError(f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}", location=where)
@@ -213,12 +230,6 @@ class Comparing:
 
     def _moves(self, formula: Expression) -> bool:
         return not {velocity_name(joint.variable) for joint in self.robot.joints}.isdisjoint(names(formula))
-
-    def _posed(self, formula: Expression) -> Expression:
-        """A formula with the usual meaning of names of the pose."""
-        if self.scope.poses is None or not names_of_pose(formula):
-            return formula
-        return substitute(formula, self.scope.poses.readings[0].values)
 
     def _leads_there(self, side: Side, named: list[Side]) -> bool:
         """Whether a product of transforms leads from the one to the other frame of what is named."""
@@ -275,7 +286,18 @@ class Comparing:
                 derived = right.value[i, j]
                 others = other_orders(self.model, right.quantity)
                 question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
-                yield compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
+                found = compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
+                yield self._up_to_a_constant(found) if right.quantity.startswith("potential") else found
+
+    def _up_to_a_constant(self, found: Finding) -> Finding:
+        """A potential energy counts from any height."""
+        if found.verdict.equal or found.question is None:
+            return found
+        difference = add(found.question.printed, negate(found.question.right))
+        at_rest = substitute(difference, {joint.variable: ZERO for joint in self.robot.joints})
+        if not compare(self.robot, difference, at_rest).equal:
+            return found
+        return replace(found, verdict=Verdict(equal=True, exact=True), note=", up to a constant")
 
 
 def _fulfilled(left: Expression | Table | None, right: Expression | Table | None) -> tuple[dict[str, Expression], ...]:

@@ -81,8 +81,8 @@ class Left:
 
     @property
     def is_point(self) -> bool:
-        """Whether it is a coordinate of a point of some link, such as x_2."""
-        return self.head in AXES and self.sub.isdigit() and not self.sup + self.before
+        """Whether it is a coordinate of a point of some link, such as x_2, or its speed."""
+        return (self.head in AXES or self.head == "v") and self.sub.isdigit() and not self.sup + self.before
 
     @property
     def is_vague(self) -> bool:

@@ -16,16 +16,17 @@ from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import QuantityError
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
-from derive.robot.expression import Expression, Name, add, multiply, names
+from derive.robot.expression import ZERO, Expression, Name, add, multiply, names
 from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+_OF_LINK = re.compile(r"(kinetic|potential)\[([0-9]+)\]")
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -110,7 +111,8 @@ class Meanings:
         return self._rights[target]
 
     def _derived(self, target: Target) -> Right:
-        value = self._model.quantity(target.quantity)
+        of_link = _OF_LINK.fullmatch(target.quantity)
+        value = self._energy(of_link[1], int(of_link[2])) if of_link else self._model.quantity(target.quantity)
         if not hasattr(value, "shape"):
             value = sympy.ImmutableMatrix([[value]])
             return Right(target.quantity + target.turned, self._turned(target, value), (0,), (0,))
@@ -129,6 +131,17 @@ class Meanings:
         elif whole.columns == (0,):
             columns = (0,)
         return Right(target.quantity + target.turned, self._turned(target, part), rows, columns)
+
+    def _energy(self, kind: str, link: int) -> Expr:
+        """The energy of one link, qd' B_i qd / 2 or -m_i g' p_i."""
+        robot, quantity = self._robot, self._model.quantity
+        if kind == "kinetic":
+            rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
+            return (rates.T * quantity(f"B_link[{link}]") * rates)[0, 0] / 2
+        centre = sympy.Matrix([*map(expression_to_sympy, robot.links[link - 1].com), 1])
+        gravity = sympy.Matrix([*map(expression_to_sympy, robot.gravity or (ZERO,) * 3), 0])
+        mass = expression_to_sympy(robot.links[link - 1].mass)
+        return -mass * (gravity.T * quantity(f"T[0,{link}]") * centre)[0, 0]
 
     def _turned(self, target: Target, part: Matrix) -> Matrix:
         """The transpose or inverse of a matrix."""

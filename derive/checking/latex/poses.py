@@ -28,7 +28,7 @@ from derive.robot.robot import Robot
 
 CERTAIN = 1  # equations that must be right in one reading of the pose before another one is wrong
 MARK = "⌖"  # first letter of what stands for a name of the pose
-_POINT = re.compile(r"([xyzXYZ])_?([1-9])")  # a coordinate of the end of a link, or of its centre of mass
+_POINT = re.compile(r"([xyzXYZv])_?([1-9])")  # a coordinate of a point of a link, or its speed
 WRIST = 3  # joints of a wrist
 
 
@@ -91,7 +91,7 @@ class Poses:
         words = list(printed_words(text))
         self._model, self._names = model, PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
-        known = {word: ("xyz".index(match[1].lower()), int(match[2])) for word, match in points.items()}
+        known = {word: ("xyzv".index(match[1].lower()), int(match[2])) for word, match in points.items()}
         self._points = {
             word: at for word, at in known.items() if at[1] <= model.n and word not in own_names(model.robot)
         }
@@ -142,7 +142,7 @@ class Poses:
     def _group(self, claim: Claim) -> Group:
         """What the names in a claim say: a point of a link, a rotation, or a position."""
         known = names_of_pose(claim.first, claim.other)
-        if any(name.removesuffix("'") in self._points for name in known):
+        if any(map(self.is_point, known)):
             return Group.POINT
         is_turn = any(self._names.entries.get(name, (0, 4))[1] < 4 for name in known)
         return Group.TURN if is_turn else Group.PLACE
@@ -174,11 +174,25 @@ class Poses:
         values = _placed(entries) | self._values(Points.END)
         return PoseReading(position, reference, values, position == n and not reference)
 
+    def is_point(self, name: str) -> bool:
+        """Whether a name is that of a coordinate of a point of a link, its velocity or its speed."""
+        return name.removesuffix("'") in self._points
+
+    @cached_property
+    def point_readings(self) -> list[Mapping[str, Expression]]:
+        """What names stand for with each meaning of points."""
+        return [{**self.readings[0].values, **self._values(kind)} for kind in Points]
+
     def _values(self, kind: Points) -> dict[str, Expression]:
         """What the names of points stand for, and those of their velocities."""
         found = {k: self._point(k, kind) for _, k in self._points.values()}
-        points = {name: found[k][axis] for name, (axis, k) in self._points.items()}
-        return _placed(points | {f"{name}'": self._rate(point) for name, point in points.items()})
+        points = {name: found[k][axis] for name, (axis, k) in self._points.items() if axis < 3}
+        speeds = {
+            name: sympy.sqrt(sympy.Add(*(self._rate(x) ** 2 for x in found[k])))
+            for name, (axis, k) in self._points.items()
+            if axis == 3
+        }
+        return _placed(points | speeds | {f"{name}'": self._rate(point) for name, point in points.items()})
 
     def _point(self, link: int, kind: Points) -> Matrix:
         """A point of a link in the base."""

@@ -28,7 +28,7 @@ MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has 
 MAX_SIDES = 20  # sides of one equation
 MAX_PASSES = 12  # how often definitions are gone through that need one that stands behind them
 # Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
-_LENT = frozenset("uvwhkexyzfFQ")
+_LENT = frozenset("uvwhkexyzfFQTKVUP")
 _ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
 # A Christoffel symbol with letters for its indices.
 _SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")

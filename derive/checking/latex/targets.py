@@ -156,6 +156,9 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
     energy = _ENERGIES.get(left.head if left.sub == "tot" else left.flat, "")
     if energy and not left.dots and not left.factor:
         yield Target(energy)
+    of_link = _ENERGIES.get(left.head, "")
+    if of_link and len(indices) == 1 and not left.dots and not left.factor:
+        yield Target(f"{of_link}[{indices[0]}]")
 
 
 def _jacobians(left: Left, n: int) -> Iterator[Target]:
