@@ -32,8 +32,16 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(5_000, 20, 20)
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """The share of the sweep's cases that this run takes; without a share, all of them."""
+    """Cases of a test marked `first(n)` behind the first n join the sweep, of which a share may be taken."""
+    seen: Counter[str] = Counter()
+    for item in items:
+        mark, test = item.get_closest_marker("first"), item.nodeid.partition("[")[0]
+        if mark is not None and item.get_closest_marker("sweep") is None:
+            seen[test] += 1
+            if seen[test] > mark.args[0]:
+                item.add_marker(pytest.mark.sweep)
     share, seen, left_out = int(os.environ.get("DERIVE_SWEEP_SHARE", "1")), Counter[str](), []
     for item in [item for item in items if item.get_closest_marker("sweep")]:
         test = item.nodeid.partition("[")[0]

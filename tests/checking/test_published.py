@@ -15,6 +15,7 @@ FILES = [
 PAGES = [(file["robots"].get(page["robot"]), page) for file in FILES for page in file["pages"]]
 
 
+@pytest.mark.first(40)
 @pytest.mark.parametrize(("robot", "page"), PAGES, ids=[page["id"] for _, page in PAGES])
 def test_a_published_page_gets_the_verdicts_that_are_true(robot: str, page: dict[str, Any]) -> None:
     arm = Robot.from_text(robot) if robot else Robot.load(page["robot"])

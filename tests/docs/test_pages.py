@@ -18,9 +18,8 @@ def name(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
-@pytest.mark.parametrize(
-    "page", [pytest.param(p, marks=[pytest.mark.pages] * (p.name != "README.md")) for p in RUNNABLE_PAGES], ids=name
-)
+@pytest.mark.pages
+@pytest.mark.parametrize("page", RUNNABLE_PAGES, ids=name)
 def test_a_page_shows_what_a_reader_gets(page: Path, tmp_path: Path) -> None:
     """Commands print what stands under them; then the Python blocks run, in one interpreter, where the commands ran."""
     variables = environment(tmp_path / "path")

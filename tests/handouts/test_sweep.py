@@ -25,7 +25,7 @@ from derive.robot.robot import Robot
 from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import robot_text, sampled, seeds
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.first(1)]
 
 WORST_OVERFULL = 1.0
 MOST_PAGES = 40

@@ -55,6 +55,7 @@ def descendants(group: int) -> list[str]:
     return found
 
 
+@pytest.mark.first(2)
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes that were left")
 @pytest.mark.parametrize("whom", ["the terminal's group", "the process"])
 @pytest.mark.parametrize("build", [ONE, MANY], ids=["one robot", "several"])

@@ -47,7 +47,7 @@ def test_kills_from_outside_are_harmless(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kills", [8, pytest.param(25, marks=pytest.mark.sweep)])
+@pytest.mark.parametrize("kills", [2, pytest.param(25, marks=pytest.mark.sweep)])
 def test_killed_builds_leave_a_whole_folder(tmp_path: Path, kills: int) -> None:
     """Whole builds, verification included, killed on the way."""
     found = states("builds", tmp_path, "swap", str(kills))

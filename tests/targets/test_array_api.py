@@ -90,6 +90,7 @@ def test_arguments_broadcast_against_each_other() -> None:
     np.testing.assert_allclose(found, MODEL.inverse_dynamics(q, qd, qdd, params=PARAMETERS), **EXACT)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_jax_compiles_vectorises_and_differentiates(seed: int) -> None:
     robot = random_robot(random.Random(seed + 40), 2 + seed)

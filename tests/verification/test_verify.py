@@ -88,6 +88,7 @@ def test_right_functions_of_random_robots_pass(tmp_path: Path, seed: int) -> Non
     assert verify(robot, tmp_path, samples=4, seed=seed).worst < 1e-11
 
 
+@pytest.mark.first(8)
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_a_relative_error_of_1e_8_in_one_entry_is_found(tmp_path: Path, function: str) -> None:
     message = failure(tmp_path, altered(function, "value[(..., -1) if value.ndim else ()] *= 1 + 1e-8"))

@@ -81,6 +81,7 @@ def test_lengths_are_named_where_they_are_not_zero() -> None:
     assert "a_{3}" not in _labels(_draw(Robot.load("scara-perugia")))
 
 
+@pytest.mark.first(10)
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", [*map(Robot.load, catalogue_names()), *_random_robots()], ids=lambda r: r.name)
 def test_every_robot_is_drawn_inside_its_canvas(robot: Robot) -> None:

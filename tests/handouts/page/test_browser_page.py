@@ -21,6 +21,8 @@ from derive.robot.options.handout import Derivation
 from derive.robot.robot import Robot
 from tests.handouts.page.page_documents import ENTRIES, LONG, MATRIX, document
 
+pytestmark = pytest.mark.first(1)
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page
 

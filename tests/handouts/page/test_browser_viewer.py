@@ -20,6 +20,8 @@ from derive.robot.robot import Robot
 from tests.handouts.page.viewer_page import assumed, viewer_page
 from tests.targets.generated_models import numpy_model
 
+pytestmark = pytest.mark.first(1)
+
 ROBOTS = ("scara-perugia", "puma560-laschi", "stanford-laschi")
 SAMPLES = 20
 FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]

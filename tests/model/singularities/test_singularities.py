@@ -114,6 +114,7 @@ def equal(a: Any, b: Any, model: KinematicModel) -> bool:
     return bool(sympy.expand(difference) == 0)
 
 
+@pytest.mark.first(8)
 @pytest.mark.parametrize("name", [name for name in CATALOGUE if Robot.load(name).n <= 7])
 def test_rank_drops_where_it_is_stated_and_nowhere_else(name: str) -> None:
     SingularArm(Robot.load(name)).check(places=200, starts=6)

@@ -256,6 +256,7 @@ def test_keys_segments_and_plots_set_the_time(shown: Shown) -> None:
     assert shown.time() == pytest.approx(corners[-1] / 2, abs=0.01 * corners[-1])
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_the_page_is_accessible(shown: Shown, scheme: Any) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()

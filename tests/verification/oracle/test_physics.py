@@ -119,7 +119,7 @@ def test_newton_euler_is_lagrange(robot: RandomRobot) -> None:
 
 
 @given(robots(max_joints=4))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=4, deadline=None)
 def test_energy_changes_by_the_work_of_torques_minus_friction(robot: RandomRobot) -> None:
     """Along a motion simulated by Runge and Kutta, the work as one more state; dry friction jumps at turning points."""
     oracle, (q, qd, force) = oracle_of(robot), state(robot.n)
