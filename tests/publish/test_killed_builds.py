@@ -39,7 +39,7 @@ def test_death_before_any_operation_on_files_is_harmless(tmp_path: Path, swap: s
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["arm"]
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_kills_from_outside_are_harmless(tmp_path: Path) -> None:
     found = states("moments", tmp_path, "swap")
     assert len(found) > 50

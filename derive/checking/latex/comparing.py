@@ -20,7 +20,7 @@ from derive.checking.latex.left import Left
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import Right
 from derive.checking.latex.pieces import LatexPiece
-from derive.checking.latex.poses import Claim, names_of_pose
+from derive.checking.latex.poses import Claim, Poses, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target
 from derive.checking.latex.whole import frames_of, one_cause
@@ -170,19 +170,8 @@ class Comparing:
         """The findings for the first quantity that is meant of which everything is right; else for the first one."""
         known = names_of_pose(*(entry.formula for row in table.rows for entry in row))
         if known and self.scope.poses is not None:
-            poses = self.scope.poses
-            readings = poses.point_readings if any(map(poses.is_point, known)) else [poses.readings[0].values]
-            for values in readings:
-                posed = tuple(
-                    tuple(replace(e, formula=substitute(e.formula, values)) for e in row) for row in table.rows
-                )
-                with suppress(*([CheckError] if len(readings) > 1 else [])):
-                    found = tuple(self._compared(name, Table(posed), offset))
-                    if len(readings) == 1 or all(finding.verdict.equal for finding in found):
-                        yield from found
-                        return
-            what = f"which points {', '.join(sorted(known))} mean is not certain"
-            raise CheckError(what, location=self.plain.location(offset))
+            yield from self._posed(self.scope.poses, known, name, table, offset)
+            return
         # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
         chosen: tuple[Finding, ...] = ()
         rights = tuple(self._meant(name))
@@ -227,6 +216,19 @@ class Comparing:
             printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
             raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
         yield from chosen
+
+    def _posed(self, poses: Poses, known: set[str], name: Side, table: Table, offset: int) -> Iterator[Finding]:
+        """The findings with the usual meaning of names of the pose, and the meaning of points that makes all right."""
+        readings = poses.point_readings if any(map(poses.is_point, known)) else [poses.readings[0].values]
+        for values in readings:
+            posed = tuple(tuple(replace(e, formula=substitute(e.formula, values)) for e in row) for row in table.rows)
+            with suppress(*([CheckError] if len(readings) > 1 else [])):
+                found = tuple(self._compared(name, Table(posed), offset))
+                if len(readings) == 1 or all(finding.verdict.equal for finding in found):
+                    yield from found
+                    return
+        what = f"which points {', '.join(sorted(known))} mean is not certain"
+        raise CheckError(what, location=self.plain.location(offset))
 
     def _moves(self, formula: Expression) -> bool:
         return not {velocity_name(joint.variable) for joint in self.robot.joints}.isdisjoint(names(formula))
