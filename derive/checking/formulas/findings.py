@@ -36,13 +36,17 @@ from derive.robot.expression import (
     Power,
     Product,
     Sum,
+    add,
+    multiply,
     names,
+    number,
     rebuilt,
     substitute,
 )
 from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 
+RIGHT_ANGLE = 90  # degrees
 NOTHING_KNOWN = Verdict(equal=False, exact=True)  # stands where no verdict is possible
 
 
@@ -135,7 +139,28 @@ def compared(
         if seen.alike or only_points:
             verdict = Verdict(equal=seen.alike > 0, exact=False)
             return Finding(quantity, *place, role, text, verdict, right, where, erratum, remark=remark, some=seen.some)
-    return Finding(quantity, *place, role, text, verdict, right, where, erratum, question, remark=remark)
+    note, turned = "", in_degrees(question.printed)
+    if not verdict.equal and turned != question.printed and verdict_at(where, robot, question.right, turned).equal:
+        verdict, note = Verdict(equal=True, exact=True), ", with its angles in degrees"
+    return Finding(quantity, *place, role, text, verdict, right, where, erratum, question, remark=remark, note=note)
+
+
+def in_degrees(formula: Expression) -> Expression:
+    """A formula in which whole numbers that are added to an angle, as in cos(180 - theta2), are degrees."""
+    if isinstance(formula, Call) and formula.function in ("sin", "cos", "tan"):
+        turns = [
+            add(
+                *(
+                    multiply(part, number(Fraction(1, 180)), Pi()) if isinstance(part, Number) else part
+                    for part in a.terms
+                )
+            )
+            if isinstance(a, Sum) and any(isinstance(p, Number) and abs(p.value) >= RIGHT_ANGLE / 3 for p in a.terms)
+            else a
+            for a in formula.arguments
+        ]
+        return Call(formula.function, tuple(turns))
+    return rebuilt(formula, in_degrees)
 
 
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand

@@ -88,6 +88,7 @@ def _is_no_claim(piece: LatexPiece) -> bool:
     return _names_its_columns(piece) or (bool(cells) and all("\\partial" in cell for cell in cells))
 
 
+_VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV)|,[1-8])?")
 
 
@@ -206,7 +207,8 @@ class _Check(Comparing):
         pieces = self._claiming(index, equation)
         if not pieces:
             return
-        sides = [self._side(piece, len(pieces) > 1) for piece in pieces]
+        is_scalar_equation = not any(piece.matrices for piece in pieces)
+        sides = [self._side(piece, len(pieces) > 1, has_points=is_scalar_equation) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(target.turned for side in sides for target in side.targets)
             sides[1:] = [self._said(side, turned) for side in sides[1:]]
@@ -237,12 +239,20 @@ class _Check(Comparing):
             raise CheckError(found, remedy=remedy, location=self.plain.location(first.piece.start))
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
-        for side in said:
+        moving = [side for side in said if isinstance(side.value, Table) or not is_constant(side.value or ZERO)]
+        # det J = a1 a2 s2 = 0 says where the arm is singular
+        for side in (
+            moving if self.document and moving and any(not isinstance(s.value, Table) for s in moving) else said
+        ):
             table = side.value if isinstance(side.value, Table) else Table(((self._whole(side),),))
             for name in named or [Side(first.piece)]:
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if not all(finding.verdict.equal for finding in findings):
                     self._refuse_example(side, findings)
+                    if name.left is not None and name.left.head in _VECTORS and any(s.error for s in sides):
+                        text = quoted(self._typed(name.piece))
+                        what = f"{text} is defined by what cannot be read"
+                        raise CheckError(what, location=self.plain.location(name.piece.start))
                 yield from findings
 
     def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
@@ -257,7 +267,7 @@ class _Check(Comparing):
             what = "a matrix of numbers" if len(entries) > 1 else quoted(self._typed(side.piece))
             raise CheckError(f"{what} is a numeric example", location=where)
 
-    def _side(self, piece: LatexPiece, may_name: bool) -> Side:
+    def _side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
         is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
         left = None if is_formula else taken_apart(piece.text)
         targets = self.meanings.targets(left) if left else ()
@@ -267,7 +277,9 @@ class _Check(Comparing):
             return Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
         if may_name and left is not None and (joint := self._branch_of(left)) is not None:
             return Side(piece, left, (), joint, is_branch=True)
-        is_point = left is not None and left.is_point and not left.dots and self._stands_for(left) is not None
+        is_point = (
+            has_points and left is not None and left.is_point and not left.dots and self._stands_for(left) is not None
+        )
         if may_name and left is not None and targets and not self.scope.is_own(left) and not is_point:
             return Side(piece, left, targets)
         if may_name and left is not None and is_point:

@@ -92,7 +92,8 @@ class Left:
             self.is_point
             or is_angle
             or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
-            # energies of links, speeds, forces on a body
+            # velocities, energies of links, speeds, forces on a body
+            or self.head in ("v", "xi", "nu")
             or (self.head in ("V", "v", "F", "f", "u", "h") and len(self.sub) == 1 and self.sub.isdigit())
         )
 

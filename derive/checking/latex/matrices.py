@@ -56,7 +56,16 @@ class Table:
         return Table(tuple(tuple(_computed(add(a.formula, b.formula), a, b) for a, b in row) for row in pairs))
 
     def times(self, other: Table) -> Table:
-        """The product."""
+        """The product; of two columns with three entries the cross product."""
+        if self.shape == other.shape == (3, 1):
+            a, b = ([row[0] for row in table.rows] for table in (self, other))
+            entries = [
+                _computed(
+                    add(multiply(a[j].formula, b[k].formula), negate(multiply(a[k].formula, b[j].formula))), *a, *b
+                )
+                for j, k in ((1, 2), (2, 0), (0, 1))
+            ]
+            return Table(tuple((entry,) for entry in entries))
         if self.shape[1] != other.shape[0]:
             raise CheckError(
                 f"product of matrices {_size(self)} and {_size(other)}", allowed="allowed: shapes that fit"

@@ -27,6 +27,7 @@ from derive.robot.names import joint_label, velocity_name
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
 _OF_LINK = re.compile(r"(kinetic|potential)\[([0-9]+)\]")
+_VELOCITIES = ("twist", "rates")  # of the end effector, and of the joints
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -93,7 +94,8 @@ class Meanings:
             self._in_our_order(target)
             for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None)
         ]
-        return tuple(target for target in found if REGISTRY[target.quantity.partition("[")[0]].is_of(self._robot))
+        names = {target: target.quantity.partition("[")[0] for target in found}
+        return tuple(t for t, name in names.items() if name in _VELOCITIES or REGISTRY[name].is_of(self._robot))
 
     def _in_our_order(self, target: Target) -> Target:
         """A Christoffel symbol with the index of the torque in front."""
@@ -111,8 +113,14 @@ class Meanings:
         return self._rights[target]
 
     def _derived(self, target: Target) -> Right:
-        of_link = _OF_LINK.fullmatch(target.quantity)
-        value = self._energy(of_link[1], int(of_link[2])) if of_link else self._model.quantity(target.quantity)
+        if target.quantity == "twist":
+            value = sympy.ImmutableMatrix([expression_to_sympy(self.velocity(row)) for row in range(6)])
+        elif target.quantity == "rates":
+            value = sympy.ImmutableMatrix([sympy.Symbol(velocity_name(j.variable)) for j in self._robot.joints])
+        elif of_link := _OF_LINK.fullmatch(target.quantity):
+            value = self._energy(of_link[1], int(of_link[2]))
+        else:
+            value = self._model.quantity(target.quantity)
         if not hasattr(value, "shape"):
             value = sympy.ImmutableMatrix([[value]])
             return Right(target.quantity + target.turned, self._turned(target, value), (0,), (0,))

@@ -226,7 +226,7 @@ class Scope:
         if self.poses is not None and not left.is_point and self.poses.placeholder(left.flat) is not None:
             return ""
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
-            return left.flat
+            return left.flat if left.head != "J" else ""
         is_angle = left.head in _ANGLES and not left.sub
         if not is_first or not (is_angle or (left.sub and left.head in _LENT)):
             return ""

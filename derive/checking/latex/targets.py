@@ -76,7 +76,14 @@ def candidates(
     if tool and str(n + 1) in (left.sub, left.before_sub) and left.sup + left.before in _BASE:
         left = replace(left, sub="tool" if left.sub else "", before_sub="tool" if left.before_sub else "")
     others = _kinematics(left, n, first) if first != 1 else ()
-    found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
+    found = (
+        *_named(left),
+        *_dynamics(left, n),
+        *_velocities(left),
+        *_jacobians(left, n),
+        *others,
+        *_kinematics(left, n, 1),
+    )
     if left.is_determinant:
         whole = [Target("singularities" if left.primes else "detJ")] if left.head == "J" and not left.sub else []
         found = (*whole, *(replace(target, is_determinant=True) for target in found))
@@ -159,6 +166,15 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
     of_link = _ENERGIES.get(left.head, "")
     if of_link and len(indices) == 1 and not left.dots and not left.factor:
         yield Target(f"{of_link}[{indices[0]}]")
+
+
+def _velocities(left: Left) -> Iterator[Target]:
+    """Of the end effector, and of the joints."""
+    is_velocity = (left.head in ("v", "V", "xi", "nu") and not left.dots) or (left.head in "pP" and left.dots == 1)
+    if is_velocity and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
+        yield from (Target("twist", rows) for rows in ((), (1, 2, 3), (1, 2), (1, 2, 6)))
+    if left.head in ("q", "theta") and left.dots == 1 and not left.sub + left.sup + left.arguments:
+        yield Target("rates")
 
 
 def _jacobians(left: Left, n: int) -> Iterator[Target]:

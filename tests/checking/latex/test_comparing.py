@@ -3,7 +3,11 @@
 import pytest
 
 from derive.checking.latex.comparing import VAGUE
+from derive.robot.robot import Robot
 from tests.checking.test_pages import ANT, checked
+
+W = r" $$w = \dot q_1 + \dot q_2$$"
+ARM = Robot.load("planar-2r-perugia")
 
 ENTRIES = (
     *("c_1 c_{23}", "-c_1 s_{23}", "s_1", "c_1 (a_2 c_2 + a_3 c_{23})"),
@@ -49,3 +53,22 @@ def test_a_formula_may_hold_under_a_condition_that_stands_before_it() -> None:
     assert "right where s_3 = 0" in under.unread[-1] + under.unread[0]
     elsewhere = f"{fixed} $$s_2 = 0$$ {equation.replace('s_2', 'c_2')}"
     assert len(checked(ANT, elsewhere).wrong) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "equal"),
+    [
+        (r"$$\theta_2 = \arctan 2(\sin\theta_2, \cos\theta_2)$$", 1),
+        (r"$$v = \begin{bmatrix} -a_1 s_1 \dot q_1 - a_2 s_{12} w \\ a_1 c_1 \dot q_1 + a_2 c_{12} w \end{bmatrix}$$" + W, 2),
+        (r"$$c_{12} = \cos(360 + q_1 + q_2)$$", 1),
+        (r"$$\det J = a_1 a_2 s_2 = 0$$", 1),
+        (r"$$x_1 = a_1 c_1$$ $$\dot x_1 = -a_1 s_1 \dot q_1$$ $$v_1^2 = a_1^2 \dot q_1^2$$", 3),
+        (r"$$J_v = \begin{bmatrix} 0 \\ 0 \\ 1 \end{bmatrix} \times \begin{bmatrix} a_2 \\ 0 \\ 0 \end{bmatrix}$$", 0),
+        (r"$y = a_1 s_1$" + "\n" + r"$+ a_2 s_{12}$", 1),
+        (r"$$x' = a_2 c_2, \quad x = a_1 c_1 + x' c_1 - a_2 s_1 s_2$$", 1),
+        (r"$$7.07 \cdot 2 + 1.234 = 15.374, \quad s_1 = s_1$$", 2),
+    ],
+)  # fmt: skip
+def test_what_people_write_otherwise_is_right_all_the_same(text: str, equal: int) -> None:
+    report = checked(ARM, text)
+    assert (report.equal, report.wrong) == (equal, ())
