@@ -59,7 +59,7 @@ def test_a_formula_may_hold_under_a_condition_that_stands_before_it() -> None:
     ("text", "equal"),
     [
         (r"$$\theta_2 = \arctan 2(\sin\theta_2, \cos\theta_2)$$", 1),
-        (r"$$v = \begin{bmatrix} -a_1 s_1 \dot q_1 - a_2 s_{12} w \\ a_1 c_1 \dot q_1 + a_2 c_{12} w \end{bmatrix}$$" + W, 2),
+        (r"$$v = \begin{bmatrix} -a_1 s_1 \dot q_1-a_2 s_{12}w \\ a_1 c_1 \dot q_1+a_2 c_{12}w \end{bmatrix}$$" + W, 2),
         (r"$$c_{12} = \cos(360 + q_1 + q_2)$$", 1),
         (r"$$\det J = a_1 a_2 s_2 = 0$$", 1),
         (r"$$x_1 = a_1 c_1$$ $$\dot x_1 = -a_1 s_1 \dot q_1$$ $$v_1^2 = a_1^2 \dot q_1^2$$", 3),
