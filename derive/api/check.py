@@ -333,7 +333,8 @@ def document_named(text: str, lines: tuple[int, int] | None = None, section: str
     """
     document = None
     if "\n" not in text.strip() and not re.search(r"[\\{}=$]", text):
-        is_path = Path(text).suffix.lower() in KINDS or (len(text) < 4096 and is_there(Path(text)))
+        looks_like_path = re.fullmatch(r"[\w./ ~-]+\.[A-Za-z]{3,5}", text) is not None
+        is_path = looks_like_path or Path(text).suffix.lower() in KINDS or (len(text) < 4096 and is_there(Path(text)))
         document = read_document(text) if is_path else None
     elif is_document(text):
         document = document_of(text, "standard input")

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from derive.checking.spelling import from_plain_text, spelled
 from derive.errors import CheckError, Location, near_miss, quoted
 
 KINDS = {".tex": "LaTeX", ".md": "Markdown", ".markdown": "Markdown", ".ipynb": "a notebook", ".txt": "text"}
@@ -156,9 +157,12 @@ def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
         suffix = ".ipynb" if text.lstrip().startswith("{") and '"cells"' in text else ""
         suffix = suffix or (".tex" if re.search(r"\\(?:documentclass|begin\{document\}|section)", text) else ".md")
     typed, starts = _cells(text, name) if suffix == ".ipynb" else (text, ((0, ""),))
-    plain = typed if suffix == ".tex" else _markdown(typed)
-    plain = _balanced(_COMMENT.sub(_kept_or_blank, plain) if suffix == ".tex" else plain)
-    plain, origins = expanded(plain)
+    plain = _COMMENT.sub(_kept_or_blank, typed) if suffix == ".tex" else _markdown(typed)
+    plain = _UNREAD.sub(lambda match: _blank(match[0]), plain)
+    origins: Sequence[int] = range(len(plain))
+    for step in (from_plain_text, lambda written: (_balanced(written), range(len(written))), expanded, spelled):
+        plain, places = step(plain)
+        origins = [origins[place] for place in places]
     return Manuscript(plain, name, origins, starts, typed)
 
 
@@ -185,11 +189,20 @@ def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
 
 _COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
 _CODE = re.compile(
-    r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>[A-Za-z]*)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
+    r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>\{?[A-Za-z-]*\}?)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
     r"|<!--.*?-->|\$`(?P<math>[^`\n]+)`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
     r"|<(?:br|/?(?:p|div|span|center|sup|sub|b|i|em|strong|table|tr|td|th|img|a|h[1-6]|li|ul|ol))\b[^<>\n]*>",
     re.DOTALL | re.MULTILINE | re.IGNORECASE,
 )
+
+
+_UNREAD = re.compile(
+    r"\\begin\{(comment|verbatim\*?|lstlisting|minted)\}.*?\\end\{\1\}|\\iffalse\b.*?\\fi\b|\\verb\*?([^\w\s]).*?\2",
+    re.DOTALL,
+)
+_OF_CODE = ("{code", "{literalinclude", "{figure", "{image", "{eval", "{bibliography", "{toctree", "{raw")
+_DISPLAYED = re.compile(r"\$|\\\[|\\\(|\\begin\{(?:equation|align|gather|displaymath|eqnarray|document)")
+_OPTION = re.compile(r"^:[a-z-]+:[^\n]*$", re.MULTILINE)
 
 
 def _blank(text: str) -> str:
@@ -206,12 +219,21 @@ def _markdown(text: str) -> str:
     def without_code(match: re.Match[str]) -> str:
         if match["math"]:
             return f"$ {match['math']} $"
-        if (match["language"] or "").casefold() == "math":
-            begin, end = match.start("body") - match.start(), match.end("body") - match.start()
-            return _marked(match[0][:begin]) + match["body"] + _marked(match[0][end:])
+        language = (match["language"] or "").casefold()
+        begin, end = match.start("body") - match.start(), match.end("body") - match.start()
+        if language.strip("{}") == "math" or (language in ("latex", "tex") and not _DISPLAYED.search(match["body"])):
+            body = _OPTION.sub(lambda option: _blank(option[0]), match["body"])
+            return _marked(match[0][:begin]) + body + _marked(match[0][end:])
+        if language in ("latex", "tex") or (
+            language.startswith("{") and not language.startswith(_OF_CODE)
+        ):  # a box of prose, as MyST has them
+            return _blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + _blank(match[0][end:])
         return _blank(match[0])
 
     text = _CODE.sub(without_code, text)
+    doubled = len(re.findall(r"(?<!\\)\\\\[A-Za-z]{2}", text))
+    if doubled > 4 * len(re.findall(r"(?<!\\)\\[A-Za-z]{2}", text)):  # a site that asks for \\frac
+        text = re.sub(r"(?:\\\\)+", lambda m: (len(m[0]) // 2 * "\\").rjust(len(m[0])), text)
     return re.sub(r"\\\\(?=[\[\]()](?!\s*-?[0-9.]+\s*(?:pt|em|ex|mm|cm)\s*\]))", " \\\\", text)
 
 

@@ -77,7 +77,10 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
         head = heads[start]
         assert head is not None
         where = _location(document, lines[start][0])
-        modified = any("-1" in _column_name(lines[start][1][head[kind]]) for kind in ("a", "alpha"))
+        is_khalil = _is_khalil([_column_name(cell) for cell in lines[start][1]], head)
+        if is_khalil:
+            head = head | {"a": head["d"], "d": head["a"]}
+        modified = is_khalil or any("-1" in _column_name(lines[start][1][head[kind]]) for kind in ("a", "alpha"))
         body = [(offset, cells) for offset, cells in lines[start + 1 :] if len(cells) > max(head.values())]
         large = {k for k in ("theta", "alpha") if any(_largest(cells[head[k]]) >= DEGREES_FROM for _, cells in body)}
         rows = [_row(document, offset, cells, lines[start][1], head, large) for offset, cells in body]
@@ -120,6 +123,13 @@ def _head(cells: Sequence[str]) -> dict[str, int] | None:
     return head
 
 
+def _is_khalil(names: Sequence[str], head: Mapping[str, int]) -> bool:
+    """Whether d is the length and r the offset, in a table of the modified convention (Khalil and Kleinfinger 1986)."""
+    has_r_and_d = names[head["a"]].startswith("r") and names[head["d"]].startswith("d")
+    has_kinds = any(name.startswith(("sigma", "\u03c3")) for name in names)
+    return has_r_and_d and (has_kinds or head["alpha"] < head["d"] < head["theta"] < head["a"])
+
+
 def _column_name(cell: str) -> str:
     """What the head of a column says, without its unit."""
     return _plain(_UNITS.sub("", _plain(cell))).casefold()
@@ -137,7 +147,7 @@ def _row(
     where = _location(document, offset)
     found, marked = {}, set()
     for kind, i in head.items():
-        text = _plain(cells[i])
+        text = _plain(cells[i]).partition("=")[0]
         for match in re.finditer(r"([A-Za-z][A-Za-z0-9]*)\^?\*(?![A-Za-z0-9(])", text):
             marked.add(match[1])
         text = re.sub(r"\^\*|\*(?=[-+)]|$)", "", text)
@@ -159,6 +169,7 @@ def _plain(text: str) -> str:
         text = inner
     text = re.sub(r"\\(?:ast|star)", "*", text).replace("\\circ", "circ").replace("\\cdot", "*")
     text = re.sub(r"\\(?:var)?([A-Za-z]+)", r"\1", text)
+    text = re.sub(r"\^\s*\{?\s*o\s*\}?(?![A-Za-z])", "^circ", text)
     text = re.sub(r"\^\s*\{\s*(\*|circ)\s*\}", r"^\1", text)
     text = re.sub(r"[_{}\s,]", "", text)
     return re.sub(r"(?<=[0-9)])(?=pi\b)", "*", text)

@@ -134,7 +134,7 @@ class _Vocabulary:
             (reading,) = readings.values()
             return Call(function, (add(*(Name(variable) for variable in reading)),))
         if sliding := self.prismatic.get(digits):
-            raise CheckError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
+            raise UnknownNameError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
         raise UnknownNameError(
             f"{token}: its digits are no labels of revolute joints",
             allowed=f"labels {', '.join(self.revolute) or 'none'}",

@@ -112,6 +112,8 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
         right, printed = substitute(right, numbers), substitute(printed, numbers)
         if compare(robot, right, printed).equal:
             return Verdict(equal=True, exact=False)
+    if robot.units.millimetres and compare(robot, multiply(number(1000), right), printed).equal:
+        return Verdict(equal=True, exact=False)  # numbers of the page are in the units of the file
     return Verdict(equal=True, exact=False) if _within_rounding(robot, right, printed) else verdict
 
 
@@ -134,6 +136,10 @@ def compared(
     if not verdict.equal and any(has_branches(side, roots=role is Role.IDENTITY) for side in sides):
         seen = branches(robot, *sides)
         if only_points and not seen.points:
+            if branches(robot, question.right, question.right).points:
+                nowhere = Verdict(equal=False, exact=False)
+                note = ", with no real value at any of many random points"
+                return Finding(quantity, *place, role, text, nowhere, right, where, erratum, remark=remark, note=note)
             found = "formula without a real value at any of many random points"
             raise CheckError(found, remedy="check its roots and denominators", location=where)
         if seen.alike or only_points:

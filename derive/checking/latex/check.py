@@ -9,22 +9,26 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
+from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import (
     FileReport,
     Finding,
     Role,
     Skipped,
+    compared,
     undecidable,
 )
-from derive.checking.latex.comparing import ANY, Comparing, Side
+from derive.checking.latex.comparing import ANY, VAGUE, Comparing, Side
+from derive.checking.latex.conditions import explaining, ways
 from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import Symbol
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
-from derive.checking.latex.poses import Claim, names_of_pose
+from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
 from derive.checking.latex.whole import chained, factors, other_factorisation
@@ -32,7 +36,7 @@ from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Expression, Name, is_constant, number
+from derive.robot.expression import ZERO, Expression, Name, is_constant, names, number
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +83,8 @@ def _names_its_columns(piece: LatexPiece) -> bool:
     lefts = [taken_apart(cell.text) for row in piece.matrices[0].rows for cell in row if cell.text.strip() not in "01"]
     if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
         return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in lefts)
-    return len(lefts) >= 6 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in lefts)
+    plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
+    return len(lefts) >= 6 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
 
 
 def _is_no_claim(piece: LatexPiece) -> bool:
@@ -88,6 +93,7 @@ def _is_no_claim(piece: LatexPiece) -> bool:
     return _names_its_columns(piece) or (bool(cells) and all("\\partial" in cell for cell in cells))
 
 
+_TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV)|,[1-8])?")
 
@@ -100,6 +106,8 @@ class _Check(Comparing):
         self.names = scope.names
         self.skipped: list[Skipped] = []
         self.reader = scope.reader(0)
+        self.around: dict[Finding, frozenset[str]] = {}  # the names that are printed in the matrix of an entry
+        self.joints = {joint.variable: joint for joint in self.robot.joints}
         self.lone = len(scope.equations) - len(scope.defining) == 1
 
     def findings(self) -> Iterator[Finding]:
@@ -109,17 +117,58 @@ class _Check(Comparing):
         # a position that is printed rightly says which pose its names mean
         known = any(isinstance(one, Finding) and one.quantity in ("p", "T") and one.verdict.equal for one in found)
         poses = self.scope.poses
+        if poses and not known:
+            found = self._repositioned(found, poses)
         judged = list(reversed(poses.judged(claims, self.scope.readings, known))) if poses else []
         for one in found:
             finding = judged.pop() if isinstance(one, Claim) else one
-            if finding is not None and (condition := self.condition_of(finding)):
+            begin = self._offset(finding.location) if finding is not None else 0
+            if finding is not None and (
+                known_as := explaining(
+                    self.conditions, finding, begin, self.text, self.around.get(finding, frozenset())
+                )
+            ):
+                condition, is_certain = known_as
+                if is_certain:
+                    right = Verdict(equal=True, exact=False)
+                    yield replace(finding, verdict=right, note=f", where {condition}", cause="", question=None)
+                    continue
                 reason = f"it is right where {condition}, as the text says elsewhere, and not otherwise"
                 self.skipped.append(Skipped(finding.location, reason, finding.text))
             elif finding is not None:
                 yield finding
-            elif isinstance(one, Claim) and not one.is_open:
-                shown = ", ".join(sorted(names_of_pose(one.first, one.other)))
-                self.skipped.append(Skipped(one.where, f"which pose {shown} means is not certain", one.right))
+            elif isinstance(one, Claim) and not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
+                shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
+                reason = _TWO_FORMULAS.format(one.left) if one.is_open else shown
+                self.skipped.append(Skipped(one.where, reason, one.right))
+
+    def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
+        """Printed positions of another point than the end effector: the origin of the frame that most of them need."""
+        printed = {
+            i: one for i, one in enumerate(found) if isinstance(one, Finding) and one.quantity == "p" and one.question
+        }
+        for reading in poses.readings[1:] if len(printed) > 1 else ():
+            if reading.reference:
+                continue
+            place = self.model.quantity(f"T[{reading.position}]")[:3, 3]
+            again = {}
+            for i, one in printed.items():
+                assert one.question is not None
+                question = Question(self.robot, one.question.printed, expression_from_sympy(place[one.row - 1]))
+                again[i] = compared(
+                    question, one.quantity, (one.row, 0), one.role, one.text, place[one.row - 1], one.location
+                )
+            right = sum(one.verdict.equal for one in again.values())
+            if right > 1 and 2 * right > len(printed):
+                self.scope.readings.append(f"{reading.shown(Settled.PLACE)} ({right} of {len(printed)} equations)")
+                return [again.get(i, one) for i, one in enumerate(found)]
+        return found
+
+    def _offset(self, where: Location) -> int:
+        """The character of the text at a place."""
+        line = where.line - self.scope.start.line
+        begin = sum(map(len, self.text.splitlines(keepends=True)[:line]))
+        return begin + where.column - (1 if line else self.scope.start.column)
 
     def _findings(self) -> Iterator[Finding | Claim]:
         for index, equation in enumerate(self.scope.equations):
@@ -138,14 +187,22 @@ class _Check(Comparing):
                     self._skip(equation[0], error)
                 yield from (one for one in found if isinstance(one, Claim) or one.verdict.equal)
                 continue
+            entries = [one for one in found if isinstance(one, Finding) and one.question is not None]
+            printed = frozenset(name for one in entries if one.question for name in names(one.question.printed))
+            self.around |= dict.fromkeys(entries, printed)
             unknown = next((one.unknown for one in found if isinstance(one, Finding) and one.unknown), None)
+            known = [one for one in found if isinstance(one, Claim) or not one.unknown]
+            right = sum(one.verdict.equal for one in known if isinstance(one, Finding))
             if unknown is not None and self.document:
                 self._skip(equation[0], unknown)
+                yield from known if right >= VAGUE * len(found) else ()
             else:
                 yield from found
         if self.document:
             yield from self._said_twice()
             yield from self._defined_points()
+        if self.document:
+            yield from self._defined_energies()
         for name, side in self.scope.unused() if self.document else ():
             reason = f"defines {name}, which no other formula uses"
             self.skipped.append(Skipped(self.plain.location(side.start), reason, self._typed(side)))
@@ -158,10 +215,14 @@ class _Check(Comparing):
                 side = next(s for s in self.scope.equations[index] if (index, s.offset) not in self.names)
                 text, where = self._typed(side), self.plain.location(side.start)
                 claim = Claim(first, other, name, text, where, is_open=True)
+                if is_constant(first) or is_constant(other):
+                    continue  # a number that an example gives
                 if names_of_pose(first, other):
                     yield claim
                 elif (found := claim.read(self.robot)).verdict.equal:
                     yield found
+                else:
+                    self.skipped.append(Skipped(where, _TWO_FORMULAS.format(name), text))
 
     def _defined_points(self) -> Iterator[Claim]:
         """Points of links, which other formulas take as they are defined here."""
@@ -173,8 +234,25 @@ class _Check(Comparing):
                     text, where = self._typed(side), self.plain.location(side.start)
                     yield Claim(point, meaning, name, text, where, is_open=True)
 
+    def _defined_energies(self) -> Iterator[Finding]:
+        """Energies of links, which other formulas take as they are defined here."""
+        for name, meanings in self.scope.definitions.items():
+            for index, meaning in meanings:
+                side = next(s for s in self.scope.equations[index] if (index, s.offset) in self.names)
+                left = taken_apart(side.text)
+                targets = self.meanings.targets(left) if left else ()
+                rights = [self.meanings.right(t) for t in targets if t.quantity.startswith(("kinetic[", "potential["))]
+                text, where = self._typed(side), self.plain.location(side.start)
+                for right in filter(None, rights[:1]):
+                    (found,) = self._entries(right, Table(((Entry(meaning, text, side.start),),)), side.start)
+                    if found.verdict.equal:
+                        yield found
+                    else:
+                        reason = f"{name} is used as it is defined here, though it is not {right.quantity}"
+                        self.skipped.append(Skipped(where, reason, text))
+
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
-        if side.inline and not self._names_a_quantity(side):
+        if side.inline and "\\partial" not in side.text and not self._names_a_quantity(side):
             return  # prose speaks of symbols, numbers and conditions all the time
         where = error.location or self.plain.location(side.start)
         self.skipped.append(Skipped(where, error.found, self._typed(side)))
@@ -217,10 +295,21 @@ class _Check(Comparing):
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
+        for side in sides:  # J(theta_2 = 0)
+            if side.left is not None and "=" in side.left.arguments:
+                self._stated_in(side)
         # sides that name quantities, and what the others say about them
-        named = [side for side in sides if side.targets and (side.value is None or (side is first and others))]
+        named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
+        if is_scalar_equation and isinstance(first.value, Name) and first.value.name in self.joints:
+            named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
         named = [side for side in named if side.left is not None and side.left.head not in ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
+        if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
+            where = self.plain.location(first.piece.start)
+            raise CheckError("a configuration, joint by joint", location=where)
+        if said and said[-1].value == ZERO and any(t.quantity == "g" for side in named for t in side.targets):
+            weightless = {name: ZERO for cell in self.robot.gravity or () for name in names(cell)}
+            self._states(first.piece, f"{self._typed(first.piece)} = 0", (weightless,))
         chains = [side for side in others if side.frames and self._leads_there(side, named)]
         for side in chains if not said else ():
             text, where = self._typed(side.piece), self.plain.location(side.piece.start)
@@ -255,6 +344,27 @@ class _Check(Comparing):
                         raise CheckError(what, location=self.plain.location(name.piece.start))
                 yield from findings
 
+    def _is_configuration(self, side: Side, table: Table) -> bool:
+        """Whether theta = (0, 0, 0) gives all joints a value, which is a condition then."""
+        cells = [entry.formula for row in table.rows for entry in row]
+        is_all = side.left is not None and side.left.head in ("theta", "q") and side.left.is_plain
+        if not (
+            is_all and side.left and not side.left.sub and len(cells) == self.robot.n and all(map(is_constant, cells))
+        ):
+            return False
+        end = self.text.find("$", side.piece.start)
+        values = dict(zip(self.joints, cells, strict=True))
+        self._states(side.piece, " ".join(self.text[side.piece.start : end].split()), (values,))
+        return True
+
+    def _stated_in(self, side: Side) -> None:
+        """Keep the conditions in the arguments of a left side."""
+        assert side.left is not None
+        for part in side.left.arguments.strip("{}()").split(","):
+            with suppress(CheckError):
+                values = [self.plain.formula(LatexPiece(text, 0)) for text in part.split("=")]
+                self._states(side.piece, part, ways(values), is_of_side=True)
+
     def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
         """Numbers in a document belong to an example at values of the joints that are not known here."""
         entries = [e.formula for row in side.value.rows for e in row] if isinstance(side.value, Table) else [side.value]
@@ -270,6 +380,8 @@ class _Check(Comparing):
     def _side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
         is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
         left = None if is_formula else taken_apart(piece.text)
+        if left is not None and self._is_power(left):
+            left = None
         targets = self.meanings.targets(left) if left else ()
         if may_name and left is None and (chain := factors(piece.text)):
             where = self.plain.location(piece.start)
@@ -288,6 +400,11 @@ class _Check(Comparing):
             return Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
             return Side(piece, left, targets, error=error)
+
+    def _is_power(self, left: Left) -> bool:
+        """Whether it is a power of a symbol of the robot, such as a_1^2, and no label of a branch."""
+        known = left.flat in self.plain.names.own or (left.head in "dq" and self.plain.names.knows(left.flat))
+        return left.sup.isdigit() and known and replace(left, sup="").is_plain and self._branch_of(left) is None
 
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""
@@ -311,7 +428,10 @@ class _Check(Comparing):
         name = Symbol(left.head + match["joint"], 0)
         is_joint = left.head in ("theta", "q", "d") and self.plain.names.knows(name.text)
         meaning = self.plain.names.meaning(name) if is_joint else None
-        return meaning if isinstance(meaning, Name) else None
+        if not isinstance(meaning, Name) or meaning.name not in self.joints:
+            return None
+        # a slide with a number above it is a power
+        return None if left.sup.isdigit() and not self.joints[meaning.name].is_revolute else meaning
 
     def _said(self, side: Side, derived: bool) -> Side:
         """What a side says that names a quantity, too: its formula, or else what is derived for it."""

@@ -16,6 +16,7 @@ from derive.checking.formulas.findings import (
     compared,
     undecidable,
 )
+from derive.checking.latex.conditions import Condition, Values, ways
 from derive.checking.latex.left import Left
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import Right
@@ -33,21 +34,16 @@ from derive.robot.expression import (
     Call,
     Expression,
     Name,
-    Number,
-    Pi,
-    Product,
+    Sum,
     add,
     is_constant,
-    multiply,
     names,
     negate,
-    number,
     substitute,
 )
-from derive.robot.names import velocity_name
+from derive.robot.names import own_names, velocity_name
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
-REACH = 15  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
 DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
 ROUGHLY = 0.02  # relative difference that rounding on the way may explain
@@ -75,25 +71,27 @@ class Comparing:
         self.scope, self.asked, self.document = scope, quantity, scope.document
         self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
         self.meanings, self.plain = scope.meanings, scope.plain
-        # conditions of the text, s_5 = 0, each with its line and the joint values that fulfil it
-        self.conditions: list[tuple[int, str, tuple[dict[str, Expression], ...]]] = []
+        self.conditions: list[Condition] = []
+        self.parameters = own_names(self.robot) - {joint.variable for joint in self.robot.joints}
 
     def _typed(self, side: LatexPiece) -> str:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
 
-    def condition_of(self, finding: Finding) -> str:
-        """Which condition, a few lines before, makes a formula right that is wrong otherwise; empty for none."""
-        question, line = finding.question, finding.location.line or 0
-        if finding.verdict.equal or question is None or finding.role is not Role.IDENTITY:
-            return ""
-        for before, text, values in self.conditions:
-            for value in values if before <= line <= before + REACH else ():
-                right, printed = (substitute(side, value) for side in (question.right, question.printed))
-                here = Question(self.robot, printed, right)
-                with suppress(CheckError):
-                    if compared(here, "", (0, 0), Role.IDENTITY, "", "", finding.location).verdict.equal:
-                        return text
-        return ""
+    def _states(self, side: LatexPiece, text: str, values: tuple[Values, ...], is_of_side: bool = False) -> None:
+        """Keep a condition of the text."""
+        line = self.plain.location(side.start).line or 0
+        end = side.end if is_of_side else self._end_of(text, side.start)
+        if values:
+            self.conditions.append(Condition(line, end, text, values, is_of_side))
+
+    def _end_of(self, text: str, start: int) -> int:
+        """Where what was typed ends that begins there, blanks aside."""
+        letters = "".join(text.split())
+        for end in range(start, len(self.text)):
+            if not letters:
+                return end
+            letters = letters.removeprefix(self.text[end])
+        return len(self.text)
 
     def _identities(self, said: list[Side]) -> Iterator[Finding | Claim]:
         """Sides that say the same, or should."""
@@ -102,14 +100,14 @@ class Comparing:
         is_parameter = (
             isinstance(first.value, Name) and first.value.name not in joints and not names_of_pose(first.value)
         )
-        is_name = isinstance(first.value, Name | Call)
-        constant = any(not isinstance(s.value, Table) and s.value and is_constant(s.value) for s in said[1:])
+        is_angle = isinstance(first.value, Sum) and all(isinstance(term, Name) for term in first.value.terms)
+        is_name = is_angle or isinstance(first.value, Name | Call)
+        constant = any(not isinstance(s.value, Table) and s.value and self._is_fixed(s.value) for s in said[1:])
         if is_parameter or (is_name and constant):
             where = self.plain.location(first.piece.start)
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
-            if fulfilled := _fulfilled(first.value, said[1].value):
-                shown = f"{self._typed(first.piece)} = {self._typed(said[1].piece)}"
-                self.conditions.append((where.line or 0, shown, fulfilled))
+            values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
+            self._states(first.piece, " = ".join(self._typed(side.piece) for side in said), ways(values))
             remedy = "write a quantity such as T_3^0 = or b_{11} = on the left"
             raise CheckError(f"{quoted(self._typed(first.piece))} is {what}", remedy=remedy, location=where)
         for side in said[1:]:
@@ -129,9 +127,24 @@ class Comparing:
                 label = f"the label in {quoted(left)} may be that of a branch"
                 raise CheckError(label, location=where)
             found = self._rounded(found, first.value, side.value, left, right)
+            if not found.verdict.equal and self._constrains(first.value, side.value):
+                self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
+                raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
             if not found.verdict.equal and is_constant(first.value) != is_constant(side.value):
                 raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
             yield found
+
+    def _constrains(self, one: Expression, other: Expression) -> bool:
+        """Whether an equation gives a joint variable, or its rate, by other ones and parameters: a condition."""
+        rates = {velocity_name(joint.variable) for joint in self.robot.joints}
+        moving = rates | {joint.variable for joint in self.robot.joints}
+        is_moving = isinstance(one, Name) and one.name in moving
+        known = self.parameters | moving
+        return self.document and isinstance(one, Name) and is_moving and (known - {one.name}).issuperset(names(other))
+
+    def _is_fixed(self, formula: Expression) -> bool:
+        """Whether a formula holds nothing but numbers and parameters of the robot."""
+        return self.parameters.issuperset(names(formula))
 
     def _entry_by_entry(
         self, first: LatexPiece, one: Table, second: LatexPiece, other: Table
@@ -147,12 +160,19 @@ class Comparing:
         if unknown is not None:
             raise unknown
         if all(isinstance(a.formula, Name) and is_constant(b.formula) for a, b in entries):
+            values = {a.formula.name: b.formula for a, b in entries if isinstance(a.formula, Name)}
+            self._states(second, self._typed(second), (values,))
             raise CheckError("a configuration, joint by joint", location=where)
+        found: list[Finding | Claim] = []
         for a, b in entries:
             left, right = a.text or self._typed(first), b.text or self._typed(second)
             claim = Claim(a.formula, b.formula, left, right, where)
             is_open = names_of_pose(a.formula, b.formula)
-            yield claim if is_open else self._rounded(claim.read(self.robot), a.formula, b.formula, left, right)
+            found.append(claim if is_open else self._rounded(claim.read(self.robot), a.formula, b.formula, left, right))
+        is_right = all(isinstance(one, Finding) and one.verdict.equal for one in found)
+        if not is_right and all(self._constrains(a.formula, b.formula) for a, b in entries):
+            raise CheckError("a condition on the joints", location=where)
+        yield from found
 
     def _rounded(self, found: Finding, one: Expression, other: Expression, left: str, right: str) -> Finding:
         """Numbers of a document agree to a few units of the last printed digit; beyond that it is uncertain."""
@@ -300,15 +320,3 @@ class Comparing:
         if not compare(self.robot, difference, at_rest).equal:
             return found
         return replace(found, verdict=Verdict(equal=True, exact=True), note=", up to a constant")
-
-
-def _fulfilled(left: Expression | Table | None, right: Expression | Table | None) -> tuple[dict[str, Expression], ...]:
-    """The joint values with which a joint variable, or its sine or cosine, has a value; none of other conditions."""
-    match left, right:
-        case Name(name), Number() | Pi() | Product():
-            return ({name: right},)
-        case Call("sin", (Name(name),)), Number(0):
-            return ({name: ZERO}, {name: Pi()})
-        case Call("cos", (Name(name),)), Number(0):
-            return tuple({name: multiply(number(half), Pi())} for half in ("1/2", "-1/2"))
-    return ()

@@ -106,6 +106,7 @@ class LatexReader:
             text = piece.text
             if self.names.signs is not None:  # a document, with labels of branches and primed names of its own
                 text = _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), text)
+                text = _COLUMN_OF_FRAME.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             found = parsed(_RUN.sub(self._long_name, text), self.names, tables)
         except UnexpectedInput as error:
@@ -131,7 +132,7 @@ class LatexReader:
         if not knows(run + sub) or all(map(knows, (*run[:-1], run[-1] + sub))):
             return match[0]
         sign = self.names.sign(run)
-        return sign.ljust(len(run)) + match[0][len(run) :]
+        return sign.rjust(len(run)) + match[0][len(run) :]
 
     def _primed(self, match: re.Match[str]) -> str:
         """One sign for a letter with primes."""
@@ -217,6 +218,10 @@ _RUN = re.compile(
 # The label of a branch, as in \\theta_1^{(2)}.
 _BRANCH = re.compile(
     r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*\{\s*\([^(){}]{1,3}\)\s*\}"
+)
+# An entry of a column of a rotation, with the number of the frame from which it is seen: a_x^3.
+_COLUMN_OF_FRAME = re.compile(
+    r"((?<![A-Za-z\\])[nsoa]\s*_\s*(?:[xyz]|\{\s*[xyz]\s*\}))\s*\^\s*(?:[3-9]|\{\s*[3-9]\s*\})"
 )
 _INDEX = r"\s*_\s*(?:\{[^{}]*\}|\w)"
 _PRIMED_NAME = re.compile(

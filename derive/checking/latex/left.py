@@ -17,6 +17,7 @@ _SCRIPT = re.compile(r"(?P<mark>[_^])(?P<script>\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\}
 _HEAD = re.compile(r"\\[A-Za-z]+|[A-Za-z\u0391-\u03c9]+")
 _ARGUMENTS = re.compile(r"\((?:[^()]|\([^()]*\))*\)|\{\((?:[^()]|\([^()]*\))*\)\}")
 AXES = {"x": 1, "y": 2, "z": 3}
+_TWO_LETTERS = re.compile(r"(?:^|[\s*+(-])[A-Za-z]\s+[A-Za-z]_")  # a product, such as k c_1
 # The derivative of a coordinate of the end effector, an entry of the Jacobian.
 _PARTIAL = re.compile(
     r"\\[dt]?frac\{\\partial\{?(?:p_?\{?)?(?P<what>[xyzXYZ]|\\(?:var)?phi)\}?(?:_\{?(?:e|ee|E|EE|t|T)\}?)?\}?\}"
@@ -117,6 +118,8 @@ def taken_apart(text: str) -> Left | None:
     if partial := _PARTIAL.fullmatch("".join(_FONT.sub("", text).split())):
         row = {**AXES, "phi": 6}[partial["what"].removeprefix("\\").removeprefix("var").lower()]
         return Left("J", f"{row},{partial['label']}")
+    if _TWO_LETTERS.search(text):
+        return None
     # from left to right: scripts before the letter, dots, the letter, scripts, arguments, a velocity behind it
     rest, determinant = _undressed(text)
     before, rest = _scripts(rest)

@@ -27,6 +27,7 @@ from derive.robot.names import joint_label, velocity_name
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
 _OF_LINK = re.compile(r"(kinetic|potential)\[([0-9]+)\]")
+_SIX_ROWS = ("J", "J_end", "J_dot", "twist")
 _VELOCITIES = ("twist", "rates")  # of the end effector, and of the joints
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
@@ -84,6 +85,9 @@ class Meanings:
         self._model, self._robot = model, model.robot
         self.torque = 0  # which index of a Christoffel symbol is that of the torque
         self.reading: Reading = frozenset()
+        self.is_angular_first = False  # whether a whole Jacobian has the rows of the angular velocity above
+        self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
+        self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
         labels = [joint_label(joint.variable) for joint in self._robot.joints]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
         self._rights: dict[Target, Right | None] = {}
@@ -94,6 +98,8 @@ class Meanings:
             self._in_our_order(target)
             for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None)
         ]
+        if self.has_o_columns and left.head == "o":
+            found = [target for target in found if target.columns == (2,)] or found
         names = {target: target.quantity.partition("[")[0] for target in found}
         return tuple(t for t, name in names.items() if name in _VELOCITIES or REGISTRY[name].is_of(self._robot))
 
@@ -106,11 +112,15 @@ class Meanings:
 
     def right(self, target: Target) -> Right | None:
         """What a target stands for, derived once; None where the robot has no such quantity or entry."""
+        if self.is_angular_first and target.quantity in _SIX_ROWS and not target.rows and not target.is_determinant:
+            target = replace(target, rows=(4, 5, 6, 1, 2, 3))
         if target not in self._rights:
             self._rights[target] = None
             with suppress(QuantityError, IndexError):
                 self._rights[target] = self._derived(target)
-        return self._rights[target]
+        found = self._rights[target]
+        is_opposed = self.has_gravity_opposed and found is not None and target.quantity == "g"
+        return replace(found, value=-found.value) if is_opposed and found is not None else found
 
     def _derived(self, target: Target) -> Right:
         if target.quantity == "twist":

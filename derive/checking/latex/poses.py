@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -18,7 +19,7 @@ from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
 from derive.checking.inverse.latex import printed_words
 from derive.checking.inverse.poses import PoseNames
-from derive.errors import Location
+from derive.errors import CheckError, Location
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.robot.description import Convention
@@ -28,7 +29,8 @@ from derive.robot.robot import Robot
 
 CERTAIN = 1  # equations that must be right in one reading of the pose before another one is wrong
 MARK = "⌖"  # first letter of what stands for a name of the pose
-_POINT = re.compile(r"([xyzXYZv])_?([1-9])")  # a coordinate of a point of a link, or its speed
+# A coordinate of a point of a link, or its speed; with a letter before the number it is the centre of mass.
+_POINT = re.compile(r"([xyzXYZv])_?([cCgG]?)_?([1-9])")
 WRIST = 3  # joints of a wrist
 
 
@@ -40,12 +42,13 @@ class Points(Enum):
     JOINT = "the joints where links begin"
 
 
-class Group(Enum):
+class Settled(Enum):
     """What is settled for itself, one after the other."""
 
     PLACE = "positions"
     TURN = "rotations"
     POINT = "points of links"
+    WRIST = "the wrist"
 
 
 @dataclass(frozen=True)
@@ -57,11 +60,14 @@ class PoseReading:
     values: Mapping[str, Expression]  # what each name stands for
     usual: bool  # whether it is the pose of the end effector in the base
     points: Points = Points.END  # what points with the number of a link are
+    wrist: int = 0  # the frame whose origin is the wrist
 
-    def shown(self, group: Group) -> str:
+    def shown(self, group: Settled) -> str:
         """The reading of one kind of names in words."""
-        if group is Group.POINT:
+        if group is Settled.POINT:
             return f"points are read as {self.points.value}"
+        if group is Settled.WRIST:
+            return f"the wrist is read as the origin of frame {self.wrist}"
         return f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
 
 
@@ -77,6 +83,11 @@ class Claim:
     is_open: bool = False  # whether it may be no claim at all: one name may have two meanings
     is_branch: bool = False  # whether the first side is a joint variable whose label may be that of a branch
 
+    @property
+    def pose_names(self) -> set[str]:
+        """The names of a pose in it."""
+        return names_of_pose(self.first, self.other)
+
     def read(self, robot: Robot, values: Mapping[str, Expression] | None = None) -> Finding:
         """The comparison with values for the names of a pose; without them it has none."""
         first, other = (substitute(e, values) if values else e for e in (self.first, self.other))
@@ -91,10 +102,18 @@ class Poses:
         words = list(printed_words(text))
         self._model, self._names = model, PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
-        known = {word: ("xyzv".index(match[1].lower()), int(match[2])) for word, match in points.items()}
+        has_centres = bool(model.robot.links)
+        self._centres = {word for word, match in points.items() if match[2] and has_centres}
         self._points = {
-            word: at for word, at in known.items() if at[1] <= model.n and word not in own_names(model.robot)
+            word: ("xyzv".index(match[1].lower()), int(match[3]))
+            for word, match in points.items()
+            if int(match[3]) <= model.n and word not in own_names(model.robot) and (has_centres or not match[2])
         }
+
+    @property
+    def has_o_columns(self) -> bool:
+        """Whether o_x belongs to the second column of a rotation, not to the position."""
+        return any(name[0] == "o" and column == 2 for name, (_, column) in self._names.entries.items())
 
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
@@ -114,44 +133,57 @@ class Poses:
         """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain."""
         findings: dict[int, Finding | None] = {}
         chosen = self.readings[0]
-        for group in Group:
+        for group in Settled:
             own = {i: claim for i, claim in enumerate(claims) if self._group(claim) is group}
             if not own:
                 continue
             # positions say which origin is meant, then rotations which frame they are seen from
-            readings = (
-                [r for r in self.readings if group is Group.TURN or not r.reference]
-                if group is not Group.POINT
-                else [replace(chosen, values={**chosen.values, **self._values(kind)}, points=kind) for kind in Points]
-            )
-            found = [(r, [claim.read(self._model.robot, r.values) for claim in own.values()]) for r in readings]
-            chosen, verdicts = max(found, key=lambda pair: sum(finding.verdict.equal for finding in pair[1]))
-            right = sum(finding.verdict.equal for finding in verdicts)
+            readings = self._readings_of(group, chosen)
+            found = [(r, [self._read(claim, r) for claim in own.values()]) for r in readings]
+            chosen, verdicts = max(found, key=lambda pair: sum(map(_is_right, pair[1])))
+            right = sum(map(_is_right, verdicts))
             if right and chosen is not readings[0]:
                 told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
             # what no reading explains is wrong only where others of its kind say which one is meant
             is_certain = (right >= CERTAIN and 2 * right >= len(verdicts)) or (
-                known and group is Group.PLACE and chosen.usual
+                known and group is Settled.PLACE and chosen.usual
             )
             for (i, claim), finding in zip(own.items(), verdicts, strict=True):
                 # labels of branches, and names with two meanings, may explain what is wrong
-                may_differ = claim.is_branch or (claim.is_open and group is not Group.POINT)
-                findings[i] = finding if finding.verdict.equal or (is_certain and not may_differ) else None
+                may_differ = claim.is_branch or (claim.is_open and group is not Settled.POINT)
+                findings[i] = finding if _is_right(finding) or (is_certain and not may_differ) else None
         return [findings[i] for i in range(len(claims))]
 
-    def _group(self, claim: Claim) -> Group:
+    def _readings_of(self, group: Settled, chosen: PoseReading) -> list[PoseReading]:
+        """What names of one kind may mean, the others being settled already."""
+        match group:
+            case Settled.POINT:
+                return [replace(chosen, values={**chosen.values, **self._values(k)}, points=k) for k in Points]
+            case Settled.WRIST:
+                return [replace(chosen, values={**chosen.values, **self._wrist(k)}, wrist=k) for k in self._wrists()]
+        return [reading for reading in self.readings if group is Settled.TURN or not reading.reference]
+
+    def _read(self, claim: Claim, reading: PoseReading) -> Finding | None:
+        """The comparison in a reading; None where a side has no value in it."""
+        with suppress(CheckError, ArithmeticError):
+            return claim.read(self._model.robot, reading.values)
+        return None
+
+    def _group(self, claim: Claim) -> Settled:
         """What the names in a claim say: a point of a link, a rotation, or a position."""
-        known = names_of_pose(claim.first, claim.other)
+        known = claim.pose_names
         if any(map(self.is_point, known)):
-            return Group.POINT
+            return Settled.POINT
+        if not known.isdisjoint(self._names.wrist):
+            return Settled.WRIST
         is_turn = any(self._names.entries.get(name, (0, 4))[1] < 4 for name in known)
-        return Group.TURN if is_turn else Group.PLACE
+        return Settled.TURN if is_turn else Settled.PLACE
 
     @cached_property
     def readings(self) -> tuple[PoseReading, ...]:
         """The readings that are tried, the usual one first."""
         n = self._model.n
-        origins = {k: self._model.quantity(f"T[0,{k}]")[:3, 3] for k in range(n - 1, max(n - 1 - WRIST, 0), -1)}
+        origins = {k: self._model.quantity(f"T[{k}]")[:3, 3] for k in range(n - 1, max(n - 1 - WRIST, 0), -1)}
         whole = self._model.quantity("T")
         distinct = [k for k, p in origins.items() if p != whole[:3, 3] and p != origins.get(k + 1)]
         places = [(n, 0), *((k, 0) for k in distinct)]
@@ -163,16 +195,24 @@ class Poses:
 
     def _reading(self, position: int, reference: int) -> PoseReading:
         n, quantity = self._model.n, self._model.quantity
-        place = quantity("T") if position == n else quantity(f"T[0,{position}]")
+        place = quantity("T") if position == n else quantity(f"T[{position}]")
         turn = quantity(f"T[{reference},{n}]") if reference else quantity("T")
-        wrist = quantity(f"T[0,{max(n - 2, 1)}]")  # the origin of the last frame but two is that of a wrist
         entries = {
             name: (place if column == 4 else turn)[row - 1, column - 1]
             for name, (row, column) in self._names.entries.items()
         }
-        entries |= {name: wrist[k, 3] for name, k in self._names.wrist.items()}
-        values = _placed(entries) | self._values(Points.END)
+        values = _placed(entries) | self._wrist(self._wrists()[0]) | self._values(Points.END)
         return PoseReading(position, reference, values, position == n and not reference)
+
+    def _wrists(self) -> list[int]:
+        """The frames whose origins may be the wrist: that of the three last joints, or of the last one."""
+        n = self._model.n
+        return [k for k in ((n - 2, n - 1, n) if n > WRIST + 1 else (n - 1, n, n - 2)) if k > 0]
+
+    def _wrist(self, frame: int) -> dict[str, Expression]:
+        """What the names of the wrist stand for."""
+        place = self._model.quantity(f"T[{frame}]")
+        return _placed({name: place[k, 3] for name, k in self._names.wrist.items()})
 
     def is_point(self, name: str) -> bool:
         """Whether a name is that of a coordinate of a point of a link, its velocity or its speed."""
@@ -185,11 +225,12 @@ class Poses:
 
     def _values(self, kind: Points) -> dict[str, Expression]:
         """What the names of points stand for, and those of their velocities."""
-        found = {k: self._point(k, kind) for _, k in self._points.values()}
-        points = {name: found[k][axis] for name, (axis, k) in self._points.items() if axis < 3}
+        kinds = {name: Points.CENTRE if name in self._centres else kind for name in self._points}
+        found = {name: self._point(k, kinds[name]) for name, (_, k) in self._points.items()}
+        points = {name: found[name][axis] for name, (axis, _) in self._points.items() if axis < 3}
         speeds = {
-            name: sympy.sqrt(sympy.Add(*(self._rate(x) ** 2 for x in found[k])))
-            for name, (axis, k) in self._points.items()
+            name: sympy.sqrt(sympy.Add(*(self._rate(x) ** 2 for x in found[name])))
+            for name, (axis, _) in self._points.items()
             if axis == 3
         }
         return _placed(points | speeds | {f"{name}'": self._rate(point) for name, point in points.items()})
@@ -198,11 +239,11 @@ class Poses:
         """A point of a link in the base."""
         robot, n = self._model.robot, self._model.n
         if kind is Points.CENTRE and robot.links:
-            frame, centre = self._model.quantity(f"T[0,{link}]"), map(expression_to_sympy, robot.links[link - 1].com)
+            frame, centre = self._model.quantity(f"T[{link}]"), map(expression_to_sympy, robot.links[link - 1].com)
             return frame[:3, 3] + frame[:3, :3] * sympy.Matrix(list(centre))
         # in the modified convention a link begins at its frame, and ends at the next one
         end = link + (robot.convention is Convention.MODIFIED) - (kind is Points.JOINT)
-        return (self._model.quantity(f"T[0,{end}]") if end <= n else self._model.quantity("T"))[:3, 3]
+        return (self._model.quantity(f"T[{end}]") if end <= n else self._model.quantity("T"))[:3, 3]
 
     def _rate(self, point: Expr) -> Expr:
         """The velocity of a coordinate by the chain rule."""
@@ -210,6 +251,10 @@ class Poses:
         joints = [joint.variable for joint in self._model.robot.joints if joint.variable in symbols]
         rates = (sympy.Symbol(velocity_name(name)) for name in joints)
         return sympy.Add(*(point.diff(symbols[name]) * rate for name, rate in zip(joints, rates, strict=True)))
+
+
+def _is_right(finding: Finding | None) -> bool:
+    return finding is not None and finding.verdict.equal
 
 
 def _placed(values: Mapping[str, Expr]) -> dict[str, Expression]:

@@ -22,7 +22,7 @@ from derive.checking.latex.whole import chained, factors
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 from derive.robot.expression import Expression
-from derive.robot.names import robot_symbols
+from derive.robot.names import joint_label, robot_symbols
 
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
 MAX_SIDES = 20  # sides of one equation
@@ -38,6 +38,9 @@ _SUBTRACTED = re.compile(
 )
 
 
+_JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
+_FONTS = re.compile(r"\\(?:mathbf|boldsymbol|bm|mathrm|vec|mathit|text)(?![A-Za-z])|[{}]|\\[,;:!]")
+_GRAVITY = re.compile(r"([+-])[gG](?:_?[a-z])?(?:\([^()]*\))?(?=[-+]|$)")
 _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
@@ -68,7 +71,10 @@ class Scope:
         self.meanings = Meanings(model)
         self.plain = LatexReader(self.robot, text, start)
         self.poses = Poses(model, text) if document else None
+        self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         self._signs = PlusMinus() if document else None
+        if document:
+            self._refuse_other_arm()
         self.readings: list[str] = []
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
         self.defining: set[int] = set()
@@ -77,7 +83,27 @@ class Scope:
         self._reads = self.reader(0)
         self.meanings.torque = next(iter(orders.values())) if orders else self._settled_torque() if document else 0
         self.meanings.reading = self._settled_reading()
+        self.meanings.is_angular_first = self._settled_rows()
+        self.meanings.has_gravity_opposed = any(map(self._opposes_gravity, self.equations))
+        if self.meanings.has_gravity_opposed:
+            self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
+
+    def _refuse_other_arm(self) -> None:
+        """A document whose formulas name more joints than the robot has is about another arm."""
+        n = self.robot.n
+        if [joint_label(joint.variable) for joint in self.robot.joints] != [str(i) for i in range(1, n + 1)]:
+            return
+        named = [max(map(int, labels)) for e in self.equations if (labels := _JOINTS.findall(self._plain_text(e)))]
+        beyond = [label for label in named if label > n]
+        if len(beyond) > 2 and 2 * len(beyond) > len(named):
+            found = (
+                f"a document that names joint {max(beyond)} in {len(beyond)} formulas, for {self.robot.name} with {n}"
+            )
+            raise CheckError(found, remedy="give the robot that the document is about", location=self.start)
+
+    def _plain_text(self, equation: Sides) -> str:
+        return " ".join(self.text[side.start : side.end] for side in equation)
 
     def unused(self) -> Iterator[tuple[str, LatexPiece]]:
         """Names that no other formula uses, though what defines them may be wrong."""
@@ -111,6 +137,33 @@ class Scope:
             matrices = f"{agreeing} of {seen[scripts]} matri{'ces' if seen[scripts] > 1 else 'x'}"
             self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({matrices})")
         return frozenset(scripts for scripts, vote in votes.items() if vote > 0)
+
+    def _settled_rows(self) -> bool:
+        """Whether whole Jacobians have the angular velocity above the linear one: what most of them need."""
+        votes = []
+        for equation in self.equations:
+            lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
+            tables = [table for side in equation if side.matrices and (table := self._table(side)) is not None]
+            targets = [target for left in lefts if left.head == "J" for target in self.meanings.targets(left)[:1]]
+            for target, table in product(targets, (table for table in tables if table.shape[0] == 6)):
+                usual, turned = (
+                    right.likeness(table) if (right := self.meanings.right(one)) and right.fitting(table) else 0.0
+                    for one in (target, replace(target, rows=(4, 5, 6, 1, 2, 3)))
+                )
+                votes.append((turned > usual) - (turned < usual))
+        if is_turned := sum(votes) > 0:
+            self.readings.append(
+                "Jacobians are read with the rows of the angular velocity above those of the linear one"
+            )
+        return is_turned
+
+    def _opposes_gravity(self, equation: Sides) -> bool:
+        r"""Whether an equation of motion in symbols has gravity with the torques, as in ``M \ddot q = \tau + g``."""
+        sides = ["".join(_FONTS.sub("", self.text[side.start : side.end]).split()) for side in equation]
+        if len(sides) != 2 or not any("ddot" in side for side in sides) or re.search("[0-9]|sin|cos", "".join(sides)):
+            return False
+        signs = [(sign, "ddot" in side) for side in sides for sign in _GRAVITY.findall(side)]
+        return any((sign == "-") == is_moving for sign, is_moving in signs)
 
     def _settled_torque(self) -> int:
         """Which index of Christoffel symbols is that of the torque: what most of them need, else the first."""
@@ -183,7 +236,8 @@ class Scope:
         """Names that sides define; a definition may need another one that stands before or behind it."""
         several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
-        waiting = [some for some in named if any(some[2])]
+        # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
+        waiting = sorted((some for some in named if any(some[2])), key=lambda some: self._names_a_quantity(*some[1:]))
         for _ in range(MAX_PASSES):
             left = [some for some in waiting if not self._defines(*some)]
             if len(left) == len(waiting):
@@ -193,6 +247,8 @@ class Scope:
     def _defines(self, index: int, equation: Sides, names: tuple[str, ...]) -> bool:
         """Whether an equation gives a new name to a formula that can be read by now."""
         name, reader = next(filter(None, names)), self.reader(index)
+        if name in self.definitions and self._names_a_quantity(equation, names):
+            return True
         for side, its_name in zip(equation, names, strict=True):
             with suppress(CheckError):
                 if not its_name:
@@ -202,6 +258,11 @@ class Scope:
                     self.names |= {(index, s.offset) for s, n in zip(equation, names, strict=True) if n == name}
                     return True
         return False
+
+    def _names_a_quantity(self, equation: Sides, names: tuple[str, ...]) -> bool:
+        """Whether all sides but the names are quantities of the robot, such as b_{22}."""
+        lefts = [taken_apart(side.text) for side, name in zip(equation, names, strict=True) if not name]
+        return all(left and not self.is_own(left) and self.meanings.targets(left) for left in lefts)
 
     def reader(self, index: int) -> LatexReader:
         """Reads an equation with the names that are defined at it or before it, else behind it."""

@@ -32,6 +32,8 @@ _INK = re.compile(
     rf"|\\(?:underline|smash|cancel|mathop|mathrel|mathbin|mathord|mathopen|mathclose|mathinner|hbox){_END}"
     r"|\\(?:hskip|kern|mkern|mskip)\s*-?[0-9.]+\s*[a-z]{2}"
     r"|\\(?:brk|fac)\s*[0-9]"  # where the handout's fragments may be broken
+    rf"|\\in\s*\\?(?:mathbb|mathbf|mathds|R|Re)?\s*\{{?\s*R?\s*\}}?\s*\^\s*(?:{_GROUP}|[0-9])"  # \in R^{{2 x 2}}
+    r"|_\s*\{\s*[0-9]\s*\\times\s*[0-9]\s*\}"  # the size of a matrix
     r"|\\[,;:!> /]|~"
     r"|\\(?:mathrm|mathit|mathbf|text|textrm|mbox)\s*\{\s*\}"
     r"|\{\s*\}"

@@ -123,6 +123,10 @@ def factors(text: str) -> tuple[Left, ...]:
 
 def chained(meanings: Meanings, lefts: tuple[Left, ...], n: int) -> tuple[int, int] | None:
     """The frames from which and to which a product of transforms leads; None where one does not follow the other."""
+    labels = [left.sub if left.is_plain and left.head in "TAH" else "" for left in lefts]
+    first = int(labels[0]) if labels[0].isdigit() else 0
+    if 0 < first <= n + 1 - len(labels) and labels == [str(first + k) for k in range(len(labels))]:  # T_1 T_2 T_3
+        return first - 1, first + len(labels) - 1
     steps = [next((pair for t in meanings.targets(left) if (pair := frames_of(t, n))), None) for left in lefts]
     pairs = [pair for pair in steps if pair is not None]
     if len(pairs) < len(steps) or any(one[1] != other[0] for one, other in pairwise(pairs)):

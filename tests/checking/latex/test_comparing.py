@@ -50,7 +50,7 @@ def test_a_formula_may_hold_under_a_condition_that_stands_before_it() -> None:
     assert len(checked(ANT, f"{fixed} {equation}").wrong) == 1
     under = checked(ANT, f"{fixed} $$s_3 = 0$$ {equation}")
     assert under.wrong == ()
-    assert "right where s_3 = 0" in under.unread[-1] + under.unread[0]
+    assert under.findings[-1].note == ", where s_3 = 0"
     elsewhere = f"{fixed} $$s_2 = 0$$ {equation.replace('s_2', 'c_2')}"
     assert len(checked(ANT, elsewhere).wrong) == 1
 

@@ -1,0 +1,115 @@
+r"""Conditions that a text states beside its formulas: ``\theta_2 = 0``, ``l_1 = l_2 = l``, ``J(\theta_2=0) =``.
+
+A formula that is wrong in general may be meant under such a condition. It is right under it where it belongs to the
+sentence that states the condition, and nothing is left in it, or in the matrix around it, that the condition replaces.
+Otherwise it is not certain.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+from derive.checking.formulas.diagnosis import Question
+from derive.checking.formulas.findings import Finding, Role, compared
+from derive.errors import CheckError
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Sum,
+    add,
+    is_constant,
+    multiply,
+    names,
+    negate,
+    number,
+)
+from derive.robot.expression import substitute as substituted
+
+REACH = 15  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
+
+Values = Mapping[str, Expression]  # what stands for a name where a condition holds
+_MATHEMATICS = re.compile(r"\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\begin\{(\w+\*?)\}.*?\\end\{\1\}", re.DOTALL)
+_SENTENCE_ENDS = re.compile(r"[.!?;](?:\s|$)|^\s*#|\\(?:sub)*section|\n\s*\n\s*\S", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A condition of a text."""
+
+    line: int
+    end: int  # offset behind it
+    text: str
+    ways: tuple[Values, ...]  # each fulfils it
+    is_of_side: bool = False  # whether it belongs to one left side alone
+
+    def holds_at(self, line: int) -> bool:
+        """Whether a formula in a line may be meant under it."""
+        return self.line <= line <= self.line + (0 if self.is_of_side else REACH)
+
+    def is_near(self, begin: int, text: str) -> bool:
+        """Whether a formula that begins there belongs to the same sentence."""
+        between = _MATHEMATICS.sub(" ", text[self.end : begin].strip("$ "))
+        return self.is_of_side or (self.end <= begin and not _SENTENCE_ENDS.search(between))
+
+
+def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
+    """What fulfils an equation between names and numbers, or of a sine or cosine that is zero; none of other ones."""
+    match sides:
+        case [Name(name), formula] if not isinstance(formula, Name) and name not in names(formula):
+            return ({name: formula},)
+    symbols, constants = [e for e in sides if isinstance(e, Name)], [e for e in sides if is_constant(e)]
+    match sides:
+        case [Call("sin", (Name(name),)), Number(0)]:
+            return ({name: ZERO}, {name: Pi()})
+        case [Call("cos", (Name(name),)), Number(0)]:
+            return tuple({name: multiply(number(half), Pi())} for half in ("1/2", "-1/2"))
+        case [Sum(terms), value] if is_constant(value) and all(isinstance(term, Name) for term in terms):
+            *first, last = terms  # theta_{234} = 0
+            assert isinstance(last, Name)
+            return ({last.name: add(value, *map(negate, first))},)
+    if len(symbols) + len(constants) < len(sides) or len(constants) > 1 or not symbols:
+        return ()
+    kept = constants or symbols
+    return tuple({symbol.name: value for symbol in symbols if symbol != value} for value in kept)
+
+
+def explaining(
+    conditions: Sequence[Condition], finding: Finding, begin: int, text: str, around: frozenset[str]
+) -> tuple[str, bool] | None:
+    """The condition that makes a formula right that is wrong in general, and whether it is certain that it is meant.
+
+    The formula begins at an offset of the text; around are the names in the matrix that it belongs to.
+    """
+    question, line = finding.question, finding.location.line or 0
+    if finding.verdict.equal or question is None:
+        return None
+    known = set(names(question.printed))
+    holding = [(c, c.is_near(begin, text)) for c in conditions if c.holds_at(line)]
+    for said, values, is_near in _combined(holding, known | around):
+        is_replaced = values.keys().isdisjoint(known | around)
+        if not is_replaced and finding.role is not Role.IDENTITY:
+            continue
+        right, printed = (substituted(side, values) for side in (question.right, question.printed))
+        with suppress(CheckError, ArithmeticError):
+            here = Question(question.robot, printed, right)
+            if compared(here, "", (0, 0), Role.IDENTITY, "", "", finding.location).verdict.equal:
+                return said, is_near and is_replaced
+    return None
+
+
+def _combined(holding: Sequence[tuple[Condition, bool]], known: set[str]) -> Iterator[tuple[str, Values, bool]]:
+    """Single conditions, and those together that stand close before a formula with known names."""
+    near = [condition for condition, is_near in holding if is_near]
+    if len(near) > 1:
+        together: dict[str, Expression] = {}
+        for condition in near:
+            together |= next((way for way in condition.ways if known.isdisjoint(way)), condition.ways[0])
+        yield " and ".join(dict.fromkeys(c.text for c in near)), together, True
+    yield from ((c.text, way, is_near) for c, is_near in reversed(holding) for way in c.ways)

@@ -1,0 +1,103 @@
+r"""What authors spell in other ways, written as LaTeX: ``ẋ``, ``√(a+b)``, ``\frac l2``, ``\pmatrix{}``, plain text.
+
+Every character of the result knows from which one it comes.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable, Sequence
+
+_DOTTED = re.compile("([A-Za-z\u0370-\u03ff])([\u0307\u0308])|[\u1e8b\u1e8f\u017c\u1e59\u1e57\u1e8d\u00ff\u1e97]")
+_ONE = r"(?:\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}|\\[A-Za-z]+|[A-Za-z0-9])"
+_FRACTION = re.compile(rf"(\\[tdc]?frac)(?![A-Za-z])\s*({_ONE})\s*({_ONE})")
+_ROOT = re.compile(r"\u221a\s*(?:\(((?:[^()]|\([^()]*\))*)\)|(\w+))")
+_OLD_MATRIX = re.compile(r"\\(p?matrix)\s*\{((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*)\}")
+
+_ROW_END, _TWO = re.compile(r"\\cr(?![A-Za-z])"), r"\\\\"
+
+# A line of plain text that is an equation: a name, an equals sign, and no two words side by side.
+_EQUATION = re.compile(
+    r"^[ \t]*(?:[-*\u2022][ \t]+|\(?[0-9]{1,2}[.)][ \t]+)?"
+    r"(?P<equation>[A-Za-z\u0370-\u03ff][\w'.,()\[\]^]{0,24}[ \t]*=[ \t]*[^=\n]*"
+    r"[0-9A-Za-z\u0370-\u03ff)\]'\u00b2\u00b3])[ \t]*[.,;]?[ \t]*$",
+    re.MULTILINE,
+)
+_WORDS = re.compile(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}")
+_WORD = re.compile(
+    r"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi)_?(?P<index>[0-9]*)(?![A-Za-z]))"
+)
+_MATHEMATICS = re.compile(r"\$|\\\(|\\\[|\\begin")
+
+Spelled = tuple[str, Sequence[int]]  # a text, and for each character the offset from which it comes
+
+
+def spelled(text: str) -> Spelled:
+    """The text in LaTeX."""
+    found: Spelled = text, range(len(text))
+    for pattern, write in _WAYS:
+        found = _rewritten(found, pattern, write)
+    return found
+
+
+def from_plain_text(text: str) -> Spelled:
+    """The equations of a text without mathematics between signs, each a display: ``theta2 = atan2(y, x)``."""
+    if _MATHEMATICS.search(text):
+        return text, range(len(text))
+
+    def display(match: re.Match[str]) -> str:
+        equation = match["equation"]
+        return match[0] if _WORDS.search(equation) else f"$${_WORD.sub(_macro, equation)}$$"
+
+    return _rewritten((text, range(len(text))), _EQUATION, display)
+
+
+def _macro(match: re.Match[str]) -> str:
+    r"""A function or a Greek letter of plain text: ``\operatorname{atan2}(``, ``\theta_{12}``."""
+    if match["greek"]:
+        return f"\\{match['greek']}" + (f"_{{{match['index']}}}" if match["index"] else " ")
+    name = match[0][:-1]
+    known = {"sqrt", "sin", "cos", "tan", "atan", "acos", "asin", "atan2", "arctan", "arccos", "arcsin", "sgn", "sign"}
+    return f"\\operatorname{{{name}}}(" if name.casefold() in known else match[0]
+
+
+def _rewritten(found: Spelled, pattern: re.Pattern[str], write: Callable[[re.Match[str]], str]) -> Spelled:
+    text, origins = found
+    pieces, places, last = list[str](), list[int](), 0
+    for match in pattern.finditer(text):
+        new = write(match)
+        pieces += [text[last : match.start()], new]
+        places += [*origins[last : match.start()], *_places(match, new, origins)]
+        last = match.end()
+    return ("".join([*pieces, text[last:]]), [*places, *origins[last:]]) if pieces else found
+
+
+def _places(match: re.Match[str], new: str, origins: Sequence[int]) -> list[int]:
+    """Where the characters of what was written come from: those of the old text in the same order."""
+    old, at, places = match[0], 0, []
+    for letter in new:
+        found = old.find(letter, at)
+        places.append(origins[match.start() + (at if found < 0 else found)])
+        at = found if found >= 0 else at
+        at = min(at, len(old) - 1)
+    return places
+
+
+def _dotted(match: re.Match[str]) -> str:
+    plain = unicodedata.normalize("NFD", match[0])
+    return f"\\{'dot' if plain[1] == chr(0x307) else 'ddot'}{{{plain[0]}}}"
+
+
+def _fraction(match: re.Match[str]) -> str:
+    parts = [part if part.startswith("{") else f"{{{part}}}" for part in match.groups()[1:]]
+    return match[0] if all(part.startswith("{") for part in match.groups()[1:]) else match[1] + "".join(parts)
+
+
+_WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
+    (_DOTTED, _dotted),
+    (_ROOT, lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
+    (_FRACTION, _fraction),
+    (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),
+    (_OLD_MATRIX, lambda m: f"\\begin{{{m[1]}}}{_ROW_END.sub(_TWO, m[2])}\\end{{{m[1]}}}"),
+)
