@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from flint import fmpz
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
@@ -229,19 +230,6 @@ def _prime_with_roots(numbers: Iterable[int]) -> int:
     wanted = list(numbers)
     for candidate in range(_LARGEST, 2**30, -4):  # 2^31 - 1 is itself 4k + 3
         squares = all(pow(number, (candidate - 1) // 2, candidate) == 1 for number in wanted)
-        if squares and _is_prime(candidate):
+        if squares and fmpz(candidate).is_prime():
             return candidate
     raise NoPointError("no prime modulo which every root has a value")
-
-
-def _is_prime(number: int) -> bool:
-    """The test of Miller and Rabin for an odd number; these bases decide every one below 3,215,031,751."""
-    odd, twos = number - 1, 0  # number - 1 = odd * 2^twos
-    while odd % 2 == 0:
-        odd, twos = odd // 2, twos + 1
-    for base in (2, 3, 5, 7):
-        # modulo a prime the squares of base^odd reach 1, and the one before the first 1 is -1
-        powers = [pow(base, odd * 2**k, number) for k in range(twos)]
-        if powers[0] != 1 and number - 1 not in powers:
-            return False
-    return True

@@ -25,7 +25,8 @@ from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind, robot_cells
 from derive.algebra.ring import Polynomial
-from derive.mechanics.chain import Chain, build_chain, central_inertia, constant_frame, constant_vector
+from derive.mechanics.chain import build_chain, central_inertia, constant_frame, constant_vector, link_factor
+from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import (
     Frame,
     Matrix,
@@ -165,10 +166,9 @@ class _Cells:
 
     def __init__(self, robot: Robot, extra: Iterable[Expression]) -> None:
         domain = self.domain = PolynomialDomain(robot, extra, rates=False)
-        kinds = (Kind.PARAMETER, Kind.PI)
-        places = range(len(domain.generators))
+        places, first = range(len(domain.generators)), (Kind.PARAMETER, Kind.PI)
         # Parameters and pi stand first in a product, then what is made of them.
-        self._order = sorted(places, key=lambda place: domain.generators[place].kind not in kinds)
+        self._order = sorted(places, key=lambda place: domain.generators[place].kind not in first)
 
     def frame(self, matrix: Sequence[Sequence[Expression]]) -> Frame[Polynomial]:
         """A constant transform."""
@@ -176,11 +176,7 @@ class _Cells:
 
     def factor(self, factor: Factor) -> Frame[Polynomial]:
         """X = Trans(x, a) Rot(x, alpha)."""
-        domain = self.domain
-        zero, one = domain.number(0), domain.number(1)
-        c, s = domain.cosine_sine(factor.alpha)
-        turn = ((one, zero, zero), (zero, c, -s), (zero, s, c))
-        return Frame(turn, (domain.constant(factor.a), zero, zero))
+        return link_factor(factor.a, factor.alpha, self.domain)
 
     def matrix(
         self, frame: Frame[Polynomial], before: Sequence[Sequence[Expression]]
@@ -305,10 +301,5 @@ def has_equal_poses(conversion: Conversion) -> bool:
     calls = [Call(name, (angle,)) for angle in angles for name in ("cos", "sin")]
     domain = PolynomialDomain(source, [*values, *calls], rates=False)
     # Both products T in one ring, compared as polynomials.
-    ours, theirs = (_pose(build_chain(robot, domain)) for robot in (source, result))
+    ours, theirs = (forward_kinematics(build_chain(robot, domain)) for robot in (source, result))
     return ours == theirs
-
-
-def _pose(chain: Chain[Polynomial]) -> Frame[Polynomial]:
-    motions = (joint.fixed @ joint.motion(chain.zero, chain.one) for joint in chain.joints)
-    return reduce(Frame.__matmul__, motions, chain.base) @ chain.tool

@@ -165,17 +165,13 @@ class DynamicModel(IdentifiedModel):
     @cached_property
     def energy(self) -> Energy:
         """Kinetic energy 1/2 qd^T B qd and potential energy -sum m g0.p [J]."""
-        return Energy(self._kinetic(), self.form.potential(self.kinematics.potential))
-
-    def _kinetic(self) -> Expr:
-        """1/2 qd^T B qd, by the entries of B or by bodies."""
-        qd, n = self.qd, range(self.n)
+        qd, n, potential = self.qd, range(self.n), self.form.potential(self.kinematics.potential)
         rates = {(i, j): qd[i] ** 2 / 2 if i == j else qd[i] * qd[j] for i in n for j in n if i <= j}
         if self.style.kinetic is Kinetic.BODY:
             pairs = [(self.dynamics.inertia_matrix[i][j], rate) for (i, j), rate in rates.items()]
             if all(self.dynamics.expanded_size(p) <= self.dynamic_form.inertia_limit for p, _ in pairs):
-                return self.dynamic_form.energy([(p, rate) for p, rate in pairs if p])
-        return sympy.Add(*(self.B[place] * rate for place, rate in rates.items()))
+                return Energy(self.dynamic_form.energy([(p, rate) for p, rate in pairs if p]), potential)
+        return Energy(sympy.Add(*(self.B[place] * rate for place, rate in rates.items())), potential)
 
     @cached_property
     def B(self) -> Matrix:

@@ -165,11 +165,6 @@ def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
     return compare(model.robot, expression_from_sympy(scalar_quantity(model, quantity)), theirs)
 
 
-def equal(model: DynamicModel, quantity: str, expression: object) -> bool:
-    """Whether an expression equals a scalar quantity."""
-    return verdict(model, quantity, expression).equal
-
-
 def scalar_quantity(model: DynamicModel, text: str) -> Expr:
     """A quantity that is one expression."""
     quantity, indices, entry = parse(model, text)

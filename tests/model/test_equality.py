@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.model.equality import Verdict, compare, difference, equal, scalar_quantity, verdict
+from derive.model.equality import Verdict, compare, difference, scalar_quantity, verdict
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Number, Pi, Power, Product, Sum
 from derive.robot.robot import Robot
@@ -118,23 +118,23 @@ def test_sums_of_many_angles_do_not_fill_the_memory() -> None:
 
 
 def test_an_entry_is_meant_where_a_scalar_is_compared_and_sympy_is_taken_as_it_is() -> None:
-    assert equal(SCARA, "T[1,4]", X)
-    assert equal(SCARA, "T[][1,4]", X)
-    assert equal(SCARA, "T[2][1,4]", X)
-    assert equal(SCARA, "p[1]", X)
-    assert equal(PLANAR, "christoffel[1,1,2]", "-ml2*a1*l2*s2")
+    assert SCARA.equal("T[1,4]", X)
+    assert SCARA.equal("T[][1,4]", X)
+    assert SCARA.equal("T[2][1,4]", X)
+    assert SCARA.equal("p[1]", X)
+    assert PLANAR.equal("christoffel[1,1,2]", "-ml2*a1*l2*s2")
     assert scalar_quantity(SCARA, "A[2][2,4]") == SCARA.A(2)[1, 3]
     a1, a2, q1, q2 = sympy.symbols("a1 a2 q1 q2")
-    assert equal(SCARA, "T[1,4]", a1 * sympy.cos(q1) + a2 * sympy.cos(q1 + q2))
-    assert not equal(SCARA, "T[1,4]", a1 * sympy.cos(q1) + a2 * sympy.cos(q1) / 2)
+    assert SCARA.equal("T[1,4]", a1 * sympy.cos(q1) + a2 * sympy.cos(q1 + q2))
+    assert not SCARA.equal("T[1,4]", a1 * sympy.cos(q1) + a2 * sympy.cos(q1) / 2)
     assert SCARA.equal("T[1,4]", SCARA.T[0, 3])
-    assert equal(SCARA, "T[4,4]", 1)
+    assert SCARA.equal("T[4,4]", 1)
 
 
 @pytest.mark.parametrize("quantity", ["T", "B[1]", "T[9,9]", "X", "A", "J[7,1]", "christoffel[1,1]"])
 def test_what_is_no_scalar_is_refused(quantity: str) -> None:
     with pytest.raises(QuantityError):
-        equal(SCARA, quantity, "0")
+        SCARA.equal(quantity, "0")
 
 
 def test_a_sympy_tree_becomes_an_exact_tree() -> None:
@@ -156,16 +156,16 @@ def test_sympy_beyond_the_formulas_of_notes_is_refused(value: object) -> None:
     with pytest.raises(ExpressionError):
         expression_from_sympy(value)
     with pytest.raises(CheckError):
-        equal(SCARA, "T[1,4]", value)
+        SCARA.equal("T[1,4]", value)
 
 
 def test_text_and_what_is_no_formula_are_never_taken_for_sympy_expressions() -> None:
     with pytest.raises(ExpressionError):
         expression_from_sympy("__import__('os')")
     with pytest.raises(CheckError):
-        equal(SCARA, "T[1,4]", "__import__('os')")
+        SCARA.equal("T[1,4]", "__import__('os')")
     with pytest.raises(CheckError):
-        equal(SCARA, "T[1,4]", object())
+        SCARA.equal("T[1,4]", object())
 
 
 def test_the_difference_is_a_polynomial() -> None:

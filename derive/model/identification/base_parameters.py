@@ -28,7 +28,7 @@ from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.generators import Kind
 from derive.algebra.residues import Array, NoPointError, Residue, ResidueDomain, echelon
-from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.errors import DeriveError, ExpressionError
 from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import with_unit_rotors
@@ -75,11 +75,8 @@ class ColumnSolver:
         # As many independent rows as columns, the shortest ones; then Cramer's rule over polynomials.
         chosen = self._independent_rows(rows, len(basis))
         matrix = [row[:-1] for row in chosen]
-        scale = _determinant(self.domain.ring.one, matrix)
-        tops = [
-            _determinant(self.domain.ring.one, [[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen])
-            for k in range(len(basis))
-        ]
+        scale = determinant(matrix) if basis else self.domain.ring.one
+        tops = [determinant([[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen]) for k in range(len(basis))]
         # Proof: the solution holds in all other rows, as an identity of polynomials in the geometry.
         for row in rows:
             products = (top * entry for top, entry in zip(tops, row[:-1], strict=True))
@@ -106,19 +103,6 @@ class ColumnSolver:
         if len(pivots) < rank:
             raise Unproven("columns that are independent at the points are not")
         return [rows[k] for k in pivots]
-
-
-def _determinant(one: Polynomial, matrix: Sequence[Sequence[Polynomial]]) -> Polynomial:
-    """Along the first row; the matrices are small and mostly zero."""
-    if not matrix:
-        return one
-    first, *rest = matrix
-    total = one - one
-    for k, entry in enumerate(first):
-        if entry:
-            minor = _determinant(one, [[*row[:k], *row[k + 1 :]] for row in rest])
-            total = total + (entry * minor if k % 2 == 0 else -(entry * minor))
-    return total
 
 
 def _reduced(top: Polynomial, bottom: Polynomial) -> Coefficient:

@@ -80,13 +80,12 @@ def _zero(expression: Expr, known: Numbers, joint: Expr) -> Any:
     grid = [mpmath.mpf(7 * k) / _GRID - mpmath.mpf("3.4") for k in range(_GRID + 1)]
     values = [value_of(expression, {**known, joint: x}) for x in grid]
     size = max(map(abs, values))
-
-    def _at(x: Any) -> Any:
-        return value_of(expression, {**known, joint: x}) / size
-
     for k in range(_GRID):
         if values[k] * values[k + 1] < 0:
-            return mpmath.findroot(_at, (grid[k], grid[k + 1]), solver="anderson", tol=mpmath.mpf(10) ** -(2 * 28))
+            ends, tolerance = (grid[k], grid[k + 1]), mpmath.mpf(10) ** -(2 * 28)
+            return mpmath.findroot(
+                lambda x: value_of(expression, {**known, joint: x}) / size, ends, solver="anderson", tol=tolerance
+            )
     return None
 
 
