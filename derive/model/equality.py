@@ -15,7 +15,7 @@ from typing import Any
 import mpmath
 
 from derive.algebra.quotients import QuotientRing
-from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.algebra.ring import TooManyTerms
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
@@ -130,11 +130,6 @@ class Verdict:
     equal: bool  # whether the formulas are equal wherever both are defined
     exact: bool  # whether algebra decided that identically, and not values with fifty digits at random points
     counter_example: CounterExample | None = None  # a point where they differ; None where they are equal
-
-
-def difference(robot: Robot, ours: Expression, theirs: Expression) -> Polynomial:
-    """A polynomial that is identically zero if the formulas are equal: the cross-multiplied difference."""
-    return QuotientRing(robot, (ours, theirs)).difference(ours, theirs)
 
 
 def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:

@@ -10,10 +10,10 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive.errors import CheckError, ExpressionError, QuantityError
+from derive.errors import CheckError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.model.equality import Verdict, compare, difference, scalar_quantity, verdict
+from derive.model.equality import Verdict, compare, scalar_quantity, verdict
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Number, Pi, Power, Product, Sum
 from derive.robot.robot import Robot
@@ -147,32 +147,10 @@ def test_a_sympy_tree_becomes_an_exact_tree() -> None:
     assert expression_from_sympy(-a * b**2) == Product((Number(Fraction(-1)), Name("a"), Power(Name("b"), 2)))
 
 
-A, B = sympy.symbols("a b")
-FOREIGN = [sympy.exp(A), sympy.oo, A**B, A ** sympy.Rational(1, 3), A**99, sympy.I, sympy.eye(2)]
-
-
-@pytest.mark.parametrize("value", FOREIGN)
-def test_sympy_beyond_the_formulas_of_notes_is_refused(value: object) -> None:
-    with pytest.raises(ExpressionError):
-        expression_from_sympy(value)
+@pytest.mark.parametrize("value", [sympy.exp(sympy.Symbol("a")), sympy.eye(2), "__import__('os')", object()])
+def test_what_is_no_formula_of_notes_is_refused(value: object) -> None:
     with pytest.raises(CheckError):
         SCARA.equal("T[1,4]", value)
-
-
-def test_text_and_what_is_no_formula_are_never_taken_for_sympy_expressions() -> None:
-    with pytest.raises(ExpressionError):
-        expression_from_sympy("__import__('os')")
-    with pytest.raises(CheckError):
-        SCARA.equal("T[1,4]", "__import__('os')")
-    with pytest.raises(CheckError):
-        SCARA.equal("T[1,4]", object())
-
-
-def test_the_difference_is_a_polynomial() -> None:
-    robot = SCARA.robot
-    same = difference(robot, read_formula("c12", robot), read_formula("c1*c2 - s1*s2", robot))
-    assert not same
-    assert difference(robot, read_formula("c12", robot), read_formula("c1*c2 + s1*s2", robot))
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

@@ -5,23 +5,19 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
-from derive.lecture.form import LectureForm
 from derive.model.kinematic_model import KinematicModel
 from derive.model.model import Model
-from derive.model.singularities.blocks import ALL, square_blocks
 from derive.model.singularities.coincidences import coincidences
 from derive.model.singularities.determinant import find_singularities
 from derive.model.singularities.rank import rank_loss
 from derive.model.singularities.real_zeros import RealZeros
 from derive.model.singularities.singularities import Outcome, statement
 from derive.robot.robot import Robot
-from tests.evaluate import evaluate
 from tests.model.singularities.singular_arms import SingularArm, arm_text
 
 
@@ -152,24 +148,6 @@ def test_random_arms_lose_rank_where_it_is_stated_and_nowhere_else(seed: int) ->
 def test_five_hundred_arms_lose_rank_where_it_is_stated_and_nowhere_else(block: int) -> None:
     for seed in range(1000 + 20 * block, 1020 + 20 * block):
         _check(seed, places=10_000, starts=8)
-
-
-ARMS = ("planar-2r-perugia", "planar-3r", "anthropomorphic-arm", "spherical-wrist", "spherical-arm", "stanford-deluca")
-
-
-@pytest.mark.parametrize("name", ARMS)
-def test_determinants_are_those_of_the_entries(name: str) -> None:
-    model = Model(Robot.load(name))
-    form = LectureForm(model.domain)
-    for block in square_blocks(model.kinematics):
-        assert len(block.rows) == len(block.columns) == len(block.entries)
-        assert set(block.rows) <= set(ALL)
-        entries = [[form.kinematic(p) for p in row] for row in block.entries]
-        determinant = form.determinant(block.determinant())
-        symbols = {s for row in entries for entry in row for s in getattr(entry, "free_symbols", ())}
-        values = {s.name: 0.4 + 0.3 * k for k, s in enumerate(sorted(symbols | determinant.free_symbols, key=str))}
-        numbers = np.array([[evaluate(entry, values) for entry in row] for row in entries])
-        assert evaluate(determinant, values) == pytest.approx(np.linalg.det(numbers), rel=1e-9, abs=1e-12)
 
 
 def seen(name: str) -> dict[str, tuple[list[str], list[str]]]:

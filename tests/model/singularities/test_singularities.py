@@ -6,69 +6,21 @@ import random
 import time
 from typing import Any
 
-import numpy as np
 import pytest
 import sympy
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
 from derive.model.singularities.conditions import Posture
-from derive.model.singularities.singularities import JacobianBlock, Outcome, Singularities
+from derive.model.singularities.singularities import Outcome
 from derive.robot.load import catalogue_names
-from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.functions import Oracle
-from tests.evaluate import evaluate
 from tests.model.singularities.singular_arms import SingularArm
 from tests.random_robots import random_robot
 
 CATALOGUE = catalogue_names()
 ARTICULATED = ["anthropomorphic-arm", "anthropomorphic-wrist", "puma560-corke", "puma560-usp", "puma560-laschi"]
-
-
-class Arm:
-    """A model, numbers for its symbols, and its singularities."""
-
-    def __init__(self, robot: Robot, seed: int = 1) -> None:
-        rng = random.Random(seed)
-        self.model = KinematicModel(robot)
-        known = {name: float(expression_to_sympy(value)) for name, value in number_of(robot).items()}
-        free = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in known}
-        self.oracle = Oracle.of(robot, free)
-        self.values = known | free
-        self.found: Singularities = self.model.singularities
-        self.q = {symbol.name: rng.uniform(-2, 2) for symbol in self.model.q}
-
-    def value(self, expression: Any, q: dict[str, float]) -> Any:
-        return evaluate(expression, self.values | q)
-
-    def jacobian(self, q: dict[str, float]) -> np.ndarray[Any, Any]:
-        return np.asarray(self.oracle.evaluate("jacobian", np.array([q[s.name] for s in self.model.q])))
-
-    def block(self, q: dict[str, float]) -> np.ndarray[Any, Any]:
-        """The part of J whose determinant is printed, from the recursion where it is taken at the end effector."""
-        block = self.found.blocks[0]
-        if len(self.found.blocks) > 1 or self.model.n == 6:
-            return self.jacobian(q)
-        if at_end_effector(block):
-            return self.jacobian(q)[[row - 1 for row in block.rows], :]
-        return np.asarray(self.value(block.matrix, q))
-
-
-def at_end_effector(block: JacobianBlock) -> bool:
-    return block.reference.point is None and block.reference.frame is None
-
-
-def check_determinant(arm: Arm) -> None:
-    if arm.found.outcome in (Outcome.FOUND, Outcome.NEVER) and arm.found.blocks:
-        theirs = np.linalg.det(arm.block(arm.q))
-        ours = arm.value(arm.found.determinant, arm.q)
-        scale = max(1.0, abs(theirs))
-        assert ours == pytest.approx(theirs, abs=1e-9 * scale)
-    if arm.found.outcome is Outcome.EVERYWHERE:
-        assert arm.found.rank == np.linalg.matrix_rank(arm.jacobian(arm.q), tol=1e-9) < min(arm.found.shape)
 
 
 # -- every robot of the catalogue
@@ -77,41 +29,11 @@ def check_determinant(arm: Arm) -> None:
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_catalogue_has_the_determinant_of_the_recursion_within_seconds(name: str) -> None:
     for seed in range(3):
-        check_determinant(Arm(Robot.load(name), seed))
+        SingularArm(Robot.load(name), seed).check_determinant()
     model = KinematicModel(Robot.load(name))
     start = time.process_time()
     assert model.singularities is model.singularities
     assert time.process_time() - start < 5
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_the_determinant_is_that_of_the_model_exactly(name: str) -> None:
-    model = KinematicModel(Robot.load(name))
-    found = model.singularities
-    if not found.blocks or found.determinant is None:
-        return
-    rows = tuple(range(1, 7)) if model.n == 6 else found.blocks[0].rows
-    if model.n == 6 or at_end_effector(found.blocks[0]):
-        assert equal(found.determinant, model.det_J(rows), model)
-
-
-def equal(a: Any, b: Any, model: KinematicModel) -> bool:
-    """Whether two expressions are equal as Laurent polynomials in exp(i q)."""
-    units = {q: sympy.Symbol(f"z_{q.name}") for q in model.q}
-
-    def laurent(angle: Any) -> Any:
-        coefficients = {q: angle.coeff(q) for q in units}
-        rest = sympy.expand(angle - sympy.Add(*(k * q for q, k in coefficients.items())))
-        return sympy.exp(sympy.I * rest) * sympy.Mul(*(units[q] ** k for q, k in coefficients.items()))
-
-    def cosine(x: Any) -> Any:
-        return (laurent(x) + 1 / laurent(x)) / 2
-
-    def sine(x: Any) -> Any:
-        return (laurent(x) - 1 / laurent(x)) / (2 * sympy.I)
-
-    difference = (a - b).replace(sympy.cos, cosine).replace(sympy.sin, sine)
-    return bool(sympy.expand(difference) == 0)
 
 
 @pytest.mark.first(8)
@@ -121,10 +43,6 @@ def test_rank_drops_where_it_is_stated_and_nowhere_else(name: str) -> None:
 
 
 # -- what the books say
-
-
-def determinant(name: str) -> Any:
-    return KinematicModel(Robot.load(name)).singularities.determinant
 
 
 A1, A2, A3, D4 = sympy.symbols("a1 a2 a3 d4")
@@ -149,7 +67,7 @@ ELBOW = A3 * sympy.sin(Q3) + D4 * sympy.cos(Q3)
     ],
 )
 def test_the_determinants_are_those_of_the_books(name: str, printed: Any) -> None:
-    assert determinant(name) == printed
+    assert KinematicModel(Robot.load(name)).singularities.determinant == printed
 
 
 @pytest.mark.parametrize("name", ARTICULATED)
@@ -197,8 +115,7 @@ def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 6))
 @example(seed=897535, n=2)  # a twist of -0.07 degrees: cos^2 - 1 would lose ten of its digits
 def test_random_arms_have_the_determinant_of_the_recursion(seed: int, n: int) -> None:
-    text = random_robot(random.Random(seed), n, dynamics=False).text
-    check_determinant(Arm(Robot.from_text(text), seed))
+    SingularArm(Robot.from_text(random_robot(random.Random(seed), n, dynamics=False).text), seed).check_determinant()
 
 
 SLANTED = """
