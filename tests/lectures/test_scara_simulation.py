@@ -142,15 +142,6 @@ def test_errata_the_plots_are_differences_of_samples(motion: Motion) -> None:
         assert np.diff(first).max() == pytest.approx(acceleration, rel=1e-5)
 
 
-def test_errata_without_its_time_jtraj_gives_three_and_nine_times_too_much(motion: Motion) -> None:
-    """A move of pi/2 by 301 samples: 2.945 where 0.982 rad/s is meant."""
-    speed, acceleration = (diff(QUINTIC * pi / 2, u, order) for order in (1, 2))
-    found = speed.subs(u, Rational(1, 2)), acceleration.subs(u, (3 - sqrt(3)) / 6)
-    assert round(float(found[0]), 3) == 2.945
-    assert found[0] / motion.peaks[0].speeds[0].value == 3
-    assert (found[1] / motion.peaks[0].accelerations[0].value).expand().radsimp() == 9
-
-
 def test_errata_no_body_has_the_inertia_of_link_2(motion: Motion) -> None:
     inertias = [link.inertia for link in motion.plan.robot.links]
     moments = [[evaluate(cell, {}) for cell in (body.xx, body.yy, body.zz)] for body in inertias]
