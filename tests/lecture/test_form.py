@@ -28,7 +28,7 @@ from derive.lecture.plan import (
     with_plain_numbers,
 )
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy, factor_to_sympy
-from derive.lecture.terms import FactorTable, Monomial, Terms, common_factor, divide, partition, project
+from derive.lecture.terms import FactorTable, Monomial, Terms, common_factor, divide, multiply, partition, project
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Number
 from derive.robot.options.style import NAMED_STYLES, Style
@@ -87,22 +87,15 @@ def monomial(rng: random.Random) -> Monomial:
     return tuple((f, rng.randint(1, 3)) for f in sorted(rng.sample(range(6), rng.randint(0, 4))))
 
 
-def product(a: Monomial, b: Monomial) -> Monomial:
-    total = dict(a)
-    for f, e in b:
-        total[f] = total.get(f, 0) + e
-    return tuple(sorted(total.items()))
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_monomials_divide_and_are_put_together_again(seed: int) -> None:
     rng = random.Random(seed)
     terms = {monomial(rng): Fraction(rng.randint(1, 9)) for _ in range(8)}
     common = common_factor(terms)
-    assert all(product(common, divide(m, common)) == m for m in terms)
+    assert all(multiply(common, divide(m, common)) == m for m in terms)
     level = frozenset({0, 2, 4})
     parts = partition(terms, level)
-    assert {product(outer, inner): c for outer, part in parts.items() for inner, c in part.items()} == terms
+    assert {multiply(outer, inner): c for outer, part in parts.items() for inner, c in part.items()} == terms
     assert all(project(inner, level) == () for part in parts.values() for inner in part)
 
 

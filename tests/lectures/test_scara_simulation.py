@@ -71,13 +71,6 @@ def test_inertia_matrix_at_rest(motion: Motion, diagonal: Oracle) -> None:
     assert coupled[1, 1] - plain[1, 1] == pytest.approx(rotors_behind, rel=1e-9)
 
 
-def test_torques_are_those_of_the_oracle_at_every_sample(motion: Motion) -> None:
-    t = np.linspace(0, 15, 1501)[:-1]
-    q, qd, qdd = motion(t)
-    expected = Oracle.of(motion.plan.robot).evaluate("inverse_dynamics", q, qd, qdd)
-    assert np.abs(motion.torques(t) - expected).max() <= 1e-12 * np.abs(expected).max()
-
-
 @pytest.mark.parametrize(
     ("segment", "joint", "peak", "coupled", "time"),
     [

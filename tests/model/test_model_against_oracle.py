@@ -48,6 +48,12 @@ class Numbers:
     def value(self, expression: Any) -> Any:
         return evaluate(expression, self.values)
 
+    def check(self, function: str, ours: Any, *rates: Any) -> Any:
+        """The value of the oracle, which ours has to have, too."""
+        expected = self.oracle.evaluate(function, self.q, *rates)
+        close(self.value(ours), expected)
+        return expected
+
 
 def close(ours: Any, theirs: Any) -> None:
     theirs = np.asarray(theirs, dtype=float).reshape(np.shape(ours))
@@ -56,42 +62,31 @@ def close(ours: Any, theirs: Any) -> None:
 
 
 def check_kinematics(n: Numbers) -> None:
-    close(n.value(n.model.T), n.oracle.evaluate("forward_kinematics", n.q))
+    pose, jacobian = n.check("forward_kinematics", n.model.T), n.check("jacobian", n.model.J)
     links = n.oracle.evaluate("link_transforms", n.q)
     for i in range(1, n.model.n + 1):
         close(n.value(n.model.frame(i)), links[i - 1])
-    jacobian = n.oracle.evaluate("jacobian", n.q)
-    close(n.value(n.model.J), jacobian)
-    rotation = n.oracle.evaluate("forward_kinematics", n.q)[:3, :3]
-    close(n.value(n.model.J_end), np.vstack([rotation.T @ jacobian[:3], rotation.T @ jacobian[3:]]))
-
-
-def check_dynamics(n: Numbers) -> None:
-    model = n.model
-    close(n.value(model.B), n.oracle.evaluate("inertia_matrix", n.q))
-    close(n.value(model.C), n.oracle.evaluate("coriolis_matrix", n.q, n.qd))
-    close(n.value(model.g), n.oracle.evaluate("gravity_vector", n.q))
-    close(n.value(model.tau), n.oracle.evaluate("inverse_dynamics", n.q, n.qd, n.qdd))
-    b = n.oracle.evaluate("inertia_matrix", n.q)
-    close(n.value(model.energy.kinetic), n.qd @ b @ n.qd / 2)
-    skew = n.value(model.N)
-    close(skew, -skew.T)
-    close(skew, n.value(model.Bdot) - 2 * n.value(model.C))
-
-
-def check_body_jacobians(n: Numbers) -> None:
-    coms, rotors = com_jacobians(n.oracle.arm, n.q), rotor_jacobians(n.oracle.arm, n.q)
-    for i in range(1, n.model.n + 1):
-        close(n.value(n.model.Jv_com(i)), coms[0][i - 1])
-        close(n.value(n.model.Jw_com(i)), coms[1][i - 1])
-        close(n.value(n.model.Jv_motor(i)), rotors[0][i - 1])
+    turned = pose[:3, :3].T
+    close(n.value(n.model.J_end), np.vstack([turned @ jacobian[:3], turned @ jacobian[3:]]))
 
 
 def check(n: Numbers) -> None:
     check_kinematics(n)
-    if n.model.robot.has_dynamics:
-        check_dynamics(n)
-        check_body_jacobians(n)
+    model = n.model
+    if not model.robot.has_dynamics:
+        return
+    b, c = n.check("inertia_matrix", model.B), n.check("coriolis_matrix", model.C, n.qd)
+    n.check("gravity_vector", model.g)
+    n.check("inverse_dynamics", model.tau, n.qd, n.qdd)
+    close(n.value(model.energy.kinetic), n.qd @ b @ n.qd / 2)
+    skew = n.value(model.N)
+    close(skew, -skew.T)
+    close(skew, n.value(model.Bdot) - 2 * c)
+    coms, rotors = com_jacobians(n.oracle.arm, n.q), rotor_jacobians(n.oracle.arm, n.q)
+    for i in range(1, model.n + 1):
+        close(n.value(model.Jv_com(i)), coms[0][i - 1])
+        close(n.value(model.Jw_com(i)), coms[1][i - 1])
+        close(n.value(model.Jv_motor(i)), rotors[0][i - 1])
 
 
 @pytest.mark.parametrize(
