@@ -26,10 +26,10 @@ from derive.mechanics.vectors import (
     add,
     axial_tensor,
     column,
+    conjugate,
     dot,
     from_matrix,
     identity,
-    matmul,
     multiply,
     scale,
     steiner,
@@ -126,11 +126,15 @@ class Chain(Generic[S]):
         return (self.zero, self.zero, self.zero)
 
     @property
+    def unit(self) -> Frame[S]:
+        """The frame of no motion."""
+        return Frame(identity(self.zero, self.one), self.null)
+
+    @property
     def inverted(self) -> Chain[S]:
         """The arm seen from its end: T^-1 = tool^-1 Z_n^-1 K_{n-1}^-1 ... K_0^-1 base^-1; kinematics alone."""
         joints = self.joints[::-1]
-        unit = Frame(identity(self.zero, self.one), self.null)
-        fixed = [unit, *(joint.fixed.inverse for joint in joints)]
+        fixed = [self.unit, *(joint.fixed.inverse for joint in joints)]
         return replace(
             self,
             base=self.tool.inverse,
@@ -139,7 +143,7 @@ class Chain(Generic[S]):
                 for joint, before in zip(joints, fixed[:-1], strict=True)
             ),
             tool=fixed[-1] @ self.base.inverse,
-            ends=(unit,) * self.n,
+            ends=(self.unit,) * self.n,
             bodies=(),
             axial=(),
         )
@@ -230,7 +234,7 @@ def _bodies(robot: Robot, fixed: Sequence[Frame[S]], ends: Sequence[Frame[S]], d
     for link, end in zip(robot.links, ends[: len(robot.links)], strict=True):
         mass = domain.constant(link.mass)
         r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
-        turned = matmul(matmul(end.rotation, central_inertia(link, domain).matrix), transpose(end.rotation))
+        turned = conjugate(end.rotation, central_inertia(link, domain).matrix)
         bodies.append(Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r)))
     for i, link in enumerate(robot.links):
         if (motor := link.motor) is None:

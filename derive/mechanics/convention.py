@@ -34,13 +34,12 @@ from derive.mechanics.vectors import (
     add,
     add_matrices,
     column,
+    conjugate,
     from_matrix,
-    matmul,
     multiply,
     scale,
     steiner,
     subtract,
-    transpose,
 )
 from derive.robot import expression as tree
 from derive.robot.description import Convention, Description, Inertia, Link, Motor
@@ -217,7 +216,7 @@ class _Body:
         """The body, known in some frame, seen from the frame in which that one is given."""
         turn = frame.rotation
         com = add(frame.position, multiply(turn, self.com))
-        return _Body(self.mass, com, matmul(matmul(turn, self.inertia), transpose(turn)))
+        return _Body(self.mass, com, conjugate(turn, self.inertia))
 
 
 def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
@@ -225,7 +224,13 @@ def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[
     to_modified = robot.convention is Convention.STANDARD
     rows = [Factor(joint.a, joint.alpha) for joint in robot.joints] if to_modified else moved
     rotors = {i: motor for _, motor, i in _motors(robot)}
-    links, notes = list(robot.links), list(_on_the_ground(robot))
+    links, notes = list(robot.links), list[str]()
+    motor, d = (robot.links[0].motor if robot.links else None), robot.joints[0].d
+    if motor is not None and not (_is_zero(robot, motor.mass) or _is_zero(robot, d)):
+        notes.append(
+            f"the rotor of joint 1 stands {cell_text(d)} {'further' if to_modified else 'less far'} along its axis in "
+            "this convention: the potential energy differs by a constant, and nothing else does"
+        )
     for i, (link, row) in enumerate(zip(robot.links, rows, strict=False)):
         # Both DH frames of this link coincide, and so do its parameters.
         if row.is_one and i not in rotors:
@@ -281,17 +286,6 @@ def _made_up(
     inertia = reduce(add_matrices, (*before, *after), body.inertia)
     note = f"the rotor of joint {i + 2} stands {way}: com and inertia of link {i + 1} make up for its mass"
     return _Body(body.mass, com, inertia), note
-
-
-def _on_the_ground(robot: Robot) -> Iterator[str]:
-    """A note on the rotor that the base carries, where the other convention places it elsewhere."""
-    motor, d = (robot.links[0].motor if robot.links else None), robot.joints[0].d
-    if motor is not None and not (_is_zero(robot, motor.mass) or _is_zero(robot, d)):
-        way = "further" if robot.convention is Convention.STANDARD else "less far"
-        yield (
-            f"the rotor of joint 1 stands {cell_text(d)} {way} along its axis in this convention: the potential "
-            "energy differs by a constant, and nothing else does"
-        )
 
 
 def has_equal_poses(conversion: Conversion) -> bool:

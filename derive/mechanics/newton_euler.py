@@ -26,7 +26,7 @@ from typing import Generic
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.inertia_matrix import Wrench, wrench_to_parent
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_child
-from derive.mechanics.vectors import Matrix, S, Vector, add, cross, dot, matmul, multiply, scale, transpose
+from derive.mechanics.vectors import Matrix, S, Vector, add, conjugate, cross, dot, matmul, multiply, scale, transpose
 
 
 class Place(Enum):
@@ -138,7 +138,7 @@ def _beyond_revolute(
     below = (x * omega[2] - alpha[1], y * omega[2] + alpha[0])
     if choice.held and choice.grown:  # the entries off the diagonal from those of the link before
         fixed = joint.fixed.rotation
-        old = matmul(matmul(transpose(fixed), before.tensor), fixed)
+        old = conjugate(transpose(fixed), before.tensor)
         twice = rate + rate
         upper, lower = old[0][1] - acceleration, old[1][0] + acceleration
         below = (old[2][0] + twice * x, old[2][1] + twice * y)
@@ -158,7 +158,7 @@ def _beyond_prismatic(
     if not choice.column:
         return _from_angular(omega, alpha, origin_acceleration)
     turn = matmul(joint.fixed.rotation, joint.motion(chain.zero, chain.one).rotation)
-    tensor = matmul(matmul(transpose(turn), before.tensor), turn)
+    tensor = conjugate(transpose(turn), before.tensor)
     return LinkMotion(omega, alpha, tensor, origin_acceleration)
 
 

@@ -33,9 +33,9 @@ from derive.mechanics.vectors import (
     Vector,
     add,
     column,
+    conjugate,
     cross,
     dot,
-    identity,
     matmul,
     multiply,
     scale,
@@ -144,30 +144,16 @@ class PrintedRecursion(Generic[S]):
     torques: tuple[S, ...]  # n entries, in the sense of the joint variables
 
 
-def newton_euler_base(
-    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
-) -> PrintedRecursion[S]:
-    """The recursion with every vector in base coordinates (axes of frame 0)."""
-    return _recursion(robot, domain, qd, qdd, load, base=True)
-
-
-def newton_euler_link(
-    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
-) -> PrintedRecursion[S]:
-    """The recursion with the vectors of link i in frame i."""
-    return _recursion(robot, domain, qd, qdd, load, base=False)
-
-
 def without_rotors(robot: Robot) -> Robot:
     """The robot without rotors, armatures and Coulomb friction: what these equations describe."""
     links = tuple(replace(link, motor=None, armature=ZERO, coulomb=ZERO) for link in robot.links)
     return replace(robot, links=links)
 
 
-def _recursion(
-    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None, *, base: bool
+def printed_newton_euler(
+    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None, *, base: bool
 ) -> PrintedRecursion[S]:
-    """Outward, then inward; ``base``: in the axes of frame 0, else those of link i in frame i."""
+    """The recursion with every vector in base coordinates (axes of frame 0), else those of link i in frame i."""
     if robot.convention is not Convention.STANDARD:
         raise QuantityError("Newton-Euler equations of lectures", allowed="allowed: the standard convention")
     if not robot.has_dynamics:
@@ -181,7 +167,7 @@ def _recursion(
                 remedy="use without_rotors(robot)",
             )
     chain: Chain[S] = build_chain(robot, domain)
-    unit = identity(chain.zero, chain.one)
+    unit = chain.unit.rotation
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     # Outward: vd_0 = -g makes the base accelerate against gravity.
     links: list[LinkData[S]] = []
@@ -221,6 +207,6 @@ def _link_data(
         p=multiply(before if base else back, row.position),
         s=multiply(rotation, com) if base else com,
         mass=domain.constant(link.mass),
-        inertia=matmul(matmul(rotation, tensor), transpose(rotation)) if base else tensor,
+        inertia=conjugate(rotation, tensor) if base else tensor,
         viscous=joint.viscous,
     )

@@ -129,13 +129,7 @@ class Regressor(Generic[S]):
     """Columns of the regressor of one arm in one state."""
 
     def __init__(
-        self,
-        chain: Chain[S],
-        qd: Sequence[S],
-        qdd: Sequence[S],
-        *,
-        ends: bool,
-        sign: Callable[[S], S] | None = None,
+        self, chain: Chain[S], qd: Sequence[S], qdd: Sequence[S], *, ends: bool, sign: Callable[[S], S] | None = None
     ) -> None:
         self.chain = chain
         self._qd, self._qdd = qd, qdd

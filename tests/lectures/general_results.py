@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import sympy
 
+from derive.checking.methods_file import SETS
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, newton_euler_base, newton_euler_link
+from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.description import Motor
@@ -116,10 +117,6 @@ ALL = (jacobian_column, jacobian_rotor, inertia, christoffel, skew, potential, e
 FORMULAS: Mapping[str, Callable[[Model], bool]] = {formula.__name__: formula for formula in ALL}
 
 METHODS = document("methods.yaml")
-SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
-    "newton_euler_base": newton_euler_base,
-    "newton_euler_link": newton_euler_link,
-}
 Values = dict[str, Any]
 
 

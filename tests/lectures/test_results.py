@@ -8,12 +8,8 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.algebra.domain import PolynomialDomain
 from derive.checking.formulas.findings import Role
-from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.mechanics.printed_newton_euler import without_rotors
 from derive.model.model import Model
-from derive.robot.description import Convention
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.lectures.general_results import FORMULAS, METHODS, SETS, arms, method_results, recursion_of, variants
@@ -27,7 +23,6 @@ from tests.lectures.results import (
     report,
     robot_results,
 )
-from tests.random_robots import catalogue
 
 
 @pytest.mark.parametrize("name", [item["id"] for item in FRAMES])
@@ -81,19 +76,6 @@ def test_the_equations_are_confirmed_and_each_of_two_slips_is_wrong_alone(name: 
 def test_both_sets_give_the_same_torques(robot: Robot) -> None:
     base, link = (recursion_of(name, robot).torques for name in SETS)
     np.testing.assert_allclose(base, link, rtol=1e-12)
-
-
-SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]
-STANDARD = [without_rotors(robot) for robot in SMALL if robot.convention is Convention.STANDARD]
-
-
-@pytest.mark.parametrize("name", SETS)
-@pytest.mark.parametrize("robot", [*arms()[:2], *STANDARD], ids=lambda robot: robot.name)
-def test_the_torques_are_those_of_lagrange_identically(robot: Robot, name: str) -> None:
-    lagrange = [expression_from_sympy(entry) for entry in Model(robot).tau]
-    domain = PolynomialDomain(robot, lagrange)
-    recursion = SETS[name](robot, domain, *([f(i) for i in range(robot.n)] for f in (domain.rate, domain.acceleration)))
-    assert [domain.constant(entry) for entry in lagrange] == list(recursion.torques)
 
 
 def test_gravity_enters_through_the_acceleration_of_the_base() -> None:

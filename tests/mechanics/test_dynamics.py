@@ -14,6 +14,8 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
+from derive.mechanics.exact_dynamics import Dynamics
+from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.forward_kinematics import (
     TILTED,
@@ -25,13 +27,16 @@ from derive.mechanics.forward_kinematics import (
 )
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics, link_motions
+from derive.mechanics.printed_newton_euler import printed_newton_euler, without_rotors
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
 from derive.mechanics.vectors import column
 from derive.model.model import Model
+from derive.robot.description import Convention
 from derive.robot.inertial_parameters import standard_parameters
 from derive.robot.robot import Robot
+from tests.lectures.general_results import arms
 from tests.mechanics.arms import SEEDS, Arm, Array, arm_of, assert_close
 from tests.random_robots import catalogue, robot_text, seeds
 
@@ -123,8 +128,11 @@ def check_identity(robot: Robot) -> None:
     torques = [expression_from_sympy(tau - friction) for tau, friction in zip(model.tau, model.friction, strict=True)]
     domain = PolynomialDomain(robot, torques)
     rates, accelerations = ([f(i) for i in range(robot.n)] for f in (domain.rate, domain.acceleration))
-    traced = inverse_dynamics(build_chain(robot, domain), rates, accelerations)
+    chain, exact = build_chain(robot, domain), Dynamics(robot, domain)
+    traced = inverse_dynamics(chain, rates, accelerations)
     assert [domain.constant(torque) - other for torque, other in zip(torques, traced, strict=True)] == [0] * robot.n
+    assert [[exact.expand(entry) for entry in row] for row in exact.inertia_matrix] == inertia_matrix(chain)
+    assert Kinematics(robot, domain).gravity_vector == gravity_vector(chain)
 
 
 @pytest.mark.parametrize("robot", SMALL, ids=lambda robot: robot.name)
@@ -142,6 +150,19 @@ def test_random_robots(n: int, seed: int) -> None:
 @pytest.mark.parametrize("seed", seeds(12, 3))
 def test_random_robots_with_four_joints(seed: int) -> None:
     check_identity(Robot.from_text(robot_text(random.Random(seed), 4)))
+
+
+STANDARD = [without_rotors(robot) for robot in SMALL if robot.convention is Convention.STANDARD]
+
+
+@pytest.mark.parametrize("base", [True, False])
+@pytest.mark.parametrize("robot", [*arms()[:2], *STANDARD], ids=lambda robot: robot.name)
+def test_the_recursions_of_lectures_are_lagrange_s_identically(robot: Robot, base: bool) -> None:
+    lagrange = [expression_from_sympy(entry) for entry in Model(robot).tau]
+    domain = PolynomialDomain(robot, lagrange)
+    rates, accelerations = ([f(i) for i in range(robot.n)] for f in (domain.rate, domain.acceleration))
+    found = printed_newton_euler(robot, domain, rates, accelerations, base=base)
+    assert [domain.constant(entry) for entry in lagrange] == list(found.torques)
 
 
 def test_poses_and_jacobians_are_those_of_the_oracle(arm: Arm) -> None:

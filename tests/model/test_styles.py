@@ -11,9 +11,11 @@ from derive.checking.formulas.findings import same_form
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model import abbreviations
+from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import Verdict, verdict
 from derive.model.model import Model
+from derive.model.regressor_forms import IdentifiedModel
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Style
 from derive.robot.robot import Robot
 
@@ -174,7 +176,7 @@ def test_every_name_is_used_and_defined_before_it_is(name: str) -> None:
 def test_long_entries_are_not_expanded() -> None:
     """The budget of `DynamicForm` is what decides."""
     model = DynamicModel(Robot.load("planar-2r-perugia"))
-    form = model.dynamic_form
+    form = DynamicForm(model.dynamics, model.form)
     entry = model.dynamics.inertia_matrix[0][0]
     long, short = form.entry(entry, 10**6), form.entry(entry, 0)
     assert short != long
@@ -183,10 +185,10 @@ def test_long_entries_are_not_expanded() -> None:
 
 @pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-matlab"])
 def test_torques_are_regressors_times_parameters(name: str) -> None:
-    model = Model(Robot.load(name))
+    tau, model = Model(Robot.load(name)).tau, IdentifiedModel(Robot.load(name))
     pairs = ((model.regressor, model.standard_parameters), (model.regressor_base, model.base_parameters))
     for regressor, values in pairs:
-        assert all(entry.expand(trig=True).equals(0) for entry in regressor * values - model.tau)
+        assert all(entry.expand(trig=True).equals(0) for entry in regressor * values - tau)
     assert len(model.base_set.parameters) <= len(model.standard_set)
 
 

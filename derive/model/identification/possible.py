@@ -22,7 +22,7 @@ from flint import arb, fmpq
 from derive.errors import DeriveError, near_miss, quoted
 from derive.mechanics.chain import Chain
 from derive.mechanics.space import decimal, exactly
-from derive.mechanics.vectors import add, from_matrix, matmul, multiply, scale, steiner, transpose
+from derive.mechanics.vectors import add, conjugate, from_matrix, multiply, scale, steiner, transpose
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero
 from derive.model.identification.nearest_bodies import (
     BORDER,
@@ -212,7 +212,7 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
         x, y, z = (_kept(old, h / body.mass, domain) for old, h in zip(link.com, moments, strict=True))
         com = (x, y, z)
     r = add(end.position, multiply(end.rotation, tuple(map(domain.constant, com))))
-    tensor = from_matrix(matmul(matmul(turned, (body.inertia + steiner(-m, r)).matrix), end.rotation))
+    tensor = from_matrix(conjugate(turned, (body.inertia + steiner(-m, r)).matrix))
     inertia = Inertia(*(_kept(getattr(link.inertia, name), getattr(tensor, name), domain) for name in MOMENTS))
     return replace(link, mass=mass, com=com, inertia=inertia)
 

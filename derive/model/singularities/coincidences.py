@@ -16,7 +16,6 @@ import mpmath
 import sympy
 
 from derive.inverse.numeric.in_numbers import Numbers, parameter_numbers
-from derive.inverse.words.derivation import PrintedStep
 from derive.inverse.words.elementary import Sign
 from derive.inverse.words.solutions import InverseKinematics
 from derive.lecture.point import DIGITS, value_of
@@ -40,14 +39,9 @@ def coincidences(
     def _where_zero(conditions: Sequence[Expr]) -> tuple[SingularFactor, ...]:
         return tuple(factor for factor, zeros in places if conditions and _vanish(conditions, zeros))
 
-    merged = (() if step.exists is sympy.true else (_margin(step),) for step in found.steps)
+    # Values of a step become one where its condition, an inequality, holds with equality.
+    merged = (() if step.exists is sympy.true else (step.exists.lhs - step.exists.rhs,) for step in found.steps)
     return tuple((_where_zero(own), _where_zero(step.free)) for own, step in zip(merged, found.steps, strict=True))
-
-
-def _margin(step: PrintedStep) -> Expr:
-    """What is not negative where a step has real values."""
-    left, right = step.exists.lhs, step.exists.rhs
-    return right - left if step.exists.rel_op == "<=" else left - right
 
 
 def _vanish(conditions: Sequence[Expr], places: Sequence[Numbers]) -> bool:

@@ -23,6 +23,7 @@ from derive.model.identification.base_parameters import Coefficient, base_set
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction, is_rational, is_zero, null_space
 from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.regressor_null_space import WIDTH, bare_chain, combined, directions, keeping
+from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter, standard_parameters
@@ -30,6 +31,7 @@ from derive.robot.names import number_of, robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
+from tests.mechanics.arms import SEEDS, arm_of, assert_close
 from tests.places import ROOT
 from tests.random_robots import catalogue, random_robot, seeds
 
@@ -85,6 +87,22 @@ def test_torques_of_the_catalogue_agree_with_the_oracle(robot: Robot) -> None:
     for seed in range(5):
         values = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in number_of(robot)}
         assert max(torque_errors(robot, values, seed)) < 1e-12
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_inertia_and_gravity_are_sums_over_unit_parameters(seed: int) -> None:
+    arm = arm_of(seed)
+    units = UnitDynamics(arm.chain_of(with_unit_rotors(arm.robot)), ends=True)
+    n, parameters = arm.robot.n, standard_parameters(arm.robot)
+    inertia, gravity = np.zeros((n, n)), np.zeros(n)
+    values = standard_values(arm.robot, parameters, FloatDomain(arm.robot, arm.q.tolist()))
+    for parameter, value in zip(parameters, values, strict=True):
+        for place, entry in units.inertia(parameter).items():
+            inertia[place] += value * entry
+        torques = units.gravity(parameter)
+        gravity[: len(torques)] += value * np.array(torques)
+    assert_close(inertia + np.triu(inertia, 1).T, arm.expected("inertia_matrix"))
+    assert_close(gravity, arm.expected("gravity_vector"))
 
 
 def rank(robot: Robot, values: dict[str, float]) -> tuple[int, int]:

@@ -13,6 +13,7 @@ import sympy
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.exact_kinematics import Reference
 from derive.model.kinematic_model import KinematicModel
+from derive.model.singularities.blocks import ALL
 from derive.model.singularities.conditions import Condition
 from derive.model.singularities.singularities import Outcome
 from derive.robot.names import number_of, robot_symbols
@@ -112,7 +113,7 @@ class SingularArm:
             block, *others = found.blocks
             is_whole = bool(others) or self.model.n == 6
             if is_whole or block.reference == Reference():
-                rows = range(1, 7) if is_whole else block.rows
+                rows = ALL if is_whole else block.rows
                 ours = [found.determinant, self.model.det_J(rows)]
                 theirs = np.linalg.det(of_arm[[row - 1 for row in rows]])
             else:
