@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from flint import fmpz
+from flint import fmpz, nmod_mat
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
@@ -197,22 +197,11 @@ def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
     Returns:
         The pivot columns, and a matrix (rank, n) whose entry (k, j) is the coefficient of pivot column k in column j.
     """
-    # Gauss and Jordan modulo the prime: products of two residues stay below 2^62
-    work = np.array(matrix, dtype=np.int64) % prime
-    pivots: list[int] = []
-    for j in range(work.shape[1]):
-        rank = len(pivots)
-        below = np.flatnonzero(work[rank:, j])
-        if not below.size:  # column j depends on the pivot columns before it
-            continue
-        work[[rank, rank + below[0]]] = work[[rank + below[0], rank]]
-        work[rank] = work[rank] * pow(int(work[rank, j]), -1, prime) % prime
-        # the pivot row is subtracted above and below, so that the rows are the coefficients of the dependent columns
-        factors = work[:, j].copy()
-        factors[rank] = 0
-        work = (work - factors[:, None] * work[rank]) % prime
-        pivots.append(j)
-    return tuple(pivots), work[: len(pivots)]
+    entries = np.asarray(matrix, dtype=np.int64) % prime
+    form, rank = nmod_mat(*entries.shape, entries.ravel().tolist(), prime).rref()
+    rows = [[int(entry) for entry in row] for row in form.tolist()[:rank]]
+    pivots = tuple(next(j for j, entry in enumerate(row) if entry) for row in rows)
+    return pivots, np.array(rows, dtype=np.int64).reshape(rank, entries.shape[1])
 
 
 def _power(base: Array, exponent: int, prime: int) -> Array:

@@ -27,20 +27,7 @@ from typing import Generic
 from derive.errors import QuantityError
 from derive.mechanics.chain import Chain, Domain, build_chain, central_inertia, constant_vector
 from derive.mechanics.joint_motion import along_axes
-from derive.mechanics.vectors import (
-    Matrix,
-    S,
-    Vector,
-    add,
-    column,
-    conjugate,
-    cross,
-    dot,
-    matmul,
-    multiply,
-    scale,
-    transpose,
-)
+from derive.mechanics.vectors import Matrix, S, Vector, add, column, cross, dot, matmul, multiply, scale, transpose
 from derive.robot.description import Convention, Motor
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
@@ -207,6 +194,6 @@ def _link_data(
         p=multiply(before if base else back, row.position),
         s=multiply(rotation, com) if base else com,
         mass=domain.constant(link.mass),
-        inertia=conjugate(rotation, tensor) if base else tensor,
+        inertia=matmul(matmul(rotation, tensor), transpose(rotation)) if base else tensor,
         viscous=joint.viscous,
     )
