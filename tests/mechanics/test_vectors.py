@@ -23,55 +23,17 @@ from derive.mechanics.joint_motion import (
 )
 from derive.mechanics.regressor import link_screws
 from derive.mechanics.space import NOTHING, WORLD, Line, exactly, length, plus, real, unit, vector
-from derive.mechanics.vectors import (
-    Frame,
-    Symmetric,
-    add,
-    axial_tensor,
-    column,
-    cross,
-    dot,
-    from_matrix,
-    hat,
-    identity,
-    matmul,
-    multiply,
-    outer,
-    scale,
-    steiner,
-    subtract,
-    transpose,
-)
+from derive.mechanics.vectors import Frame, Symmetric, cross, dot, from_matrix, identity, multiply
 from tests.mechanics.arms import SEEDS, arm_of, assert_close
 
 RNG = np.random.default_rng(3)
 A, B = (tuple(row) for row in RNG.uniform(-1, 1, (2, 3)).tolist())
-M, N = (tuple(map(tuple, matrix)) for matrix in RNG.uniform(-1, 1, (2, 3, 3)).tolist())
 TENSOR = Symmetric(1.0, 2.0, 1.5, 0.1, -0.2, 0.3)
 
 
 def rotation(seed: int) -> Any:
     q, _ = np.linalg.qr(np.random.default_rng(seed).uniform(-1, 1, (3, 3)))
     return tuple(map(tuple, (q * np.sign(np.linalg.det(q))).tolist()))
-
-
-def test_vectors_are_numpys() -> None:
-    a, b, m, n = map(np.array, (A, B, M, N))
-    pairs = [
-        (add(A, B), a + b), (subtract(A, B), a - b), (scale(2.0, A), 2 * a), (dot(A, B), a @ b),
-        (cross(A, B), np.cross(a, b)), (multiply(M, A), m @ a), (matmul(M, N), m @ n), (transpose(M), m.T),
-        (column(M, 1), m[:, 1]), (outer(A, B), np.outer(a, b)), (identity(0.0, 1.0), np.eye(3)),
-        (multiply(hat(A, 0.0), B), np.cross(a, b)),
-    ]  # fmt: skip
-    for found, wanted in pairs:
-        assert_close(found, wanted, 1e-15)
-
-
-def test_tensors_are_symmetric_matrices() -> None:
-    assert from_matrix(TENSOR.matrix) == TENSOR
-    u = np.array(A)
-    assert_close(steiner(2.0, A).matrix, 2 * (u @ u * np.eye(3) - np.outer(u, u)))
-    assert_close(axial_tensor(2.0, A).matrix, 2 * np.outer(u, u))
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -27,7 +27,7 @@ from derive.model.identification.nearest_bodies import (
 from derive.model.identification.possible import possible
 from derive.model.identification.regressor_null_space import bare_chain, combined, directions, parameters_of
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
-from derive.model.identification.witness import NoSuchBodies, Witness, function_matrix, is_semidefinite
+from derive.model.identification.witness import NoSuchBodies, Witness
 from derive.robot.description import Inertia, Link
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, number
@@ -300,28 +300,6 @@ def cloud() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return masses, np.column_stack([points, np.ones(7)]), np.array([masses.sum(), *(masses @ points), *entries])
 
 
-def test_functions_and_factors_of_parameters_are_each_other_s_inverse() -> None:
-    random = np.random.default_rng(2).normal(size=(4, 4))
-    matrix = random + random.T
-    assert np.allclose(np.array(function_matrix(list(coefficients(matrix)))), matrix)
-    masses, places, parameters = cloud()
-    assert np.isclose(coefficients(matrix) @ parameters, np.einsum("p,pa,ab,pb->", masses, places, matrix, places))
-
-
-def test_semidefinite_matrices_are_told_from_others_exactly() -> None:
-
-    with exactly():
-        domain = ExactDomain(Robot.load("puma560-corke"))
-        for rows, expected in (
-            ([[1, 2], [2, 4]], True),
-            ([[1, 2], [2, 3]], False),
-            ([[0, 0], [0, 1]], True),
-            ([[0, 1], [1, 5]], False),
-            ([[-1]], False),
-        ):
-            assert is_semidefinite([[domain.number(Fraction(entry)) for entry in row] for row in rows]) is expected
-
-
 def bodies_of(robot: Robot) -> Bodies:
     with exactly():
         domain = ExactDomain(robot)
@@ -376,14 +354,6 @@ def test_links_without_a_mass_get_as_much_of_one_as_torques_allow_each() -> None
     steps = nearest(found, target)
     assert (least_eigenvalues(found, steps) >= 0.99 * target).all()
     assert ((found.given + found.along @ steps)[1:, -1] >= 0.99 * found.masses[1:]).all()
-
-
-def test_symmetric_matrices_and_vectors_turn_into_each_other_with_the_same_products() -> None:
-    random = np.random.default_rng(1)
-    one, other = random.normal(size=(2, 5, 4, 4))
-    one, other = one + one.swapaxes(1, 2), other + other.swapaxes(1, 2)
-    assert np.allclose(unpacked(packed(one)), one)
-    assert np.allclose((packed(one) * packed(other)).sum(axis=1), np.einsum("nab,nba->n", one, other))
 
 
 def test_the_least_of_linear_quadratic_and_semidefinite_programs_is_found_and_contradictions_told() -> None:
