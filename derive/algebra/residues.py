@@ -9,7 +9,6 @@ numbers are arrays, so that one run of a recursion answers for many configuratio
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
@@ -94,9 +93,14 @@ class ResidueDomain:
         self.domain = domain
         self.samples = samples
         self._random = random.Random(seed)
-        # a prime modulo which the square roots of the ring's primes exist, then a point at which all other roots do
-        radicands = [g.argument for g in domain.generators if g.kind is Kind.PRIME_ROOT]
-        self.prime = _prime_with_roots([int(r.value) for r in radicands if isinstance(r, Number)])
+        # the largest prime p = 4k + 3 of 31 bits modulo which the square roots of the ring's primes exist (Euler's
+        # criterion), 2^31 - 1 being one itself; then a point at which all other roots do
+        radicands = (g.argument for g in domain.generators if g.kind is Kind.PRIME_ROOT)
+        squares = [int(r.value) for r in radicands if isinstance(r, Number)]
+        candidates = (p for p in range(_LARGEST, 2**30, -4) if all(pow(x, (p - 1) // 2, p) == 1 for x in squares))
+        self.prime = next((p for p in candidates if fmpz(p).is_prime()), 0)
+        if not self.prime:
+            raise NoPointError("no prime modulo which every root has a value")
         points = (self._draw_point() for _ in range(_ATTEMPTS))
         point = next((point for point in points if point is not None), None)
         if point is None:
@@ -212,13 +216,3 @@ def _power(base: Array, exponent: int, prime: int) -> Array:
         exponent >>= 1
         base = base * base % prime
     return result
-
-
-def _prime_with_roots(numbers: Iterable[int]) -> int:
-    """The largest prime 4k + 3 of 31 bits modulo which all the numbers are squares (Euler's criterion)."""
-    wanted = list(numbers)
-    for candidate in range(_LARGEST, 2**30, -4):  # 2^31 - 1 is itself 4k + 3
-        squares = all(pow(number, (candidate - 1) // 2, candidate) == 1 for number in wanted)
-        if squares and fmpz(candidate).is_prime():
-            return candidate
-    raise NoPointError("no prime modulo which every root has a value")

@@ -244,17 +244,14 @@ def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[
             notes.append(note)
             if body.mass != link.mass:
                 links[i + 1] = replace(links[i + 1], motor=replace(rotors[i], mass=ZERO))
-        links[i] = _link(links[i], body if to_modified else body.through(behind.inverse), cells)
+        body = body if to_modified else body.through(behind.inverse)
+        # Cells that keep their value are kept as they are written.
+        names, entries = [part.name for part in fields(Inertia)], from_matrix(body.inertia)
+        known = [getattr(link.inertia, name) for name in names]
+        inertia = Inertia(**{name: cells.cell(getattr(entries, name), known) for name in names})
+        x, y, z = (cells.cell(entry, link.com) for entry in body.com)
+        links[i] = replace(links[i], mass=body.mass, com=(x, y, z), inertia=inertia)
     return tuple(links), notes
-
-
-def _link(link: Link, body: _Body, cells: _Cells) -> Link:
-    """A link with the cells of a body."""
-    known = [getattr(link.inertia, part.name) for part in fields(Inertia)]
-    entries = from_matrix(body.inertia)
-    tensor = {part.name: cells.cell(getattr(entries, part.name), known) for part in fields(Inertia)}
-    x, y, z = (cells.cell(entry, link.com) for entry in body.com)
-    return replace(link, mass=body.mass, com=(x, y, z), inertia=Inertia(**tensor))
 
 
 def _made_up(
