@@ -115,10 +115,6 @@ class ResidueDomain:
             self._cache[key] = Residue(self.prime, self._value(p, self._point))
         return self._cache[key]
 
-    def draw(self) -> Residue:
-        """A random number per configuration, (samples, 1), for a rate or an acceleration."""
-        return Residue(self.prime, self._numbers(self.samples))
-
     # -- scalars of the mechanics
 
     def number(self, value: int | Fraction) -> Residue:

@@ -69,12 +69,6 @@ class LinkMotion(Generic[S]):
     # U_zz - U_yy, U_xx - U_zz and U_yy - U_xx, where they came cheaper than as such.
     differences: Vector[S] | None = None
 
-    @property
-    def diagonal_differences(self) -> Vector[S]:
-        """U_zz - U_yy, U_xx - U_zz and U_yy - U_xx."""
-        u = self.tensor
-        return self.differences or (u[2][2] - u[1][1], u[0][0] - u[2][2], u[1][1] - u[0][0])
-
 
 def link_motions(
     chain: Chain[S],
@@ -216,7 +210,7 @@ def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = Fal
     """Force and moment (at the origin) that move a body."""
     u, a, h = motion.tensor, motion.acceleration, body.first_moment
     force = add(scale(body.mass, a), multiply(u, h))
-    i, differences = body.inertia, motion.diagonal_differences
+    i, differences = body.inertia, motion.differences or (u[2][2] - u[1][1], u[0][0] - u[2][2], u[1][1] - u[0][0])
     if second_moments:  # sum m r x (U r) in P, with P_zz = 0: P_xx = I_yy and P_yy = I_xx
         spin = (
             i.xx * u[2][1] + (i.xz * u[1][0] - i.xy * u[2][0]) - i.yz * differences[0],

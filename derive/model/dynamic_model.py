@@ -11,7 +11,7 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
-from derive.lecture.matrices import aligned_latex, columns_matrix, symmetric_matrix
+from derive.lecture.matrices import aligned_latex, columns_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting
@@ -197,7 +197,7 @@ class DynamicModel(IdentifiedModel):
         return self._inertia(self.dynamic_form.of_part(i, of_rotor=False))
 
     def _inertia(self, form: DynamicForm) -> Matrix:
-        return symmetric_matrix(self.n, [form.inertia(i, j) for i in range(self.n) for j in range(i, self.n)])
+        return sympy.ImmutableMatrix(self.n, self.n, lambda i, j: form.inertia(min(i, j), max(i, j)))
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
         """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
