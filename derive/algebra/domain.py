@@ -71,7 +71,17 @@ class PolynomialDomain:
         self.generators = tuple(self._needed_generators(rates))
         self.places = {(g.kind, g.joint): i for i, g in enumerate(self.generators) if g.joint >= 0}
         self.ring = Ring([g.name for g in self.generators], max_terms)
-        self._relate()
+        # Roots and inverses last: their relations hold polynomials in the other generators.
+        for g in self.generators:
+            if g.kind is Kind.PRIME_ROOT:
+                self.ring.relate_root(g.name, self.constant(g.argument))
+            elif g.partner and self.ring.index[g.name] < self.ring.index[g.partner]:
+                self.ring.relate_angle(g.name, g.partner)
+        for g in reversed(self.generators):
+            if g.kind is Kind.ROOT:
+                self.ring.relate_root(g.name, self.constant(g.argument))
+            elif g.kind is Kind.INVERSE:
+                self.ring.relate_inverse(g.name, self.constant(g.argument))
 
     def _needed_generators(self, rates: bool) -> Iterator[Generator]:
         """Those that a relation eliminates come before those that replace them."""
@@ -106,19 +116,6 @@ class PolynomialDomain:
         yield from (Generator(Kind.PARAMETER, name, Name(name)) for name in atoms.names if name not in known)
         if atoms.has_pi:
             yield Generator(Kind.PI, "pi", Pi())
-
-    def _relate(self) -> None:
-        """Roots and inverses last: their relations hold polynomials in the other generators."""
-        for g in self.generators:
-            if g.kind is Kind.PRIME_ROOT:
-                self.ring.relate_root(g.name, self.constant(g.argument))
-            elif g.partner and self.ring.index[g.name] < self.ring.index[g.partner]:
-                self.ring.relate_angle(g.name, g.partner)
-        for g in reversed(self.generators):
-            if g.kind is Kind.ROOT:
-                self.ring.relate_root(g.name, self.constant(g.argument))
-            elif g.kind is Kind.INVERSE:
-                self.ring.relate_inverse(g.name, self.constant(g.argument))
 
     def angle_sum(self, members: tuple[int, ...]) -> Expression:
         """The sum of some joint variables of a group, the first of them positive."""
@@ -206,7 +203,10 @@ class PolynomialDomain:
             case Power(base, exponent):
                 return self.ring.generator(f"1/{canonical(base)!r}") ** -exponent
             case Call("sqrt", (Number(value),)):
-                return self._number_root(value)
+                if value < 0:
+                    raise ExpressionError("square root of a negative number", allowed="allowed: real values")
+                factor, primes = square_free(value)
+                return prod((self.ring.generator(f"sqrt {p}") for p in primes), start=self.ring.number(factor))
             case Call("sqrt", (argument,)):
                 return self.ring.generator(f"sqrt {canonical(argument)!r}")
             case Call("tan", (argument,)):
@@ -221,15 +221,6 @@ class PolynomialDomain:
                     f"{function} in an algebraic expression",
                     allowed="allowed: sums and products of sines, cosines and names",
                 )
-
-    def _number_root(self, value: Fraction) -> Polynomial:
-        """A rational's square root from those of primes."""
-        if value < 0:
-            raise ExpressionError("square root of a negative number", allowed="allowed: real values")
-        if value == 0:
-            return self.ring.zero
-        factor, primes = square_free(value)
-        return prod((self.ring.generator(f"sqrt {p}") for p in primes), start=self.ring.number(factor))
 
     # -- angles
 

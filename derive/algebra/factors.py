@@ -66,8 +66,15 @@ class Factoring:
                 for kind in (Kind.SINE, Kind.COSINE):
                     factor, rest = self._divided(rest, joints, edge, kind)
                     simple += [factor] if factor else []
-        number, others = self._other_factors(rest)
-        found = tuple(f for f in (Factor(number, 1), *simple, *others) if f.value != 1)
+        # everything else: a rational number and the factors that are no single sine or cosine
+        number, others = self._ring.one, [(rest, 1)]
+        if len(rest) <= MAX_FACTORED_TERMS:
+            others, rest = self._half_angle_factors(rest)
+            content, parts = rest.raw.factor()
+            others += [(self._ring.wrap(part), int(exponent)) for part, exponent in parts]
+            number = self._ring.wrap(self._ring.context.constant(content))
+        every = (Factor(number, 1), *simple, *(Factor(value, exponent) for value, exponent in others))
+        found = tuple(f for f in every if f.value != 1)
         # the product in the ring decides: it is multiplied out again, modulo s^2 + c^2 = 1
         product = prod((f.value**f.exponent for f in found), start=self._ring.one)
         return found if product == p else (Factor(p, 1),)
@@ -126,16 +133,6 @@ class Factoring:
         return None if remainder else self._ring.wrap(quotient)
 
     # -- everything else
-
-    def _other_factors(self, p: Polynomial) -> tuple[Polynomial, list[Factor]]:
-        """A rational number and the factors that are no single sine or cosine."""
-        ring = self._ring
-        if len(p) > MAX_FACTORED_TERMS:
-            return ring.one, [Factor(p, 1)]
-        found, rest = self._half_angle_factors(p)
-        content, parts = rest.raw.factor()
-        found += [(ring.wrap(part), int(exponent)) for part, exponent in parts]
-        return ring.wrap(ring.context.constant(content)), [Factor(value, exponent) for value, exponent in found]
 
     def _half_angle_factors(self, p: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
         """Factors with more than one term and their exponents, and a remainder; their product is exactly ``p``."""

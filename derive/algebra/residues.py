@@ -9,12 +9,12 @@ numbers are arrays, so that one run of a recursion answers for many configuratio
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from flint import fmpz, nmod_mat
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
@@ -93,9 +93,14 @@ class ResidueDomain:
         self.domain = domain
         self.samples = samples
         self._random = random.Random(seed)
-        # a prime modulo which the square roots of the ring's primes exist, then a point at which all other roots do
-        radicands = [g.argument for g in domain.generators if g.kind is Kind.PRIME_ROOT]
-        self.prime = _prime_with_roots([int(r.value) for r in radicands if isinstance(r, Number)])
+        # the largest prime p = 4k + 3 of 31 bits modulo which the square roots of the ring's primes exist (Euler's
+        # criterion), 2^31 - 1 being one itself; then a point at which all other roots do
+        radicands = (g.argument for g in domain.generators if g.kind is Kind.PRIME_ROOT)
+        squares = [int(r.value) for r in radicands if isinstance(r, Number)]
+        candidates = (p for p in range(_LARGEST, 2**30, -4) if all(pow(x, (p - 1) // 2, p) == 1 for x in squares))
+        self.prime = next((p for p in candidates if fmpz(p).is_prime()), 0)
+        if not self.prime:
+            raise NoPointError("no prime modulo which every root has a value")
         points = (self._draw_point() for _ in range(_ATTEMPTS))
         point = next((point for point in points if point is not None), None)
         if point is None:
@@ -109,10 +114,6 @@ class ResidueDomain:
         if key not in self._cache:
             self._cache[key] = Residue(self.prime, self._value(p, self._point))
         return self._cache[key]
-
-    def draw(self) -> Residue:
-        """A random number per configuration, (samples, 1), for a rate or an acceleration."""
-        return Residue(self.prime, self._numbers(self.samples))
 
     # -- scalars of the mechanics
 
@@ -196,22 +197,11 @@ def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
     Returns:
         The pivot columns, and a matrix (rank, n) whose entry (k, j) is the coefficient of pivot column k in column j.
     """
-    # Gauss and Jordan modulo the prime: products of two residues stay below 2^62
-    work = np.array(matrix, dtype=np.int64) % prime
-    pivots: list[int] = []
-    for j in range(work.shape[1]):
-        rank = len(pivots)
-        below = np.flatnonzero(work[rank:, j])
-        if not below.size:  # column j depends on the pivot columns before it
-            continue
-        work[[rank, rank + below[0]]] = work[[rank + below[0], rank]]
-        work[rank] = work[rank] * pow(int(work[rank, j]), -1, prime) % prime
-        # the pivot row is subtracted above and below, so that the rows are the coefficients of the dependent columns
-        factors = work[:, j].copy()
-        factors[rank] = 0
-        work = (work - factors[:, None] * work[rank]) % prime
-        pivots.append(j)
-    return tuple(pivots), work[: len(pivots)]
+    entries = np.asarray(matrix, dtype=np.int64) % prime
+    form, rank = nmod_mat(*entries.shape, entries.ravel().tolist(), prime).rref()
+    rows = [[int(entry) for entry in row] for row in form.tolist()[:rank]]
+    pivots = tuple(next(j for j, entry in enumerate(row) if entry) for row in rows)
+    return pivots, np.array(rows, dtype=np.int64).reshape(rank, entries.shape[1])
 
 
 def _power(base: Array, exponent: int, prime: int) -> Array:
@@ -222,26 +212,3 @@ def _power(base: Array, exponent: int, prime: int) -> Array:
         exponent >>= 1
         base = base * base % prime
     return result
-
-
-def _prime_with_roots(numbers: Iterable[int]) -> int:
-    """The largest prime 4k + 3 of 31 bits modulo which all the numbers are squares (Euler's criterion)."""
-    wanted = list(numbers)
-    for candidate in range(_LARGEST, 2**30, -4):  # 2^31 - 1 is itself 4k + 3
-        squares = all(pow(number, (candidate - 1) // 2, candidate) == 1 for number in wanted)
-        if squares and _is_prime(candidate):
-            return candidate
-    raise NoPointError("no prime modulo which every root has a value")
-
-
-def _is_prime(number: int) -> bool:
-    """The test of Miller and Rabin for an odd number; these bases decide every one below 3,215,031,751."""
-    odd, twos = number - 1, 0  # number - 1 = odd * 2^twos
-    while odd % 2 == 0:
-        odd, twos = odd // 2, twos + 1
-    for base in (2, 3, 5, 7):
-        # modulo a prime the squares of base^odd reach 1, and the one before the first 1 is -1
-        powers = [pow(base, odd * 2**k, number) for k in range(twos)]
-        if powers[0] != 1 and number - 1 not in powers:
-            return False
-    return True

@@ -154,17 +154,11 @@ class Polynomial:
         self._mask = mask
         self._key: str | None = None
 
-    def _coerce(self, other: Any) -> Polynomial | None:
-        if isinstance(other, Polynomial):
-            return other
-        if isinstance(other, int | Fraction):
-            return self.ring.number(other)
-        return None
+    def _coerce(self, other: Polynomial | int | Fraction) -> Polynomial:
+        return other if isinstance(other, Polynomial) else self.ring.number(other)
 
     def __add__(self, other: Any) -> Polynomial:
         o = self._coerce(other)
-        if o is None:
-            return NotImplemented
         if not o.raw:
             return self
         if not self.raw:
@@ -178,19 +172,13 @@ class Polynomial:
 
     def __sub__(self, other: Any) -> Polynomial:
         o = self._coerce(other)
-        if o is None:
-            return NotImplemented
         return self if not o.raw else Polynomial(self.ring, self.raw - o.raw, self._mask | o._mask)
 
     def __rsub__(self, other: Any) -> Polynomial:
-        negative = -self
-        return negative.__add__(other)
+        return (-self).__add__(other)
 
     def __mul__(self, other: Any) -> Polynomial:
-        o = self._coerce(other)
-        if o is None:
-            return NotImplemented
-        ring = self.ring
+        o, ring = self._coerce(other), self.ring
         if not self.raw or not o.raw:
             return ring.zero
         both = self._mask | o._mask
@@ -214,8 +202,7 @@ class Polynomial:
         return result
 
     def __eq__(self, other: object) -> bool:
-        o = self._coerce(other)
-        return o is not None and bool(self.raw == o.raw)
+        return isinstance(other, Polynomial | int | Fraction) and bool(self.raw == self._coerce(other).raw)
 
     def __hash__(self) -> int:
         return hash(self.key())

@@ -21,7 +21,7 @@ from derive.checking.formulas.reading import required_text
 from derive.checking.formulas.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
 from derive.errors import CheckError, listed, near_miss, quoted
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, newton_euler_base, newton_euler_link
+from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, printed_newton_euler
 from derive.model.equality import Verdict
 from derive.robot.expression import Name
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar
@@ -30,8 +30,8 @@ from derive.robot.robot import Robot
 Array = Any
 
 SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
-    "newton_euler_base": newton_euler_base,
-    "newton_euler_link": newton_euler_link,
+    "newton_euler_base": partial(printed_newton_euler, base=True),
+    "newton_euler_link": partial(printed_newton_euler, base=False),
 }
 RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")  # what an equation may compute
 # Joint types and seed of each arm: both kinds of joint as first, inner and last one.

@@ -130,10 +130,7 @@ class LectureForm:
         if not any(f in self._lengths for m in terms for f, _ in m):  # an entry of a rotation
             short = self._stays_flat(terms, ShortSums.EXPANDED)
             return flat(terms) if short else self._by_joints(terms, self.style.rotations)
-        return self._with_lengths(terms)
-
-    def _with_lengths(self, terms: Terms) -> Plan:
-        """`_kinematic_plan` of a position."""
+        # an entry of a position
         if self._stays_flat(terms, ShortSums.POSITIONS, ShortSums.EXPANDED):
             return flat(terms)
         match self.style.positions:

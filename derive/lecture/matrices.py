@@ -33,13 +33,6 @@ def columns_matrix(
     return sympy.ImmutableMatrix(columns).T
 
 
-def symmetric_matrix(n: int, upper: Sequence[Any]) -> Matrix:
-    """A symmetric matrix from its upper triangle."""
-    keys = [(i, j) for i in range(n) for j in range(i, n)]
-    written = dict(zip(keys, upper, strict=True))
-    return sympy.ImmutableMatrix([[written[min(i, j), max(i, j)] for j in range(n)] for i in range(n)])
-
-
 def symbol_roles(robot: Robot) -> SymbolRoles:
     """Symbols of masses, moments of inertia, gravity and offsets, by which expressions are grouped.
 

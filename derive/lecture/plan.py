@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import ceil
 
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
 from derive.algebra.ring import fraction
 from derive.lecture.terms import Monomial, Terms, common_factor, divide, multiply, partition, project
@@ -124,7 +124,10 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
     if not 2 <= len(terms) <= MAX_TRIED_AS_PRODUCT:
         return None
     names = sorted({f for m in terms for f, _ in m})
-    content, factors = _polynomial(terms, names).factor()
+    # a polynomial of FLINT's in the factors with these numbers
+    context = fmpq_mpoly_ctx.get([f"x{i}" for i in names], Ordering.lex)
+    powers = ((dict(monomial), fmpq(c.numerator, c.denominator)) for monomial, c in terms.items())
+    content, factors = context.from_dict({tuple(e.get(f, 0) for f in names): c for e, c in powers}).factor()
     coefficient, sums, outer = fraction(content), [], Monomial()
     # irreducible factors over the rationals: single terms go in front, sums are what makes it a product
     for factor, exponent in factors:
@@ -187,19 +190,6 @@ def _scaled(plan: Plan, factor: Fraction) -> Plan:
     if isinstance(plan, Plus):
         return Plus(tuple(_scaled(part, factor) for part in plan.parts))
     return replace(plan, coefficient=factor * plan.coefficient)
-
-
-def _polynomial(terms: Terms, names: list[int]) -> fmpq_mpoly:
-    """The terms as a polynomial of FLINT's in the factors with these numbers."""
-    context = fmpq_mpoly_ctx.get([f"x{i}" for i in names], Ordering.lex)
-    place = {f: i for i, f in enumerate(names)}
-    data = {}
-    for monomial, c in terms.items():
-        exponents = [0] * len(names)
-        for f, e in monomial:
-            exponents[place[f]] = e
-        data[tuple(exponents)] = fmpq(c.numerator, c.denominator)
-    return context.from_dict(data)
 
 
 def _times(monomial: Monomial, inner: Plan) -> Plan:

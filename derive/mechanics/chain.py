@@ -26,10 +26,10 @@ from derive.mechanics.vectors import (
     add,
     axial_tensor,
     column,
+    conjugate,
     dot,
     from_matrix,
     identity,
-    matmul,
     multiply,
     scale,
     steiner,
@@ -70,11 +70,7 @@ class Body(Generic[S]):
     inertia: Symmetric[S]  # tensor about the frame's origin
 
     def __add__(self, other: Body[S]) -> Body[S]:
-        return Body(
-            self.mass + other.mass,
-            add(self.first_moment, other.first_moment),
-            self.inertia + other.inertia,
-        )
+        return Body(self.mass + other.mass, add(self.first_moment, other.first_moment), self.inertia + other.inertia)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,11 +126,15 @@ class Chain(Generic[S]):
         return (self.zero, self.zero, self.zero)
 
     @property
+    def unit(self) -> Frame[S]:
+        """The frame of no motion."""
+        return Frame(identity(self.zero, self.one), self.null)
+
+    @property
     def inverted(self) -> Chain[S]:
         """The arm seen from its end: T^-1 = tool^-1 Z_n^-1 K_{n-1}^-1 ... K_0^-1 base^-1; kinematics alone."""
         joints = self.joints[::-1]
-        unit = Frame(identity(self.zero, self.one), self.null)
-        fixed = [unit, *(joint.fixed.inverse for joint in joints)]
+        fixed = [self.unit, *(joint.fixed.inverse for joint in joints)]
         return replace(
             self,
             base=self.tool.inverse,
@@ -143,7 +143,7 @@ class Chain(Generic[S]):
                 for joint, before in zip(joints, fixed[:-1], strict=True)
             ),
             tool=fixed[-1] @ self.base.inverse,
-            ends=(unit,) * self.n,
+            ends=(self.unit,) * self.n,
             bodies=(),
             axial=(),
         )
@@ -159,11 +159,7 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
     """The arm as a chain of joint motions between constant frames."""
     zero, one = domain.number(0), domain.number(1)
     base = constant_frame(robot.base, domain)
-    rows = []
-    for joint in robot.joints:  # K = Trans(x, a) Rot(x, alpha); the two commute, so it serves both conventions
-        c, s = domain.cosine_sine(joint.alpha)
-        turn = ((one, zero, zero), (zero, c, -s), (zero, s, c))
-        rows.append(Frame(turn, (domain.constant(joint.a), zero, zero)))
+    rows = [link_factor(joint.a, joint.alpha, domain) for joint in robot.joints]
     unit = Frame(identity(zero, one), (zero, zero, zero))
     standard = robot.convention is Convention.STANDARD
     fixed, ends = ([unit, *rows[:-1]], rows) if standard else (rows, [unit] * len(rows))
@@ -176,6 +172,13 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
         in_world = constant_vector(robot.gravity, domain)
         gravity, drop = multiply(transpose(base.rotation), in_world), dot(in_world, base.position)
     return Chain(zero, one, base, joints, tool, tuple(ends), tuple(bodies), gravity, drop, ground)
+
+
+def link_factor(a: Expression, alpha: Expression, domain: Domain[S]) -> Frame[S]:
+    """K = Trans(x, a) Rot(x, alpha); the two commute, so it serves both conventions."""
+    zero, one = domain.number(0), domain.number(1)
+    c, s = domain.cosine_sine(alpha)
+    return Frame(((one, zero, zero), (zero, c, -s), (zero, s, c)), (domain.constant(a), zero, zero))
 
 
 def constant_vector(cells: tuple[Expression, Expression, Expression], domain: Domain[S]) -> Vector[S]:
@@ -231,16 +234,14 @@ def _bodies(robot: Robot, fixed: Sequence[Frame[S]], ends: Sequence[Frame[S]], d
     for link, end in zip(robot.links, ends[: len(robot.links)], strict=True):
         mass = domain.constant(link.mass)
         r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
-        turned = matmul(matmul(end.rotation, central_inertia(link, domain).matrix), transpose(end.rotation))
+        turned = conjugate(end.rotation, central_inertia(link, domain).matrix)
         bodies.append(Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r)))
     for i, link in enumerate(robot.links):
-        motor = link.motor
-        if motor is None:
+        if (motor := link.motor) is None:
             continue
         u, place = column(fixed[i].rotation, 2), fixed[i].position
         if robot.convention is Convention.MODIFIED:
             place = add(place, scale(domain.constant(robot.joints[i].d), u))
         mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
-        rotor = Body(mass, scale(mass, place), axial_tensor(inertia, u) + steiner(mass, place))
-        bodies[i] = bodies[i] + rotor
+        bodies[i] = bodies[i] + Body(mass, scale(mass, place), axial_tensor(inertia, u) + steiner(mass, place))
     return bodies

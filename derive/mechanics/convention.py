@@ -25,7 +25,8 @@ from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind, robot_cells
 from derive.algebra.ring import Polynomial
-from derive.mechanics.chain import Chain, build_chain, central_inertia, constant_frame, constant_vector
+from derive.mechanics.chain import build_chain, central_inertia, constant_frame, constant_vector, link_factor
+from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import (
     Frame,
     Matrix,
@@ -33,13 +34,12 @@ from derive.mechanics.vectors import (
     add,
     add_matrices,
     column,
+    conjugate,
     from_matrix,
-    matmul,
     multiply,
     scale,
     steiner,
     subtract,
-    transpose,
 )
 from derive.robot import expression as tree
 from derive.robot.description import Convention, Description, Inertia, Link, Motor
@@ -165,10 +165,9 @@ class _Cells:
 
     def __init__(self, robot: Robot, extra: Iterable[Expression]) -> None:
         domain = self.domain = PolynomialDomain(robot, extra, rates=False)
-        kinds = (Kind.PARAMETER, Kind.PI)
-        places = range(len(domain.generators))
+        places, first = range(len(domain.generators)), (Kind.PARAMETER, Kind.PI)
         # Parameters and pi stand first in a product, then what is made of them.
-        self._order = sorted(places, key=lambda place: domain.generators[place].kind not in kinds)
+        self._order = sorted(places, key=lambda place: domain.generators[place].kind not in first)
 
     def frame(self, matrix: Sequence[Sequence[Expression]]) -> Frame[Polynomial]:
         """A constant transform."""
@@ -176,11 +175,7 @@ class _Cells:
 
     def factor(self, factor: Factor) -> Frame[Polynomial]:
         """X = Trans(x, a) Rot(x, alpha)."""
-        domain = self.domain
-        zero, one = domain.number(0), domain.number(1)
-        c, s = domain.cosine_sine(factor.alpha)
-        turn = ((one, zero, zero), (zero, c, -s), (zero, s, c))
-        return Frame(turn, (domain.constant(factor.a), zero, zero))
+        return link_factor(factor.a, factor.alpha, self.domain)
 
     def matrix(
         self, frame: Frame[Polynomial], before: Sequence[Sequence[Expression]]
@@ -221,7 +216,7 @@ class _Body:
         """The body, known in some frame, seen from the frame in which that one is given."""
         turn = frame.rotation
         com = add(frame.position, multiply(turn, self.com))
-        return _Body(self.mass, com, matmul(matmul(turn, self.inertia), transpose(turn)))
+        return _Body(self.mass, com, conjugate(turn, self.inertia))
 
 
 def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
@@ -229,7 +224,13 @@ def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[
     to_modified = robot.convention is Convention.STANDARD
     rows = [Factor(joint.a, joint.alpha) for joint in robot.joints] if to_modified else moved
     rotors = {i: motor for _, motor, i in _motors(robot)}
-    links, notes = list(robot.links), list(_on_the_ground(robot))
+    links, notes = list(robot.links), list[str]()
+    motor, d = (robot.links[0].motor if robot.links else None), robot.joints[0].d
+    if motor is not None and not (_is_zero(robot, motor.mass) or _is_zero(robot, d)):
+        notes.append(
+            f"the rotor of joint 1 stands {cell_text(d)} {'further' if to_modified else 'less far'} along its axis in "
+            "this convention: the potential energy differs by a constant, and nothing else does"
+        )
     for i, (link, row) in enumerate(zip(robot.links, rows, strict=False)):
         # Both DH frames of this link coincide, and so do its parameters.
         if row.is_one and i not in rotors:
@@ -243,17 +244,14 @@ def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[
             notes.append(note)
             if body.mass != link.mass:
                 links[i + 1] = replace(links[i + 1], motor=replace(rotors[i], mass=ZERO))
-        links[i] = _link(links[i], body if to_modified else body.through(behind.inverse), cells)
+        body = body if to_modified else body.through(behind.inverse)
+        # Cells that keep their value are kept as they are written.
+        names, entries = [part.name for part in fields(Inertia)], from_matrix(body.inertia)
+        known = [getattr(link.inertia, name) for name in names]
+        inertia = Inertia(**{name: cells.cell(getattr(entries, name), known) for name in names})
+        x, y, z = (cells.cell(entry, link.com) for entry in body.com)
+        links[i] = replace(links[i], mass=body.mass, com=(x, y, z), inertia=inertia)
     return tuple(links), notes
-
-
-def _link(link: Link, body: _Body, cells: _Cells) -> Link:
-    """A link with the cells of a body."""
-    known = [getattr(link.inertia, part.name) for part in fields(Inertia)]
-    entries = from_matrix(body.inertia)
-    tensor = {part.name: cells.cell(getattr(entries, part.name), known) for part in fields(Inertia)}
-    x, y, z = (cells.cell(entry, link.com) for entry in body.com)
-    return replace(link, mass=body.mass, com=(x, y, z), inertia=Inertia(**tensor))
 
 
 def _made_up(
@@ -287,17 +285,6 @@ def _made_up(
     return _Body(body.mass, com, inertia), note
 
 
-def _on_the_ground(robot: Robot) -> Iterator[str]:
-    """A note on the rotor that the base carries, where the other convention places it elsewhere."""
-    motor, d = (robot.links[0].motor if robot.links else None), robot.joints[0].d
-    if motor is not None and not (_is_zero(robot, motor.mass) or _is_zero(robot, d)):
-        way = "further" if robot.convention is Convention.STANDARD else "less far"
-        yield (
-            f"the rotor of joint 1 stands {cell_text(d)} {way} along its axis in this convention: the potential "
-            "energy differs by a constant, and nothing else does"
-        )
-
-
 def has_equal_poses(conversion: Conversion) -> bool:
     """Whether both tables, multiplied out in exact arithmetic, give one T."""
     source, result = conversion.source, Robot.of(conversion.result)
@@ -305,10 +292,5 @@ def has_equal_poses(conversion: Conversion) -> bool:
     calls = [Call(name, (angle,)) for angle in angles for name in ("cos", "sin")]
     domain = PolynomialDomain(source, [*values, *calls], rates=False)
     # Both products T in one ring, compared as polynomials.
-    ours, theirs = (_pose(build_chain(robot, domain)) for robot in (source, result))
+    ours, theirs = (forward_kinematics(build_chain(robot, domain)) for robot in (source, result))
     return ours == theirs
-
-
-def _pose(chain: Chain[Polynomial]) -> Frame[Polynomial]:
-    motions = (joint.fixed @ joint.motion(chain.zero, chain.one) for joint in chain.joints)
-    return reduce(Frame.__matmul__, motions, chain.base) @ chain.tool

@@ -47,14 +47,13 @@ from derive.mechanics.vectors import (
     Vector,
     add,
     add_matrices,
+    conjugate,
     cross,
     hat,
-    matmul,
     multiply,
     outer,
     scale,
     subtract,
-    transpose,
 )
 
 
@@ -84,7 +83,7 @@ class _Composite(Generic[S]):
         # in the axes, and then seen from the origin, of joint frame i-1: P + h p^T + p h^T + m p p^T
         first, first_rate = multiply(fixed, first), multiply(fixed, (x, y, z))
         # E + h' p^T: every place x grows by p, and no x' does.
-        second_rate = add_matrices(matmul(matmul(fixed, second_rate), transpose(fixed)), outer(first_rate, p))
+        second_rate = add_matrices(conjugate(fixed, second_rate), outer(first_rate, p))
         second, moved = turn_tensor(fixed, second), add(first, scale(mass, p))
         shifted = Symmetric(
             second.xx + (first[0] + moved[0]) * p[0],

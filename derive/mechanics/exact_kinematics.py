@@ -8,7 +8,7 @@ from functools import cached_property
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import Chain, build_chain, constant_vector
-from derive.mechanics.vectors import Frame, Vector, add, column, cross, dot, identity, multiply, scale, subtract
+from derive.mechanics.vectors import Frame, Vector, add, column, cross, dot, multiply, scale, subtract
 from derive.robot.description import Convention, Motor
 from derive.robot.robot import Robot
 
@@ -32,7 +32,7 @@ class Kinematics:
         """DH frame j in DH frame i, without base and tool."""
         if (i, j) not in self._frames:
             if i == j:
-                found = Frame(identity(self.chain.zero, self.chain.one), self.chain.null)
+                found = self.chain.unit
             elif i > j:
                 found = self.transform(j, i).inverse
             else:

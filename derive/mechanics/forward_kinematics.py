@@ -26,6 +26,7 @@ Robotics, section 3.6).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import Any, Protocol, Self, TypeVar
 
 from derive.mechanics.chain import Chain
@@ -36,12 +37,7 @@ from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, scale
 
 def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
     """Joint frames 1..n in the world frame."""
-    poses: list[Frame[S]] = []
-    pose = chain.base
-    for joint in chain.joints:
-        pose = advance(pose, joint)
-        poses.append(pose)
-    return poses
+    return list(accumulate(chain.joints, advance, initial=chain.base))[1:]
 
 
 def forward_kinematics(chain: Chain[S]) -> Frame[S]:

@@ -17,6 +17,7 @@ from derive.mechanics.vectors import (
     Vector,
     add,
     column,
+    conjugate,
     from_matrix,
     matmul,
     multiply,
@@ -103,7 +104,7 @@ def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
 
 def turn_tensor(rotation: Matrix[S], tensor: Symmetric[S]) -> Symmetric[S]:
     """R I R^T."""
-    return from_matrix(matmul(matmul(rotation, tensor.matrix), transpose(rotation)))
+    return from_matrix(conjugate(rotation, tensor.matrix))
 
 
 def tensor_to_parent(joint: ChainJoint[S], tensor: Symmetric[S]) -> Symmetric[S]:
@@ -113,8 +114,7 @@ def tensor_to_parent(joint: ChainJoint[S], tensor: Symmetric[S]) -> Symmetric[S]
 
 def matrix_to_parent(joint: ChainJoint[S], m: Matrix[S]) -> Matrix[S]:
     """A matrix of joint frame i in the axes of joint frame i-1."""
-    fixed = joint.fixed.rotation
-    return matmul(matmul(fixed, turn_matrix(joint.cosine, joint.sine, m)), transpose(fixed))
+    return conjugate(joint.fixed.rotation, turn_matrix(joint.cosine, joint.sine, m))
 
 
 def shift(mass: S, moment: Vector[S], tensor: Symmetric[S], p: Vector[S]) -> Symmetric[S]:

@@ -26,7 +26,7 @@ from typing import Generic
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.inertia_matrix import Wrench, wrench_to_parent
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_child
-from derive.mechanics.vectors import Matrix, S, Vector, add, cross, dot, matmul, multiply, scale, transpose
+from derive.mechanics.vectors import Matrix, S, Vector, add, conjugate, cross, dot, matmul, multiply, scale, transpose
 
 
 class Place(Enum):
@@ -68,12 +68,6 @@ class LinkMotion(Generic[S]):
     acceleration: Vector[S]  # acceleration of the origin, less gravity
     # U_zz - U_yy, U_xx - U_zz and U_yy - U_xx, where they came cheaper than as such.
     differences: Vector[S] | None = None
-
-    @property
-    def diagonal_differences(self) -> Vector[S]:
-        """U_zz - U_yy, U_xx - U_zz and U_yy - U_xx."""
-        u = self.tensor
-        return self.differences or (u[2][2] - u[1][1], u[0][0] - u[2][2], u[1][1] - u[0][0])
 
 
 def link_motions(
@@ -138,7 +132,7 @@ def _beyond_revolute(
     below = (x * omega[2] - alpha[1], y * omega[2] + alpha[0])
     if choice.held and choice.grown:  # the entries off the diagonal from those of the link before
         fixed = joint.fixed.rotation
-        old = matmul(matmul(transpose(fixed), before.tensor), fixed)
+        old = conjugate(transpose(fixed), before.tensor)
         twice = rate + rate
         upper, lower = old[0][1] - acceleration, old[1][0] + acceleration
         below = (old[2][0] + twice * x, old[2][1] + twice * y)
@@ -158,7 +152,7 @@ def _beyond_prismatic(
     if not choice.column:
         return _from_angular(omega, alpha, origin_acceleration)
     turn = matmul(joint.fixed.rotation, joint.motion(chain.zero, chain.one).rotation)
-    tensor = matmul(matmul(transpose(turn), before.tensor), turn)
+    tensor = conjugate(transpose(turn), before.tensor)
     return LinkMotion(omega, alpha, tensor, origin_acceleration)
 
 
@@ -216,7 +210,7 @@ def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = Fal
     """Force and moment (at the origin) that move a body."""
     u, a, h = motion.tensor, motion.acceleration, body.first_moment
     force = add(scale(body.mass, a), multiply(u, h))
-    i, differences = body.inertia, motion.diagonal_differences
+    i, differences = body.inertia, motion.differences or (u[2][2] - u[1][1], u[0][0] - u[2][2], u[1][1] - u[0][0])
     if second_moments:  # sum m r x (U r) in P, with P_zz = 0: P_xx = I_yy and P_yy = I_xx
         spin = (
             i.xx * u[2][1] + (i.xz * u[1][0] - i.xy * u[2][0]) - i.yz * differences[0],

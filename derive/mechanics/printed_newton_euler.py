@@ -27,20 +27,7 @@ from typing import Generic
 from derive.errors import QuantityError
 from derive.mechanics.chain import Chain, Domain, build_chain, central_inertia, constant_vector
 from derive.mechanics.joint_motion import along_axes
-from derive.mechanics.vectors import (
-    Matrix,
-    S,
-    Vector,
-    add,
-    column,
-    cross,
-    dot,
-    identity,
-    matmul,
-    multiply,
-    scale,
-    transpose,
-)
+from derive.mechanics.vectors import Matrix, S, Vector, add, column, cross, dot, matmul, multiply, scale, transpose
 from derive.robot.description import Convention, Motor
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
@@ -144,30 +131,16 @@ class PrintedRecursion(Generic[S]):
     torques: tuple[S, ...]  # n entries, in the sense of the joint variables
 
 
-def newton_euler_base(
-    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
-) -> PrintedRecursion[S]:
-    """The recursion with every vector in base coordinates (axes of frame 0)."""
-    return _recursion(robot, domain, qd, qdd, load, base=True)
-
-
-def newton_euler_link(
-    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
-) -> PrintedRecursion[S]:
-    """The recursion with the vectors of link i in frame i."""
-    return _recursion(robot, domain, qd, qdd, load, base=False)
-
-
 def without_rotors(robot: Robot) -> Robot:
     """The robot without rotors, armatures and Coulomb friction: what these equations describe."""
     links = tuple(replace(link, motor=None, armature=ZERO, coulomb=ZERO) for link in robot.links)
     return replace(robot, links=links)
 
 
-def _recursion(
-    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None, *, base: bool
+def printed_newton_euler(
+    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None, *, base: bool
 ) -> PrintedRecursion[S]:
-    """Outward, then inward; ``base``: in the axes of frame 0, else those of link i in frame i."""
+    """The recursion with every vector in base coordinates (axes of frame 0), else those of link i in frame i."""
     if robot.convention is not Convention.STANDARD:
         raise QuantityError("Newton-Euler equations of lectures", allowed="allowed: the standard convention")
     if not robot.has_dynamics:
@@ -181,7 +154,7 @@ def _recursion(
                 remedy="use without_rotors(robot)",
             )
     chain: Chain[S] = build_chain(robot, domain)
-    unit = identity(chain.zero, chain.one)
+    unit = chain.unit.rotation
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     # Outward: vd_0 = -g makes the base accelerate against gravity.
     links: list[LinkData[S]] = []

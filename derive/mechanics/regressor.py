@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import Generic
 
 from derive.mechanics.chain import Chain, ChainJoint
@@ -48,10 +49,8 @@ class Screw(Generic[S]):
 
 def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
     """The screws of joints 1..k of every link k, in joint frame k, rates counted positive along +z."""
-    found: list[list[Screw[S]]] = []
-    for joint in chain.joints:
-        found.append(next_screws(chain, joint, found[-1] if found else []))
-    return found
+    none: list[Screw[S]] = []
+    return list(accumulate(chain.joints, lambda before, joint: next_screws(chain, joint, before), initial=none))[1:]
 
 
 def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
@@ -129,13 +128,7 @@ class Regressor(Generic[S]):
     """Columns of the regressor of one arm in one state."""
 
     def __init__(
-        self,
-        chain: Chain[S],
-        qd: Sequence[S],
-        qdd: Sequence[S],
-        *,
-        ends: bool,
-        sign: Callable[[S], S] | None = None,
+        self, chain: Chain[S], qd: Sequence[S], qdd: Sequence[S], *, ends: bool, sign: Callable[[S], S] | None = None
     ) -> None:
         self.chain = chain
         self._qd, self._qdd = qd, qdd

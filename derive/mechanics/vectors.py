@@ -63,11 +63,7 @@ def multiply(m: Matrix[S], v: Vector[S]) -> Vector[S]:
 
 def transpose(m: Matrix[S]) -> Matrix[S]:
     """The transpose of m."""
-    return (
-        (m[0][0], m[1][0], m[2][0]),
-        (m[0][1], m[1][1], m[2][1]),
-        (m[0][2], m[1][2], m[2][2]),
-    )
+    return (column(m, 0), column(m, 1), column(m, 2))
 
 
 def column(m: Matrix[S], j: int) -> Vector[S]:
@@ -82,17 +78,18 @@ def identity(zero: S, one: S) -> Matrix[S]:
 
 def matmul(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
     """a b."""
-    c = [multiply(a, column(b, j)) for j in range(3)]
-    return (
-        (c[0][0], c[1][0], c[2][0]),
-        (c[0][1], c[1][1], c[2][1]),
-        (c[0][2], c[1][2], c[2][2]),
-    )
+    x, y, z = (multiply(a, column(b, j)) for j in range(3))
+    return transpose((x, y, z))
 
 
 def add_matrices(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
     """a + b."""
     return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
+
+
+def conjugate(rotation: Matrix[S], m: Matrix[S]) -> Matrix[S]:
+    """R m R^T: what m is in axes that are turned by R."""
+    return matmul(matmul(rotation, m), transpose(rotation))
 
 
 def outer(a: Vector[S], b: Vector[S]) -> Matrix[S]:

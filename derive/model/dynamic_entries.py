@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import sympy
 
-from derive.algebra.ring import TooManyTerms
+from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm
 from derive.model.entries import Entries, KinematicEntries, of_polynomials
@@ -117,22 +117,18 @@ class ModelEntries(KinematicEntries):
 
     def christoffel(self, i: int, j: int, k: int) -> Entries:
         """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), 1x1."""
-        return self._keep(("christoffel", *_triple(i, j, k)), lambda: self._christoffel(i, j, k))
-
-    def _christoffel(self, i: int, j: int, k: int) -> Entries:
-        model = self.model
-        if not self._inertia_is_affordable:
-            return _too_long((1, 1))
-        size = model.dynamics.expanded_size(model.dynamics.christoffel(i - 1, j - 1, k - 1))
-        return Entries((1, 1), lambda _, __: size, lambda _, __: model.christoffel(i, j, k))
+        find = self.model.dynamics.christoffel
+        return self._keep(("christoffel", *_triple(i, j, k)), lambda: self._of_three(find, i, j, k))
 
     def inertia_derivative(self, i: int, j: int, k: int) -> Entries:
         """dB_ij/dq_k, 1x1."""
-        model = self.model
+        return self._of_three(self.model.dynamics.derivative, i, j, k)
+
+    def _of_three(self, find: Callable[[int, int, int], Polynomial], i: int, j: int, k: int) -> Entries:
         if not self._inertia_is_affordable:
             return _too_long((1, 1))
-        p, grouping = model.dynamics.derivative(i - 1, j - 1, k - 1), model.style.christoffel
-        size, write = model.dynamics.expanded_size(p), model.dynamic_form.entry
+        model, p = self.model, find(i - 1, j - 1, k - 1)
+        size, write, grouping = model.dynamics.expanded_size(p), model.dynamic_form.entry, model.style.christoffel
         return Entries((1, 1), lambda _, __: size, lambda _, __: write(p, model.christoffel_limit, grouping))
 
     @property

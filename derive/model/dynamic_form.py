@@ -28,14 +28,9 @@ from derive.robot.options.style import Grouping, Rates
 MAX_DYNAMIC_TERMS = 400_000  # budget of one entry of B; beyond it only the generated functions remain
 
 
-@dataclass(frozen=True, slots=True)
-class Budget:
-    """Which entries are expanded in the user's symbols, by their number of terms."""
-
-    entry: int = 40  # an entry with at most so many terms is expanded in any case
-    long_entry: int = 400  # so many where the whole quantity stays within ``quantity``
-    quantity: int = 1500  # terms of a whole matrix or table
-
+# Which entries are expanded in the user's symbols, by their number of terms: in any case, or where the whole matrix or
+# table stays within the last number.
+EXPANDED_ENTRY, LONG_ENTRY, WHOLE_QUANTITY = 40, 400, 1500
 
 Combination = dict[Expr, Fraction]  # rates or products of rates, and their rational factors
 
@@ -52,10 +47,9 @@ class RateWriting:
 class DynamicForm:
     """Writes the polynomials of `Dynamics`."""
 
-    def __init__(self, dynamics: Dynamics, form: LectureForm, budget: Budget | None = None) -> None:
+    def __init__(self, dynamics: Dynamics, form: LectureForm) -> None:
         self.dynamics = dynamics
         self.form = form
-        self.budget = budget or Budget()
         self._lumps: dict[int, Expr] = {}
         self._coefficients: dict[object, Expr] = {}
         self._cache: dict[object, Expr] = {}
@@ -84,7 +78,7 @@ class DynamicForm:
     def limit(self, entries: Iterable[Polynomial]) -> int:
         """The longest entry that is expanded when a whole quantity is to be written."""
         total = sum(self.dynamics.expanded_size(p) for p in entries)
-        return self.budget.long_entry if total <= self.budget.quantity else self.budget.entry
+        return LONG_ENTRY if total <= WHOLE_QUANTITY else EXPANDED_ENTRY
 
     def entry(self, p: Polynomial, limit: int, grouping: Grouping | None = None) -> Expr:
         """One entry as a SymPy expression."""
@@ -146,7 +140,7 @@ class DynamicForm:
         """Whether the rates of a coefficient stand in one bracket."""
         if rates is Rates.USUAL:
             size = self.dynamics.expanded_size(p)
-            return size == 1 or (size <= self.budget.entry and len(self.form.terms(self.dynamics.expand(p))) == 1)
+            return size == 1 or (size <= EXPANDED_ENTRY and len(self.form.terms(self.dynamics.expand(p))) == 1)
         return rates in (Rates.SYMBOL, Rates.FACTORED)
 
     def _by_term(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:

@@ -11,7 +11,7 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
-from derive.lecture.matrices import aligned_latex, columns_matrix, symmetric_matrix
+from derive.lecture.matrices import aligned_latex, columns_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting
@@ -165,17 +165,13 @@ class DynamicModel(IdentifiedModel):
     @cached_property
     def energy(self) -> Energy:
         """Kinetic energy 1/2 qd^T B qd and potential energy -sum m g0.p [J]."""
-        return Energy(self._kinetic(), self.form.potential(self.kinematics.potential))
-
-    def _kinetic(self) -> Expr:
-        """1/2 qd^T B qd, by the entries of B or by bodies."""
-        qd, n = self.qd, range(self.n)
+        qd, n, potential = self.qd, range(self.n), self.form.potential(self.kinematics.potential)
         rates = {(i, j): qd[i] ** 2 / 2 if i == j else qd[i] * qd[j] for i in n for j in n if i <= j}
         if self.style.kinetic is Kinetic.BODY:
             pairs = [(self.dynamics.inertia_matrix[i][j], rate) for (i, j), rate in rates.items()]
             if all(self.dynamics.expanded_size(p) <= self.dynamic_form.inertia_limit for p, _ in pairs):
-                return self.dynamic_form.energy([(p, rate) for p, rate in pairs if p])
-        return sympy.Add(*(self.B[place] * rate for place, rate in rates.items()))
+                return Energy(self.dynamic_form.energy([(p, rate) for p, rate in pairs if p]), potential)
+        return Energy(sympy.Add(*(self.B[place] * rate for place, rate in rates.items())), potential)
 
     @cached_property
     def B(self) -> Matrix:
@@ -201,7 +197,7 @@ class DynamicModel(IdentifiedModel):
         return self._inertia(self.dynamic_form.of_part(i, of_rotor=False))
 
     def _inertia(self, form: DynamicForm) -> Matrix:
-        return symmetric_matrix(self.n, [form.inertia(i, j) for i in range(self.n) for j in range(i, self.n)])
+        return sympy.ImmutableMatrix(self.n, self.n, lambda i, j: form.inertia(min(i, j), max(i, j)))
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
         """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).

@@ -15,7 +15,7 @@ from typing import Any
 import mpmath
 
 from derive.algebra.quotients import QuotientRing
-from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.algebra.ring import TooManyTerms
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
@@ -132,11 +132,6 @@ class Verdict:
     counter_example: CounterExample | None = None  # a point where they differ; None where they are equal
 
 
-def difference(robot: Robot, ours: Expression, theirs: Expression) -> Polynomial:
-    """A polynomial that is identically zero if the formulas are equal: the cross-multiplied difference."""
-    return QuotientRing(robot, (ours, theirs)).difference(ours, theirs)
-
-
 def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
     """Whether two formulas are equal wherever both are defined."""
     try:
@@ -163,11 +158,6 @@ def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
         except ExpressionError as error:
             raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy) from None
     return compare(model.robot, expression_from_sympy(scalar_quantity(model, quantity)), theirs)
-
-
-def equal(model: DynamicModel, quantity: str, expression: object) -> bool:
-    """Whether an expression equals a scalar quantity."""
-    return verdict(model, quantity, expression).equal
 
 
 def scalar_quantity(model: DynamicModel, text: str) -> Expr:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of t
 
 # Attributes of a model that hold FLINT's polynomials or functions, and are not pickled.
 MADE_AGAIN = (
-    *("domain", "kinematics", "form", "long_chain", "jacobian_columns", "_write", "_alike", "_is_of_short_arm"),
+    *("domain", "kinematics", "form", "long_chain", "jacobian_columns", "_alike", "_is_of_short_arm"),
     *("dynamics", "dynamic_form", "standard_set", "base_set", "inverse", "workspace", "aspects"),
 )
 ITSELF = ("robot", "style", "q", "qd", "qdd", "_view")  # attributes of every model
@@ -288,14 +288,10 @@ class KinematicModel:
         if self._is_long:
             rate = sum((self.J.diff(q) * qd for q, qd in zip(self.q, self.qd, strict=True)), sympy.zeros(6, self.n))
             return sympy.ImmutableMatrix(rate)
-
-        def _rate(entry: Polynomial) -> Expr:
-            slopes = (self.form.kinematic(self.domain.derivative(entry, k)) for k in range(self.n))
-            return sympy.Add(*(slope * qd for slope, qd in zip(slopes, self.qd, strict=True)))
-
-        linear, angular = self.jacobian_columns
-        rows = [[(*v, *w)[row] for v, w in zip(linear, angular, strict=True)] for row in range(6)]
-        return sympy.ImmutableMatrix([[_rate(entry) for entry in row] for row in rows])
+        write, slope = self.form.kinematic, self.domain.derivative
+        columns = [(*v, *w) for v, w in zip(*self.jacobian_columns, strict=True)]
+        rates = [[[write(slope(entry, k)) * qd for k, qd in enumerate(self.qd)] for entry in c] for c in columns]
+        return sympy.ImmutableMatrix([[sympy.Add(*terms) for terms in column] for column in rates]).T
 
     def J_analytic(self, kind: str) -> Matrix:
         """Analytic Jacobian: derivative of position and of orientation angles.

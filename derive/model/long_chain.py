@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any, Generic
 
 import sympy
@@ -153,10 +153,7 @@ class LongChain:
 
 def _product(frames: Sequence[Frame[S]]) -> Frame[S]:
     """The product of frames from the right, so that it nests outwards."""
-    result = frames[-1]
-    for frame in reversed(frames[:-1]):
-        result = frame @ result
-    return result
+    return reduce(lambda inner, frame: frame @ inner, reversed(frames))
 
 
 @dataclass(frozen=True, slots=True)

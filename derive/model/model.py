@@ -8,7 +8,7 @@ from derive.lecture.point import at_point
 from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
-from derive.model.equality import equal
+from derive.model.equality import verdict
 from derive.model.quantities import DESCRIBED
 from derive.model.quantity_names import evaluate, parse
 from derive.robot.cells import typed_point
@@ -120,4 +120,4 @@ class Model(DynamicModel):
             QuantityError: No such quantity.
             CheckError: The expression cannot be read.
         """
-        return equal(self, quantity, expression)
+        return verdict(self, quantity, expression).equal

@@ -29,7 +29,11 @@ class Quantity:
     formula: Callable[..., Expr] | None = None  # of the model and the indices; by default its attribute or method
     words: tuple[str, ...] = ()  # what books call it besides; case counts in one letter, spaces and signs never
     joints: range = ANY  # for how many joints it is defined
-    function: str = ""  # the generated function from whose result it follows at once; empty if none does
+
+    @property
+    def function(self) -> str:
+        """The generated function from whose result it follows at once; empty if none does."""
+        return next((function for function, names in _OF_FUNCTIONS.items() if self.name in names), "")
 
     @property
     def dynamic(self) -> bool:
@@ -61,10 +65,6 @@ class Quantity:
             return self.formula(model, *indices)
         found = getattr(model, self.name)
         return found(*indices) if indices else found
-
-
-def _frame(model: DynamicModel, *indices: int) -> Matrix:
-    return model.transform(*indices) if len(indices) == 2 else model.frame(*indices) if indices else model.T
 
 
 def _rows(model: DynamicModel, *rows: int) -> Matrix:
@@ -103,81 +103,48 @@ _SIX = tuple(range(1, 7))
 _BLOCK, _WRIST = range(3, ANY.stop), range(4, ANY.stop)
 
 _KINEMATIC = (
-    Quantity("A", r"\mathbf{A}_i^{i-1}", "4x4", "", "DH transform of row i", (1,), function="link_transforms"),
+    Quantity("A", r"\mathbf{A}_i^{i-1}", "4x4", "", "DH transform of row i", (1,)),
     Quantity(
-        "T", r"\mathbf{T}", "4x4", "", _END, (0, 1, 2), _frame,
+        "T", r"\mathbf{T}", "4x4", "", _END, (0, 1, 2),
+        lambda m, *of: m.transform(*of) if len(of) == 2 else m.frame(*of) if of else m.T,
         ("fkine", "fk", "forward kinematics", "direct kinematics", "pose", "transform", "frame", "H"),
-        function="forward_kinematics",
     ),
-    Quantity(
-        "p", r"\mathbf{p}", "3x1", "m", "position of the end effector", words=("position", "P"),
-        function="forward_kinematics",
-    ),
-    Quantity(
-        "R", r"\mathbf{R}", "3x3", "", "orientation of the end effector", words=("rotation", "orientation"),
-        function="forward_kinematics",
-    ),
+    Quantity("p", r"\mathbf{p}", "3x1", "m", "position of the end effector", words=("position", "P")),
+    Quantity("R", r"\mathbf{R}", "3x3", "", "orientation of the end effector", words=("rotation", "orientation")),
     Quantity("rpy", r"\boldsymbol{\phi}", "3x1", "rad", "roll, pitch, yaw", words=("roll pitch yaw", "euler angles")),
     Quantity("euler_zyz", r"\boldsymbol{\phi}", "3x1", "rad", "Euler angles ZYZ", words=("zyz", "euler angles")),
-    Quantity(
-        "J", r"\mathbf{J}", "6xn", "", "geometric Jacobian, world frame", words=("jacobian", "jacob0"),
-        function="jacobian",
-    ),
+    Quantity("J", r"\mathbf{J}", "6xn", "", "geometric Jacobian, world frame", words=("jacobian", "jacob0")),
     Quantity(
         "J_end", r"\mathbf{J}^n", "6xn", "", "geometric Jacobian, end-effector frame",
         words=("jacobe", "jacobian end", "end jacobian"),
-        function="jacobian_end",
     ),
     Quantity(
         "J_dot", r"\dot{\mathbf{J}}", "6xn", "", "rate of change of J, world frame",
         words=("dJ/dt", "dot J", "jacobian dot"),
-        function="jacobian_dot",
     ),
     Quantity(
         "J_rpy", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for roll, pitch, yaw", (0,),
         lambda m: m.J_analytic("rpy"), ("analytic jacobian", "J_analytic", "J_A"),
-        function="analytic_jacobian_rpy",
     ),
     Quantity(
         "J_zyz", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for Euler ZYZ", (0,),
         lambda m: m.J_analytic("zyz"), ("analytic jacobian", "J_analytic", "J_A"),
-        function="analytic_jacobian_zyz",
     ),
     Quantity(
         "Jv", r"\mathbf{J}_v", "3xn", "", "rows 1-3 of J: velocity", (0,), lambda m: m.J[:3, :],
         ("linear jacobian", "J_P"),
-        function="jacobian",
     ),
     Quantity(
         "Jw", r"\mathbf{J}_\omega", "3xn", "", "rows 4-6 of J: angular velocity", (0,), lambda m: m.J[3:, :],
         ("angular jacobian", "J_O", "Jomega"),
-        function="jacobian",
     ),
-    Quantity(
-        "Jxy", r"\mathbf{J}_{xy}", "2xn", "", "rows 1 and 2 of J", (0,), lambda m: m.J[:2, :],
-        function="jacobian",
-    ),
-    Quantity(
-        "J_rows", r"\mathbf{J}_{i,\ldots}", "kxn", "", "rows i, ... of J, such as J_rows[1,2,6]", _SIX, _rows,
-        function="jacobian",
-    ),
-    Quantity(
-        "J_11", r"\mathbf{J}_{11}", "3x3", "", _J_11, (0,), lambda m: m.J[:3, :3], (), _BLOCK,
-        function="jacobian",
-    ),
+    Quantity("Jxy", r"\mathbf{J}_{xy}", "2xn", "", "rows 1 and 2 of J", (0,), lambda m: m.J[:2, :]),
+    Quantity("J_rows", r"\mathbf{J}_{i,\ldots}", "kxn", "", "rows i, ... of J, such as J_rows[1,2,6]", _SIX, _rows),
+    Quantity("J_11", r"\mathbf{J}_{11}", "3x3", "", _J_11, (0,), lambda m: m.J[:3, :3], (), _BLOCK),
     Quantity("J_11_reduced", r"\mathbf{J}_{11}", "3x3", "", _REDUCED, (0,), _reduced_block, (), _BLOCK),
-    Quantity(
-        "J_12", r"\mathbf{J}_{12}", "3xm", "", _J_12, (0,), lambda m: m.J[:3, 3:], (), _WRIST,
-        function="jacobian",
-    ),
-    Quantity(
-        "J_21", r"\mathbf{J}_{21}", "3x3", "", _J_21, (0,), lambda m: m.J[3:, :3], (), _BLOCK,
-        function="jacobian",
-    ),
-    Quantity(
-        "J_22", r"\mathbf{J}_{22}", "3xm", "", _J_22, (0,), lambda m: m.J[3:, 3:], (), _WRIST,
-        function="jacobian",
-    ),
+    Quantity("J_12", r"\mathbf{J}_{12}", "3xm", "", _J_12, (0,), lambda m: m.J[:3, 3:], (), _WRIST),
+    Quantity("J_21", r"\mathbf{J}_{21}", "3x3", "", _J_21, (0,), lambda m: m.J[3:, :3], (), _BLOCK),
+    Quantity("J_22", r"\mathbf{J}_{22}", "3xm", "", _J_22, (0,), lambda m: m.J[3:, 3:], (), _WRIST),
     Quantity(
         "detJ", r"\det \mathbf{J}", "", "", _DETERMINANT, (0,), lambda m: m.det_J(),
         ("determinant", "determinant of J", "jacobian determinant"), range(1, 7),
@@ -220,37 +187,28 @@ _DYNAMIC = (
     Quantity(
         "kinetic", r"\mathcal{T}", "", "J", "kinetic energy", (0,), lambda m: m.energy.kinetic,
         ("kinetic energy", "energy", "K"),
-        function="kinetic_energy",
     ),
     Quantity(
         "potential", r"\mathcal{U}", "", "J", "potential energy", (0,), lambda m: m.energy.potential,
         ("potential energy", "energy", "U", "P", "V"),
-        function="potential_energy",
     ),
     Quantity(
         "B", r"\mathbf{B}", "nxn", "", "inertia matrix",
         words=("inertia", "inertia matrix", "mass matrix", "mass", "M", "D", "H", "b", "crba"),
-        function="inertia_matrix",
     ),
     Quantity("B_link", r"\mathbf{B}^{l_i}", "nxn", "", "part of B that link i contributes", (1,)),
     Quantity("Bdot", r"\dot{\mathbf{B}}", "nxn", "", "time derivative of B", words=("dB/dt", "Mdot", "dM/dt")),
     Quantity(
         "christoffel", "c_{ijk}", "", "", "Christoffel symbol c_ijk", (3,),
         words=("christoffel symbols", "c_ijk", "c", "h"),
-        function="coriolis_matrix",
     ),
     Quantity(
         "C", r"\mathbf{C}", "nxn", "", "Coriolis matrix", words=("coriolis", "coriolis matrix", "centrifugal matrix"),
-        function="coriolis_matrix",
     ),
-    Quantity(
-        "N", r"\mathbf{N}", "nxn", "", "Bdot - 2C", words=("Bdot - 2C", "Mdot - 2C", "skew"),
-        function="coriolis_matrix",
-    ),
+    Quantity("N", r"\mathbf{N}", "nxn", "", "Bdot - 2C", words=("Bdot - 2C", "Mdot - 2C", "skew")),
     Quantity(
         "tau", r"\boldsymbol{\tau}", "nx1", _FORCE, "equations of motion: B_qdd + Cqd + g + friction",
         words=("torque", "torques", "inverse dynamics", "rne", "dynamics", "equations of motion", "newton-euler"),
-        function="inverse_dynamics",
     ),
     Quantity(
         "B_qdd", r"\mathbf{B}\ddot{\mathbf{q}}", "nx1", _FORCE, "inertial part of tau, B qdd",
@@ -260,33 +218,44 @@ _DYNAMIC = (
         "Cqd", r"\mathbf{C}\dot{\mathbf{q}}", "nx1", _FORCE, _VELOCITY, (0,),
         lambda m: m.coriolis_vector,
         ("coriolis vector", "tau_velocity", "velocity torques", "coriolis torques", "centrifugal torques", "V", "h"),
-        function="coriolis_vector",
     ),
     Quantity(
         "g", r"\mathbf{g}", "nx1", _FORCE, "gravity part of tau",
         words=("gravity", "gravity vector", "tau_gravity", "gravity torques", "gravload", "G"),
-        function="gravity_vector",
     ),
     Quantity(
         "friction", r"\boldsymbol{\tau}_f", "nx1", _FORCE, "friction part of tau",
         words=("tau_friction", "friction torques", "tau_f", "F"),
     ),
-    Quantity(
-        "regressor", r"\mathbf{Y}", "nxp", "", "Y with tau = Y pi, standard parameters pi", words=("Y",),
-        function="regressor",
-    ),
+    Quantity("regressor", r"\mathbf{Y}", "nxp", "", "Y with tau = Y pi, standard parameters pi", words=("Y",)),
     Quantity("standard_parameters", r"\boldsymbol{\pi}", "px1", "", "the standard parameters pi", words=("pi",)),
-    Quantity(
-        "regressor_base", r"\mathbf{Y}", "nxb", "", "Y with tau = Y beta", words=("base regressor", "Y"),
-        function="base_regressor",
-    ),
+    Quantity("regressor_base", r"\mathbf{Y}", "nxb", "", "Y with tau = Y beta", words=("base regressor", "Y")),
     Quantity(
         "base_parameters", r"\boldsymbol{\beta}", "bx1", "", "the base parameters beta",
         words=("beta", "minimal parameters", "dynamic parameters"),
-        function="base_parameters",
     ),
 )  # fmt: skip
 
+# By generated function the quantities that follow at once from its result.
+_OF_FUNCTIONS = {
+    "forward_kinematics": ("T", "p", "R"),
+    "jacobian": ("J", "Jv", "Jw", "Jxy", "J_rows", "J_11", "J_12", "J_21", "J_22"),
+    "jacobian_end": ("J_end",),
+    "jacobian_dot": ("J_dot",),
+    "analytic_jacobian_rpy": ("J_rpy",),
+    "analytic_jacobian_zyz": ("J_zyz",),
+    "kinetic_energy": ("kinetic",),
+    "potential_energy": ("potential",),
+    "inertia_matrix": ("B",),
+    "coriolis_matrix": ("christoffel", "C", "N"),
+    "inverse_dynamics": ("tau",),
+    "coriolis_vector": ("Cqd",),
+    "gravity_vector": ("g",),
+    "regressor": ("regressor",),
+    "base_regressor": ("regressor_base",),
+    "base_parameters": ("base_parameters",),
+    "link_transforms": ("A",),
+}
 # Every quantity that can be asked for by name, in the order of lists.
 REGISTRY = {quantity.name: quantity for quantity in (*_KINEMATIC, *_DYNAMIC)}
 # What is described by sentences, and has no entries: attributes of the model.

@@ -113,7 +113,7 @@ class IdentifiedModel(KinematicModel):
 
     def _regressor(self, parameters: Sequence[Parameter], ends: bool) -> Matrix:
         """``ends``: the links' parameters are those in DH frames, else in joint frames."""
-        n, columns = range(self.n), []
+        n, columns, write = range(self.n), [], cache(self.form.kinematic)  # many parameters share entries
         from derive.model.identification.unit_dynamics import UnitDynamics
 
         units = UnitDynamics(build_chain(with_unit_rotors(self.robot), self.domain), ends=ends)
@@ -126,17 +126,14 @@ class IdentifiedModel(KinematicModel):
             gravity = [self.form.gravity(p) for p in units.gravity(parameter)]
             gravity += [sympy.S.Zero] * (self.n - len(gravity))
             inertia = {key: p for (a, b), p in units.inertia(parameter).items() for key in ((a, b), (b, a))}
-            columns.append([sympy.Add(*self._inertial(inertia, k), gravity[k]) for k in n])
+            columns.append([sympy.Add(*self._inertial(inertia, k, write), gravity[k]) for k in n])
         return sympy.ImmutableMatrix(self.n, len(columns), lambda i, j: columns[j][i])
 
-    @cached_property
-    def _write(self) -> Callable[[Polynomial], Expr]:
-        """Writes a polynomial, the same one only once: many parameters have entries in common."""
-        return cache(self.form.kinematic)
-
-    def _inertial(self, inertia: Mapping[tuple[int, int], Polynomial], i: int) -> Iterator[Expr]:
+    def _inertial(
+        self, inertia: Mapping[tuple[int, int], Polynomial], i: int, write: Callable[[Polynomial], Expr]
+    ) -> Iterator[Expr]:
         """B_ij qdd_j, and c_ijk qd_j qd_k for every pair of joints once; what is missing in B is zero."""
-        write, n, zero = self._write, range(self.n), self.domain.ring.zero
+        n, zero = range(self.n), self.domain.ring.zero
 
         def _slope(i: int, j: int, k: int) -> Polynomial:
             value = inertia.get((i, j))

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from derive.algebra.angles import contracted_groups
 from derive.algebra.contraction import MAX_ENUMERATED, MAX_STARS, contract, paths, trees
-from derive.algebra.domain import PolynomialDomain
+from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.ring import Polynomial
 from derive.errors import Location
 from derive.lecture.form import LectureForm
-from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.robot.evaluate import to_float
 from derive.robot.options.style import Contraction
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
@@ -70,20 +70,10 @@ def test_contraction_never_changes_the_value(seed: int, sums: bool) -> None:
     domain = PolynomialDomain(PLANAR, sums=lambda group: sums)
     p = random_polynomial(domain, rng)
     values = {name: rng.uniform(-2, 2) for name in ("q1", "q2", "q3", "a1", "a2", "a3")}
-    plain = sum(float(c) * _product(domain, exponents, values) for exponents, c in p.terms())
+    plain = to_float(polynomial_expression(p, domain), values)
     form = LectureForm(domain)
     assert evaluate(form.kinematic(p), values) == pytest.approx(plain, abs=1e-9)
     assert evaluate(form.dynamic(p), values) == pytest.approx(plain, abs=1e-9)
-
-
-def _product(domain: PolynomialDomain, exponents: tuple[int, ...], values: dict[str, float]) -> float:
-    result = 1.0
-    for generator, e in zip(domain.generators, exponents, strict=True):
-        if e:
-            value = evaluate(expression_to_sympy(generator.argument), values)
-            function = {"SINE": sympy.sin, "COSINE": sympy.cos}.get(generator.kind.name, lambda x: x)
-            result *= float(function(value)) ** e
-    return result
 
 
 def test_products_are_built_in_sympys_own_order() -> None:

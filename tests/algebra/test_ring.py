@@ -76,6 +76,11 @@ def zero(*cells: str) -> Polynomial:
         "cos(0.3)**2 + sin(0.3)**2 - 1",
         "cos(q1 + pi/2) + sin(q1)",
         "pi*a - a*pi",
+        # too long, or too many, for the addition theorem
+        "cos(a + b + c + d + e + f)**2 + sin(a + b + c + d + e + f)**2 - 1",
+        "sin(1000000*a)**2 + cos(1000000*a)**2 - 1",
+        "sin(31*a)**2 + cos(31*a)**2 - 1",
+        "cos(q1 + a + b + c + d + e)**2 + sin(q1 + a + b + c + d + e)**2 - 1",
     ],
 )
 def test_identities_reduce_to_zero(cell: str) -> None:
@@ -119,19 +124,6 @@ def test_derivatives_are_those_of_calculus(joint: int, cell: str) -> None:
     derived = domain.derivative(domain.constant(parse(cell)), joint)
     wide = domain_for(cell, text)
     assert wide.ring.project(derived) == wide.constant(parse(text))
-
-
-@pytest.mark.parametrize(
-    "cell",
-    [
-        "cos(a + b + c + d + e + f)**2 + sin(a + b + c + d + e + f)**2 - 1",
-        "sin(1000000*a)**2 + cos(1000000*a)**2 - 1",
-        "sin(31*a)**2 + cos(31*a)**2 - 1",
-        "cos(q1 + a + b + c + d + e)**2 + sin(q1 + a + b + c + d + e)**2 - 1",
-    ],
-)
-def test_angles_too_long_or_too_many_for_the_addition_theorem_stay_exact(cell: str) -> None:
-    assert not zero(cell)
 
 
 DOMAIN = PolynomialDomain(Robot.load("puma560-corke"), rates=False)

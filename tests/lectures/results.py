@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import sympy
 import yaml
 
@@ -55,34 +53,6 @@ def document(file: str) -> Any:
 
 def is_counted(item: Mapping[str, Any]) -> bool:
     return not (item.get("duplicate") or item.get("implied"))
-
-
-OPERATIONS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: lambda a, b: a + b,
-    ast.Sub: lambda a, b: a - b,
-    ast.Mult: lambda a, b: a * b,
-    ast.MatMult: lambda a, b: a @ b,
-}
-
-
-def vector_value(text: str, values: Mapping[str, Any]) -> Any:
-    """The value of an equation's right-hand side."""
-    return _value(ast.parse(text, mode="eval").body, values)
-
-
-def _value(node: ast.expr, values: Mapping[str, Any]) -> Any:
-    match node:
-        case ast.BinOp(left, operator, right):
-            return OPERATIONS[type(operator)](_value(left, values), _value(right, values))
-        case ast.UnaryOp(ast.USub(), operand):
-            return -_value(operand, values)
-        case ast.Call(ast.Name("cross"), [a, b], []):
-            return np.cross(_value(a, values), _value(b, values))
-        case ast.Name(name):
-            return values[name]
-        case ast.Constant(int() | float() as number):
-            return number
-    raise ValueError(ast.dump(node))
 
 
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.algebra.domain import PolynomialDomain
 from derive.checking.formulas.findings import Role
-from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
@@ -78,16 +76,6 @@ def test_the_equations_are_confirmed_and_each_of_two_slips_is_wrong_alone(name: 
 def test_both_sets_give_the_same_torques(robot: Robot) -> None:
     base, link = (recursion_of(name, robot).torques for name in SETS)
     np.testing.assert_allclose(base, link, rtol=1e-12)
-
-
-@pytest.mark.parametrize("name", SETS)
-@pytest.mark.parametrize("robot", arms()[:2], ids=lambda robot: robot.name)
-def test_the_torques_are_those_of_lagrange_identically(robot: Robot, name: str) -> None:
-    lagrange = [expression_from_sympy(entry) for entry in Model(robot).tau]
-    domain = PolynomialDomain(robot, lagrange)
-    rates = [domain.rate(i) for i in range(robot.n)]
-    recursion = SETS[name](robot, domain, rates, [domain.acceleration(i) for i in range(robot.n)])
-    assert [domain.constant(entry) for entry in lagrange] == list(recursion.torques)
 
 
 def test_gravity_enters_through_the_acceleration_of_the_base() -> None:

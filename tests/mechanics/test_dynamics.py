@@ -14,6 +14,8 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
+from derive.mechanics.exact_dynamics import Dynamics
+from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.forward_kinematics import (
     TILTED,
@@ -21,22 +23,20 @@ from derive.mechanics.forward_kinematics import (
     forward_kinematics,
     jacobian,
     jacobian_rate,
-    joint_poses,
     link_transforms,
 )
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics, link_motions
-from derive.mechanics.printed_newton_euler import newton_euler_base, newton_euler_link, without_rotors
+from derive.mechanics.printed_newton_euler import printed_newton_euler, without_rotors
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
 from derive.mechanics.vectors import column
 from derive.model.model import Model
 from derive.robot.description import Convention
-from derive.robot.expression import Expression, Name, multiply
 from derive.robot.inertial_parameters import standard_parameters
-from derive.robot.names import velocity_name
 from derive.robot.robot import Robot
+from tests.lectures.general_results import arms
 from tests.mechanics.arms import SEEDS, Arm, Array, arm_of, assert_close
 from tests.random_robots import catalogue, robot_text, seeds
 
@@ -119,30 +119,20 @@ def test_torques_are_the_regressor_times_the_parameters(arm: Arm) -> None:
     assert_close(rows, arm.expected("regressor", arm.q, arm.qd, arm.qdd), 1e-11)
 
 
-MAX_JOINTS = 4
-CATALOGUE = [*catalogue().values()]
-SMALL = [robot for robot in CATALOGUE if robot.has_dynamics and robot.n <= MAX_JOINTS]
-STANDARD = [without_rotors(robot) for robot in SMALL if robot.convention is Convention.STANDARD]
-
-
-def lagrange(robot: Robot) -> list[Expression]:
-    """B qdd + C qd + g, in the closed form that users see, friction taken off."""
-    model = Model(robot)
-    pairs = zip(model.tau, model.friction, strict=True)
-    return [expression_from_sympy(torque - friction) for torque, friction in pairs]
-
-
-def viscous(robot: Robot, i: int) -> Expression:
-    return multiply(robot.links[i].viscous, Name(velocity_name(robot.joints[i].variable)))
+SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]
 
 
 def check_identity(robot: Robot) -> None:
-    torques = lagrange(robot)
+    """B qdd + C qd + g, in the closed form that users see, friction taken off, is what the recursion computes."""
+    model = Model(robot)
+    torques = [expression_from_sympy(tau - friction) for tau, friction in zip(model.tau, model.friction, strict=True)]
     domain = PolynomialDomain(robot, torques)
-    rates = [domain.rate(i) for i in range(robot.n)]
-    accelerations = [domain.acceleration(i) for i in range(robot.n)]
-    traced = inverse_dynamics(build_chain(robot, domain), rates, accelerations)
+    rates, accelerations = ([f(i) for i in range(robot.n)] for f in (domain.rate, domain.acceleration))
+    chain, exact = build_chain(robot, domain), Dynamics(robot, domain)
+    traced = inverse_dynamics(chain, rates, accelerations)
     assert [domain.constant(torque) - other for torque, other in zip(torques, traced, strict=True)] == [0] * robot.n
+    assert [[exact.expand(entry) for entry in row] for row in exact.inertia_matrix] == inertia_matrix(chain)
+    assert Kinematics(robot, domain).gravity_vector == gravity_vector(chain)
 
 
 @pytest.mark.parametrize("robot", SMALL, ids=lambda robot: robot.name)
@@ -159,29 +149,28 @@ def test_random_robots(n: int, seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds(12, 3))
 def test_random_robots_with_four_joints(seed: int) -> None:
-    check_identity(Robot.from_text(robot_text(random.Random(seed), MAX_JOINTS)))
+    check_identity(Robot.from_text(robot_text(random.Random(seed), 4)))
 
 
-@pytest.mark.parametrize("recursion", [newton_euler_base, newton_euler_link])
-@pytest.mark.parametrize("robot", STANDARD, ids=lambda robot: robot.name)
-def test_the_recursions_of_the_lectures(robot: Robot, recursion: object) -> None:
-    torques = lagrange(robot)
-    domain = PolynomialDomain(robot, torques)
-    rates = [domain.rate(i) for i in range(robot.n)]
-    found = recursion(robot, domain, rates, [domain.acceleration(i) for i in range(robot.n)])  # type: ignore[operator]
-    friction = [domain.constant(viscous(robot, i)) for i in range(robot.n)]
-    assert [domain.constant(t) + b for t, b in zip(torques, friction, strict=True)] == list(found.torques)
+STANDARD = [without_rotors(robot) for robot in SMALL if robot.convention is Convention.STANDARD]
+
+
+@pytest.mark.parametrize("base", [True, False])
+@pytest.mark.parametrize("robot", [*arms()[:2], *STANDARD], ids=lambda robot: robot.name)
+def test_the_recursions_of_lectures_are_lagrange_s_identically(robot: Robot, base: bool) -> None:
+    lagrange = [expression_from_sympy(entry) for entry in Model(robot).tau]
+    domain = PolynomialDomain(robot, lagrange)
+    rates, accelerations = ([f(i) for i in range(robot.n)] for f in (domain.rate, domain.acceleration))
+    found = printed_newton_euler(robot, domain, rates, accelerations, base=base)
+    assert [domain.constant(entry) for entry in lagrange] == list(found.torques)
 
 
 def test_poses_and_jacobians_are_those_of_the_oracle(arm: Arm) -> None:
     chain = arm.chain
     assert_close(forward_kinematics(chain).rows(0.0, 1.0), arm.expected("forward_kinematics"))
-    links = [frame.rows(0.0, 1.0) for frame in link_transforms(chain)]
-    assert_close(links, arm.expected("link_transforms"))
-    for pose, end, link in zip(joint_poses(chain), chain.ends, link_transforms(chain), strict=True):
-        assert_close((pose @ end).rows(0.0, 1.0), link.rows(0.0, 1.0))
-    assert_close(jacobian(arm.chain), arm.expected("jacobian"))
-    assert_close(jacobian_rate(arm.chain, arm.qd.tolist()), arm.expected("jacobian_dot", arm.q, arm.qd))
+    assert_close([frame.rows(0.0, 1.0) for frame in link_transforms(chain)], arm.expected("link_transforms"))
+    assert_close(jacobian(chain), arm.expected("jacobian"))
+    assert_close(jacobian_rate(chain, arm.qd.tolist()), arm.expected("jacobian_dot", arm.q, arm.qd))
 
 
 class Rooted(float):

@@ -1,21 +1,15 @@
-"""Vectors and exact numbers."""
+"""Vectors and frames in floats; points, lines and frames in balls."""
 
 from __future__ import annotations
 
-import random
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 
-from derive.algebra.domain import PolynomialDomain, polynomial_expression
-from derive.algebra.ring import Polynomial
+from derive.mechanics import space
 from derive.mechanics.chain import Body
-from derive.mechanics.exact_dynamics import Dynamics
-from derive.mechanics.exact_kinematics import Kinematics
-from derive.mechanics.floats import value_at
 from derive.mechanics.joint_motion import (
     advance,
     body_to_parent,
@@ -28,60 +22,18 @@ from derive.mechanics.joint_motion import (
     turn_tensor,
 )
 from derive.mechanics.regressor import link_screws
-from derive.mechanics.vectors import (
-    Frame,
-    Symmetric,
-    add,
-    axial_tensor,
-    column,
-    cross,
-    dot,
-    from_matrix,
-    hat,
-    identity,
-    matmul,
-    multiply,
-    outer,
-    scale,
-    steiner,
-    subtract,
-    transpose,
-)
-from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import number
-from derive.robot.names import free_symbols
-from derive.robot.robot import Robot
+from derive.mechanics.space import NOTHING, WORLD, Line, exactly, length, plus, real, unit, vector
+from derive.mechanics.vectors import Frame, Symmetric, cross, dot, from_matrix, identity, multiply
 from tests.mechanics.arms import SEEDS, arm_of, assert_close
-from tests.random_robots import robot_text
 
 RNG = np.random.default_rng(3)
 A, B = (tuple(row) for row in RNG.uniform(-1, 1, (2, 3)).tolist())
-M, N = (tuple(map(tuple, matrix)) for matrix in RNG.uniform(-1, 1, (2, 3, 3)).tolist())
 TENSOR = Symmetric(1.0, 2.0, 1.5, 0.1, -0.2, 0.3)
 
 
 def rotation(seed: int) -> Any:
     q, _ = np.linalg.qr(np.random.default_rng(seed).uniform(-1, 1, (3, 3)))
     return tuple(map(tuple, (q * np.sign(np.linalg.det(q))).tolist()))
-
-
-def test_vectors_are_numpys() -> None:
-    a, b, m, n = map(np.array, (A, B, M, N))
-    pairs = [
-        (add(A, B), a + b), (subtract(A, B), a - b), (scale(2.0, A), 2 * a), (dot(A, B), a @ b),
-        (cross(A, B), np.cross(a, b)), (multiply(M, A), m @ a), (matmul(M, N), m @ n), (transpose(M), m.T),
-        (column(M, 1), m[:, 1]), (outer(A, B), np.outer(a, b)), (identity(0.0, 1.0), np.eye(3)),
-        (multiply(hat(A, 0.0), B), np.cross(a, b)),
-    ]  # fmt: skip
-    for found, wanted in pairs:
-        assert_close(found, wanted, 1e-15)
-
-
-def test_tensors_are_symmetric_matrices() -> None:
-    assert from_matrix(TENSOR.matrix) == TENSOR
-    u = np.array(A)
-    assert_close(steiner(2.0, A).matrix, 2 * (u @ u * np.eye(3) - np.outer(u, u)))
-    assert_close(axial_tensor(2.0, A).matrix, 2 * np.outer(u, u))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -155,26 +107,28 @@ def test_screws_of_the_last_link_are_the_jacobian(seed: int) -> None:
     assert_close(np.array(columns).T * signs, arm.expected("jacobian").reshape(6, n))
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_exact_quantities_have_the_values_of_the_recursions(seed: int) -> None:
-    robot = Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3))
-    symbols = enumerate(free_symbols(replace(robot, runtime=())))
-    numbers = tuple((name, number(Fraction(k + 2, 7))) for k, name in symbols)
-    robot = replace(robot, parameters=(*robot.parameters, *numbers), runtime=())
-    domain = PolynomialDomain(robot)
-    q = np.random.default_rng(seed).uniform(-2, 2, len(robot.joints))
-    values = parameter_values(robot) | dict(zip((joint.variable for joint in robot.joints), q, strict=True))
+def test_the_nearest_points_of_two_lines_are_joined_by_their_common_normal() -> None:
+    with exactly():
+        one = Line(vector((1, 2, 3)), unit(vector((1, 1, 4))))
+        other = Line(vector((-2, 5, 1)), unit(vector((2, -3, 1))))
+        normal = plus(one.nearest(other), other.nearest(one), -1)
+        assert abs(dot(normal, one.direction)) < NOTHING
+        assert abs(dot(normal, other.direction)) < NOTHING
+        assert one.distance(one.nearest(other)) < NOTHING
 
-    def value(p: Polynomial) -> float:
-        return to_float(polynomial_expression(p, domain), values)
 
-    kinematics, dynamics = Kinematics(robot, domain), Dynamics(robot, domain)
-    end = [value(x) for x in kinematics.end.position]
-    assert end == pytest.approx([row[3] for row in value_at(robot, "T", q)[:3]], abs=1e-12)
-    columns = kinematics.linear_columns(kinematics.end.position)
-    slopes = np.array([[value(x) for x in column] for column in columns]).T
-    assert pytest.approx(np.array(value_at(robot, "J", q))[:3], abs=1e-12) == slopes
-    inertia = [[value(dynamics.expand(entry)) for entry in row] for row in dynamics.inertia_matrix]
-    assert np.array(inertia) == pytest.approx(np.array(value_at(robot, "B", q)), rel=1e-10, abs=1e-12)
-    gravity = [[value(entry)] for entry in kinematics.gravity_vector]
-    assert np.array(gravity) == pytest.approx(np.array(value_at(robot, "g", q)), rel=1e-10, abs=1e-10)
+def test_a_frame_seen_from_another_and_put_back_is_the_same() -> None:
+    with exactly():
+        z = unit(vector((1, 2, 2)))
+        tilted = space.Frame.of(vector((1, 0, -1)), unit(cross(z, vector((1, 0, 0)))), z)
+        back = tilted.then(WORLD.seen_from(tilted))
+        assert all(abs(a - b) < NOTHING for a, b in zip(back.origin, WORLD.origin, strict=True))
+        assert all(abs(a - b) < NOTHING for a, b in zip(back.z, WORLD.z, strict=True))
+
+
+def test_balls_enclose_rationals() -> None:
+    with exactly():
+        third = real(Fraction(1, 3))
+        assert (3 * third - 1).contains(0)
+        assert abs(3 * third - 1) < NOTHING
+        assert abs(length(vector((2, 3, 6))) - 7) < NOTHING

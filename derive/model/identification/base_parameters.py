@@ -28,7 +28,7 @@ from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.generators import Kind
 from derive.algebra.residues import Array, NoPointError, Residue, ResidueDomain, echelon
-from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.errors import DeriveError, ExpressionError
 from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import with_unit_rotors
@@ -72,14 +72,17 @@ class ColumnSolver:
         zero = self.domain.ring.zero
         rows = [[column.get(key, zero) for column in (*columns, right)] for key in keys]
         rows.sort(key=lambda row: sum(map(len, row)))
-        # As many independent rows as columns, the shortest ones; then Cramer's rule over polynomials.
-        chosen = self._independent_rows(rows, len(basis))
+        # As many rows as columns, the first whose left parts are independent; then Cramer's rule over polynomials.
+        chosen = []
+        if basis:
+            values = [[int(self.residues.value(entry).values.flat[0]) for entry in row[:-1]] for row in rows]
+            pivots, _ = echelon(np.array(values, dtype=np.int64).T, self.residues.prime)
+            if len(pivots) < len(basis):
+                raise Unproven("columns that are independent at the points are not")
+            chosen = [rows[k] for k in pivots]
         matrix = [row[:-1] for row in chosen]
-        scale = _determinant(self.domain.ring.one, matrix)
-        tops = [
-            _determinant(self.domain.ring.one, [[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen])
-            for k in range(len(basis))
-        ]
+        scale = determinant(matrix) if basis else self.domain.ring.one
+        tops = [determinant([[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen]) for k in range(len(basis))]
         # Proof: the solution holds in all other rows, as an identity of polynomials in the geometry.
         for row in rows:
             products = (top * entry for top, entry in zip(tops, row[:-1], strict=True))
@@ -96,29 +99,6 @@ class ColumnSolver:
             for place, value in entries.items()
             for monomial, coefficient in ring.coefficients(value, self._moving).items()
         }
-
-    def _independent_rows(self, rows: list[list[Polynomial]], rank: int) -> list[list[Polynomial]]:
-        """The first rows whose left parts are independent."""
-        if not rank:
-            return []
-        values = [[int(self.residues.value(entry).values.flat[0]) for entry in row[:-1]] for row in rows]
-        pivots, _ = echelon(np.array(values, dtype=np.int64).T, self.residues.prime)
-        if len(pivots) < rank:
-            raise Unproven("columns that are independent at the points are not")
-        return [rows[k] for k in pivots]
-
-
-def _determinant(one: Polynomial, matrix: Sequence[Sequence[Polynomial]]) -> Polynomial:
-    """Along the first row; the matrices are small and mostly zero."""
-    if not matrix:
-        return one
-    first, *rest = matrix
-    total = one - one
-    for k, entry in enumerate(first):
-        if entry:
-            minor = _determinant(one, [[*row[:k], *row[k + 1 :]] for row in rest])
-            total = total + (entry * minor if k % 2 == 0 else -(entry * minor))
-    return total
 
 
 def _reduced(top: Polynomial, bottom: Polynomial) -> Coefficient:
@@ -181,9 +161,14 @@ def base_set(robot: Robot) -> BaseSet:
 
 
 def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
-    candidates, geometry = _candidates(robot), _geometry(robot, numbers)
+    # What the general rule leaves, in the order in which columns are preferred.
+    parts = [REVOLUTE_PARTS if joint.is_revolute else PRISMATIC_PARTS for joint in robot.joints]
+    candidates = [Parameter(i, part) for i, row in enumerate(parts, start=1) for part in row]
+    own, absorbed = standard_parameters(robot), absorbed_rotors(robot)
+    candidates += [p for p in own if p.part == "Ia"]
+    candidates += [p for p in own if p.part == "Im" and p.joint not in absorbed]
     # b*qd and f*sign(qd) are independent of all others: no column of B or g is odd in one velocity
-    friction = [p for p in standard_parameters(robot) if p.part in ("b", "f")]
+    friction, geometry = [p for p in own if p.part in ("b", "f")], _geometry(robot, numbers)
     samples = _FEWEST_SAMPLES
     while samples <= 4 * len(candidates):
         try:
@@ -232,15 +217,6 @@ def _independent(
     # Gauss and Jordan modulo the prime: pivots are the first independent columns from the left.
     pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
     return residues, pivots, reduced
-
-
-def _candidates(robot: Robot) -> list[Parameter]:
-    """What the general rule leaves, in the order in which columns are preferred."""
-    parts = [REVOLUTE_PARTS if joint.is_revolute else PRISMATIC_PARTS for joint in robot.joints]
-    links = [Parameter(i, part) for i, row in enumerate(parts, start=1) for part in row]
-    own, absorbed = standard_parameters(robot), absorbed_rotors(robot)
-    armatures = [p for p in own if p.part == "Ia"]
-    return links + armatures + [p for p in own if p.part == "Im" and p.joint not in absorbed]
 
 
 def absorbed_rotors(robot: Robot) -> tuple[int, ...]:

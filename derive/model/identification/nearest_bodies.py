@@ -66,30 +66,29 @@ def pseudo_inertias(parameters: Array) -> Array:
 
 
 def in_own_units(parameters: Sequence[Exact], basis: Sequence[Direction], size: float) -> Bodies:
-    """Bodies, and their changes, each in the units of its link."""
+    """Bodies, and their changes, each about the centre of mass, in radii of gyration and masses of the link."""
     numbers = np.array([float(value) for value in parameters]).reshape(-1, WIDTH)
     columns = np.array([[float(value) for value in direction] for direction in basis])
     along = columns.T.reshape(len(numbers), WIDTH, -1) if len(basis) else np.zeros((len(numbers), WIDTH, 0))
     given, heaviest = pseudo_inertias(numbers), float(np.abs(numbers[:, 0]).max())
-    units = np.array([_units(body, heaviest or 1.0, size) for body in given])
+    found = []
+    for body in given:
+        mass = max(body[3, 3], 0.0)
+        least_mass, least_radius = (HEAVIEST, LARGEST) if mass else (LIGHT, SHORT)
+        weight = max(mass, least_mass * (heaviest or 1.0))
+        center = body[:3, 3] / mass if mass == weight else np.zeros(3)
+        # Trace of the second moments about the centre of mass: mass times squared radius of gyration.
+        spread = float(np.abs(np.linalg.eigvalsh(body[:3, :3] - mass * np.outer(center, center))).sum())
+        weight = max(weight, spread / size**2)
+        radius = max(sqrt(spread / weight), least_radius * size)
+        rows = [[np.eye(3) / radius, -center[:, None] / radius], [np.zeros((1, 3)), np.ones((1, 1))]]
+        found.append(np.block(rows) / sqrt(weight))
+    units = np.array(found)
     # A congruence U P U^T: it keeps a pseudo-inertia semidefinite.
     moved = np.moveaxis(pseudo_inertias(along), 3, 1)
     changes = np.einsum("nab,nkbc,ndc->nkad", units, moved, units)
     own = packed(np.einsum("nab,nbc,ndc->nad", units, given, units))
     return Bodies(own, packed(changes).swapaxes(1, 2), units, np.zeros(len(given)))
-
-
-def _units(body: Array, heaviest: float, size: float) -> Array:
-    """To coordinates about the centre of mass, in radii of gyration and masses of the link, within reason."""
-    given = max(body[3, 3], 0.0)
-    least_mass, least_radius = (HEAVIEST, LARGEST) if given else (LIGHT, SHORT)
-    mass = max(given, least_mass * heaviest)
-    center = body[:3, 3] / given if given == mass else np.zeros(3)
-    # Trace of the second moments about the centre of mass: mass times squared radius of gyration.
-    spread = float(np.abs(np.linalg.eigvalsh(body[:3, :3] - given * np.outer(center, center))).sum())
-    mass = max(mass, spread / size**2)
-    radius = max(sqrt(spread / mass), least_radius * size)
-    return np.block([[np.eye(3) / radius, -center[:, None] / radius], [np.zeros((1, 3)), np.ones((1, 1))]]) / sqrt(mass)
 
 
 def least_eigenvalues(bodies: Bodies, steps: Array | None = None) -> Array:

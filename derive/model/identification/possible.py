@@ -11,7 +11,7 @@ out is looked at again: bodies that do not exist are never handed out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import floor, log10
@@ -22,7 +22,7 @@ from flint import arb, fmpq
 from derive.errors import DeriveError, near_miss, quoted
 from derive.mechanics.chain import Chain
 from derive.mechanics.space import decimal, exactly
-from derive.mechanics.vectors import add, from_matrix, matmul, multiply, scale, steiner, transpose
+from derive.mechanics.vectors import add, conjugate, from_matrix, multiply, scale, steiner, transpose
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero
 from derive.model.identification.nearest_bodies import (
     BORDER,
@@ -59,6 +59,7 @@ from derive.robot.writer import robot_text
 # Which bodies are taken: those of the robot, or the nearest ones that exist and move alike.
 INERTIAS = ("given", "possible")
 MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")  # entries of an inertia tensor
+CELLS = ("mass", "com x", "com y", "com z", *MOMENTS)  # of a link
 # To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse.
 UNITS = (1e-8, 1e-11, 1e-14)
 
@@ -114,8 +115,12 @@ def possible(robot: Robot) -> Possible:
         if float(least_eigenvalues(in_own_units(parameters, (), size)).min()) >= EXISTING:
             return Possible(robot, ())
         every = directions(robot, chain, domain)
+        # Where torques leave a link no mass it gets no first moment: a solver would not see a small one beside large
+        # second ones, which is within its tolerance.
+        masses = [k for k in range(0, len(parameters), WIDTH) if is_zero(parameters[k])]
+        massless = [k for k in masses if all(is_zero(direction[k]) for direction in every)]
+        basis = fixing(every, [k + axis for k in massless for axis in (1, 2, 3)])
         # A semidefinite program in each link's own units: room, targets, which links change, and how little.
-        basis = _without_mass(parameters, every)
         bodies = in_own_units(parameters, basis, size)
         room = most_room(bodies)
         if room.value < -BORDER:
@@ -153,16 +158,6 @@ def with_chosen_bodies(robot: Robot, inertia: str) -> tuple[Robot, tuple[str, ..
     return replace(found.robot, comments=(*robot.comments, *found.report)), found.report
 
 
-def _without_mass(parameters: Sequence[Exact], basis: list[Direction]) -> list[Direction]:
-    """The changes that also leave a link without a first moment where torques leave it no mass.
-
-    A solver would not see it: a small first moment beside large second ones is within its tolerance.
-    """
-    masses = range(0, len(parameters), WIDTH)
-    kept = [k for k in masses if is_zero(parameters[k]) and all(is_zero(direction[k]) for direction in basis)]
-    return fixing(basis, [k + axis for k in kept for axis in (1, 2, 3)])
-
-
 def _decimal_steps(bodies: Bodies, target: Array) -> list[Exact] | None:
     """Steps with few digits to the nearest bodies, or None where the search does not reach what is asked for."""
     if not bodies.along.shape[2]:
@@ -192,9 +187,10 @@ def _result(
         if all(map(is_zero, change)):
             continue
         links[i] = _moved_link(link, chain, i, change, domain)
-        cells = tuple(_differences(link, links[i]))
-        if cells:
-            changes.append(Change(i + 1, float(np.sqrt((shapes.along[i] ** 2).sum())), cells))
+        cells = ((x.mass, *x.com, *(getattr(x.inertia, key) for key in MOMENTS)) for x in (link, links[i]))
+        changed = tuple(cell for cell in zip(CELLS, *cells, strict=True) if cell[1] != cell[2])
+        if changed:
+            changes.append(Change(i + 1, float(np.sqrt((shapes.along[i] ** 2).sum())), changed))
     return Possible(without_lost_symbols(robot, replace(robot, links=tuple(links))), tuple(changes), border)
 
 
@@ -216,7 +212,7 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
         x, y, z = (_kept(old, h / body.mass, domain) for old, h in zip(link.com, moments, strict=True))
         com = (x, y, z)
     r = add(end.position, multiply(end.rotation, tuple(map(domain.constant, com))))
-    tensor = from_matrix(matmul(matmul(turned, (body.inertia + steiner(-m, r)).matrix), end.rotation))
+    tensor = from_matrix(conjugate(turned, (body.inertia + steiner(-m, r)).matrix))
     inertia = Inertia(*(_kept(getattr(link.inertia, name), getattr(tensor, name), domain) for name in MOMENTS))
     return replace(link, mass=mass, com=com, inertia=inertia)
 
@@ -224,13 +220,6 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
 def _kept(cell: Expression, value: Exact, domain: ExactDomain) -> Expression:
     """A cell where it has the value already, else the value."""
     return cell if is_zero(domain.constant(cell) - value) else number(decimal(arb(value)))
-
-
-def _differences(old: Link, new: Link) -> Iterator[tuple[str, Expression, Expression]]:
-    pairs = [("mass", old.mass, new.mass)]
-    pairs += [(f"com {axis}", *pair) for axis, pair in zip("xyz", zip(old.com, new.com, strict=True), strict=True)]
-    pairs += [(key, getattr(old.inertia, key), getattr(new.inertia, key)) for key in MOMENTS]
-    yield from (pair for pair in pairs if pair[1] != pair[2])
 
 
 def _short(cell: Expression) -> str:

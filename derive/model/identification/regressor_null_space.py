@@ -22,7 +22,7 @@ from derive.algebra.domain import polynomial_expression
 from derive.mechanics.chain import Body, Chain, build_chain
 from derive.mechanics.joint_motion import body_to_parent
 from derive.mechanics.vectors import Symmetric
-from derive.model.identification.base_parameters import BaseSet, base_set
+from derive.model.identification.base_parameters import base_set
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero, null_space
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
@@ -51,14 +51,8 @@ def body_of(parameters: Sequence[Exact]) -> Body[Exact]:
 
 def directions(robot: Robot, chain: Chain[Exact], domain: ExactDomain) -> list[Direction]:
     """A basis of the changes of bodies that change no torque."""
-    base = base_set(robot)
-    return [*_moved_inward(chain), *_replaced(base, chain.n, domain)]
-
-
-def _moved_inward(chain: Chain[Exact]) -> list[Direction]:
-    """What a link may leave to the one before."""
-    found = []
-    zero = [chain.zero] * WIDTH
+    found, zero = [], [chain.zero] * WIDTH
+    # What a link may leave to the one before.
     for i, joint in enumerate(chain.joints):
         # Mass, m z and the second moment along z look the same from link i-1 however joint i turns.
         units = [("m",), ("mz",), ("Ixx", "Iyy")] if joint.revolute else [(part,) for part in LINK_PARTS[4:]]
@@ -69,17 +63,13 @@ def _moved_inward(chain: Chain[Exact]) -> list[Direction]:
             if i:
                 links[i - 1] = parameters_of(body_to_parent(joint, body_of(own)))
             found.append(list(joined.from_iterable(links)))
-    return found
-
-
-def _replaced(base: BaseSet, n: int, domain: ExactDomain) -> list[Direction]:
-    """What the relations of base parameters say of links."""
-    found = []
+    # What the relations of base parameters say of links.
+    base = base_set(robot)
     for relation in base.relations:
         if not relation.parameter.of_link:
             continue
         assert base.domain is not None, "relations come with their ring"
-        direction = [domain.number(0)] * (WIDTH * n)
+        direction = zero * chain.n
         direction[_place(relation.parameter)] = domain.number(1)
         for parameter, factor in relation.terms:
             numerator = domain.constant(polynomial_expression(factor.numerator, base.domain))

@@ -33,8 +33,7 @@ class UnitDynamics(Generic[S]):
         self.chain = chain
         self.ends = ends
         self._carried: dict[int, tuple[list[Screw[S]], Vector[S]]] = {}
-        self._known_screws: list[list[Screw[S]]] = []
-        self._known_gravities: list[Vector[S]] = []
+        self._known: list[tuple[list[Screw[S]], Vector[S]]] = [([], chain.gravity)]
 
     def inertia(self, parameter: Parameter) -> Pairs[S]:
         """B per unit of a parameter; of friction none."""
@@ -46,8 +45,7 @@ class UnitDynamics(Generic[S]):
         moved: Sequence[Any] = ()
         if part == "Im":
             u = axis(self.chain.joints[i])
-            moved = [*(dot(screw.angular, u) for screw in (self._screws(i - 1) if i else ()))]
-            moved.append(self.chain.joints[i].coupling)
+            moved = [*(dot(screw.angular, u) for screw in self._before(i)[0]), self.chain.joints[i].coupling]
             entry = mul
         elif part == "mm":
             moved = self._rotor_velocities(i)
@@ -63,8 +61,7 @@ class UnitDynamics(Generic[S]):
         i, part = parameter.joint - 1, parameter.part
         along_z: list[S] = []
         if part == "mm":
-            gamma = self._gravity_in(i - 1) if i else self.chain.gravity
-            along_z = [-dot(gamma, velocity) for velocity in self._rotor_velocities(i)]
+            along_z = [-dot(self._before(i)[1], velocity) for velocity in self._rotor_velocities(i)]
         elif part in ("m", "mx", "my", "mz"):
             screws, gamma = self._link(i)
             if part == "m":
@@ -74,27 +71,21 @@ class UnitDynamics(Generic[S]):
         return [value if joint.sign > 0 else -value for joint, value in zip(self.chain.joints, along_z, strict=False)]
 
     def _rotor_velocities(self, i: int) -> list[Vector[S]]:
-        return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._screws(i - 1)] if i else []
+        return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._before(i)[0]] if i else []
 
     # -- frames
 
-    def _screws(self, i: int) -> list[Screw[S]]:
-        """Of link i, from 0; only as far out as needed, for further out they may be too long to write."""
-        known = self._known_screws
-        while len(known) <= i:
-            known.append(next_screws(self.chain, self.chain.joints[len(known)], known[-1] if known else []))
-        return known[i]
-
-    def _gravity_in(self, i: int) -> Vector[S]:
-        known = self._known_gravities
-        while len(known) <= i:
-            known.append(to_child(self.chain.joints[len(known)], known[-1] if known else self.chain.gravity))
-        return known[i]
+    def _before(self, i: int) -> tuple[list[Screw[S]], Vector[S]]:
+        """Screws and gravity in frame i; only as far out as needed, for further out they may be too long to write."""
+        while len(self._known) <= i:
+            joint, (screws, gamma) = self.chain.joints[len(self._known) - 1], self._known[-1]
+            self._known.append((next_screws(self.chain, joint, screws), to_child(joint, gamma)))
+        return self._known[i]
 
     def _link(self, i: int) -> tuple[list[Screw[S]], Vector[S]]:
         """Screws and gravity in the frame of a link's parameters."""
         if i not in self._carried:
-            screws, gamma = self._screws(i), self._gravity_in(i)
+            screws, gamma = self._before(i + 1)
             if self.ends:
                 end: Frame[S] = self.chain.ends[i]
                 screws = [screw.seen_from(end) for screw in screws]

@@ -43,7 +43,7 @@ PAIRS = 8  # pairs of solutions between which a path is looked for
 
 
 @dataclass(frozen=True)
-class Group:
+class FactorGroup:
     """Joints that stand together in factors of det J."""
 
     joints: tuple[int, ...]  # their indices, from 0
@@ -57,7 +57,7 @@ class Aspects:
 
     inverse: InverseKinematics  # its inverse kinematics: of the position, for arms of few joints
     factors: tuple[Condition, ...] = ()  # where det J is zero, factor by factor
-    groups: tuple[Group, ...] = ()  # the joints that stand together in them
+    groups: tuple[FactorGroup, ...] = ()  # the joints that stand together in them
     why_not: str = ""  # why there are none to be told apart; empty where there are
     solutions: tuple[int, ...] = ()  # how many real solutions each of the poses has that were looked at
     shared: int = 0  # how many of these poses have two solutions with the same signs of all factors
@@ -148,7 +148,7 @@ class _Look:
         factors = [self._number(condition.expression, q) for condition in self.conditions] or [self._determinant(q)]
         return np.stack([np.where(factor > 0.0, 1, -1) for factor in factors], axis=-1)
 
-    def groups(self) -> Iterator[Group]:
+    def groups(self) -> Iterator[FactorGroup]:
         """Joints that stand together in factors, and into how many parts these cut them."""
         sets: list[tuple[set[int], set[int]]] = []
         for factor, joints in enumerate(self._joints):
@@ -156,8 +156,8 @@ class _Look:
             together = [pair for pair in sets if pair[0] & set(joints)]
             sets = [pair for pair in sets if pair not in together]
             sets.append((set(joints).union(*(p[0] for p in together)), {factor}.union(*(p[1] for p in together))))
-        for members, factors in sorted(sets, key=lambda pair: min(pair[0])):
-            yield Group(tuple(sorted(members)), tuple(sorted(factors)), self._parts(sorted(members), sorted(factors)))
+        for members, factors in sorted((tuple(sorted(members)), tuple(sorted(factors))) for members, factors in sets):
+            yield FactorGroup(members, factors, self._parts(members, factors))
 
     def _parts(self, joints: Sequence[int], factors: Sequence[int]) -> int | None:
         """Connected sets of a grid on which no sign changes."""

@@ -51,25 +51,14 @@ def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
         return next(((block,) for block in _candidates(kinematics) if block.determinant()), ())
     if robot.n != 6:
         return ()
-    # About the wrist centre J_12 = 0, and the determinant is det J_11 det J_22.
-    centre = _wrist_centre(kinematics)
-    if centre is None:
-        return (_shortest(kinematics, "J", ALL, [Reference(k, k) for k in range(7)]),)
-    references = [Reference(k, centre) for k in range(7)]
-    halves = (("J_11", ALL[:3]), ("J_22", ALL[3:]))
-    return tuple(_shortest(kinematics, name, places, references) for name, places in halves)
-
-
-def _wrist_centre(kinematics: Kinematics) -> int | None:
-    """The DH frame in whose origin axes 4, 5 and 6 meet, or None."""
-    if not all(joint.is_revolute for joint in kinematics.robot.joints[3:]):
-        return None
-    for point in (4, 5, 3, 6):
-        # Joints 4, 5, 6 do not move a point on all their axes: the linear parts of their columns are zero.
+    for point in (4, 5, 3, 6) if all(joint.is_revolute for joint in robot.joints[3:]) else ():
+        # Joints 4, 5, 6 do not move a point on all their axes: the linear parts of their columns are zero. About this
+        # wrist centre J_12 = 0, and the determinant is det J_11 det J_22.
         columns = jacobian_columns(kinematics, Reference(point, point))
         if not any(entry for column in columns[3:] for entry in column[:3]):
-            return point
-    return None
+            references, halves = [Reference(k, point) for k in range(7)], (("J_11", ALL[:3]), ("J_22", ALL[3:]))
+            return tuple(_shortest(kinematics, name, places, references) for name, places in halves)
+    return (_shortest(kinematics, "J", ALL, [Reference(k, k) for k in range(7)]),)
 
 
 def _shortest(

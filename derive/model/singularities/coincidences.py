@@ -16,7 +16,6 @@ import mpmath
 import sympy
 
 from derive.inverse.numeric.in_numbers import Numbers, parameter_numbers
-from derive.inverse.words.derivation import PrintedStep
 from derive.inverse.words.elementary import Sign
 from derive.inverse.words.solutions import InverseKinematics
 from derive.lecture.point import DIGITS, value_of
@@ -40,14 +39,9 @@ def coincidences(
     def _where_zero(conditions: Sequence[Expr]) -> tuple[SingularFactor, ...]:
         return tuple(factor for factor, zeros in places if conditions and _vanish(conditions, zeros))
 
-    merged = (() if step.exists is sympy.true else (_margin(step),) for step in found.steps)
+    # Values of a step become one where its condition, an inequality, holds with equality.
+    merged = (() if step.exists is sympy.true else (step.exists.lhs - step.exists.rhs,) for step in found.steps)
     return tuple((_where_zero(own), _where_zero(step.free)) for own, step in zip(merged, found.steps, strict=True))
-
-
-def _margin(step: PrintedStep) -> Expr:
-    """What is not negative where a step has real values."""
-    left, right = step.exists.lhs, step.exists.rhs
-    return right - left if step.exists.rel_op == "<=" else left - right
 
 
 def _vanish(conditions: Sequence[Expr], places: Sequence[Numbers]) -> bool:
@@ -80,13 +74,12 @@ def _zero(expression: Expr, known: Numbers, joint: Expr) -> Any:
     grid = [mpmath.mpf(7 * k) / _GRID - mpmath.mpf("3.4") for k in range(_GRID + 1)]
     values = [value_of(expression, {**known, joint: x}) for x in grid]
     size = max(map(abs, values))
-
-    def _at(x: Any) -> Any:
-        return value_of(expression, {**known, joint: x}) / size
-
     for k in range(_GRID):
         if values[k] * values[k + 1] < 0:
-            return mpmath.findroot(_at, (grid[k], grid[k + 1]), solver="anderson", tol=mpmath.mpf(10) ** -(2 * 28))
+            ends, tolerance = (grid[k], grid[k + 1]), mpmath.mpf(10) ** -(2 * 28)
+            return mpmath.findroot(
+                lambda x: value_of(expression, {**known, joint: x}) / size, ends, solver="anderson", tol=tolerance
+            )
     return None
 
 

@@ -125,23 +125,17 @@ class Roadmap:
                 home[_root(home, i)] = _root(home, j)
                 roads.setdefault(i, []).append(j)
                 roads.setdefault(j, []).append(i)
-        corners = _walk(roads, len(places) - 2, len(places) - 1)
-        if corners is None:
+        way = _walk(roads, len(places) - 2, len(places) - 1)
+        if way is None:
             return None
-        path = [start]
-        for place in self._shortened(places[corners])[1:]:
-            path.append(path[-1] + self._way(path[-1], place))
-        return self._verified(np.array(path))
-
-    def _shortened(self, corners: Array) -> list[Array]:
-        """The path without corners that straight pieces leave out which are nearly as clear of singularities."""
+        # Corners are left out where straight pieces without them are nearly as clear of singularities.
+        corners, path, at = places[way], [start], 0
         enough = self._clearances(corners[:-1], corners[1:]).min() / 2.0
-        found, at = [corners[0]], 0
         while at < len(corners) - 1:
             ahead = self._clearances(np.broadcast_to(corners[at], corners[at + 1 :].shape), corners[at + 1 :])
             at += 1 + int(np.flatnonzero(ahead >= enough).max(initial=0))
-            found.append(corners[at])
-        return found
+            path.append(path[-1] + self._way(path[-1], corners[at]))
+        return self._verified(np.array(path))
 
     def _verified(self, path: Array) -> Crossing | None:
         """The path, where det J keeps its sign between places so near that it changes by less than half of itself."""

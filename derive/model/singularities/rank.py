@@ -95,7 +95,11 @@ class CommonZeros:
             still = [(i, j) for i, j, p in entries if not self.zeros.moving(p) and not self.zeros.vanishes(p)]
             if not still:
                 return len(pivots), left, pivots
-            _, i, j = min((self._cost(left, i, j), i, j) for i, j in still)
+            costs = []
+            for i, j in still:  # numbers first, then those that are short and change fewest other entries
+                fill = sum(map(bool, left[i])) * sum(bool(row[j]) for row in left)
+                costs.append((not left[i][j].is_constant, len(left[i][j]), fill, i, j))
+            *_, i, j = min(costs)
             own = left.pop(i)
             p = own.pop(j)
             pivots.append(p)
@@ -104,12 +108,6 @@ class CommonZeros:
             pairs = ((row.pop(j) * by, row) for row in left)
             left = [[x * weight - first * y for x, y in zip(row, own, strict=True)] for first, row in pairs]
             left = [row for row in left if any(row)]
-
-    @staticmethod
-    def _cost(rows: Rows, i: int, j: int) -> tuple[int, ...]:
-        """Numbers first, then those that are short and change fewest other entries."""
-        fill = sum(map(bool, rows[i])) * sum(bool(row[j]) for row in rows)
-        return not rows[i][j].is_constant, len(rows[i][j]), fill
 
     def minors(self, rows: Rows) -> tuple[int, list[Polynomial]]:
         """The largest minors that are not zero everywhere, and their size."""
@@ -162,7 +160,13 @@ class CommonZeros:
         # Branch over the factors of the equation that is easiest to solve.
         first = min(rest, key=self._effort)
         if self._effort(first)[0]:
-            return found + self._together([factor for equation in rest for factor in equation.values()])
+            # Factors without solutions of their own are a family if they share no joint.
+            factors = [factor for equation in rest for factor in equation.values()]
+            joints = [set(self.zeros.moving(factor.value)) for factor in factors]
+            if not any(a & b for a, b in combinations(joints, 2)):
+                return [*found, tuple(map(Zero, factors))]
+            self.complete = self.complete and self.zeros.exist([factor.value for factor in factors]) is False
+            return found
         for key, factor in first.items():
             found += self._with(factor, [e for e in rest if e is not first and key not in e])
         return found
@@ -171,14 +175,6 @@ class CommonZeros:
         unsolved = sum(not self.images(factor) for factor in equation.values())
         terms = sum(len(factor.value) for factor in equation.values())
         return len(equation) == unsolved == 1, len(equation), unsolved, terms
-
-    def _together(self, factors: Sequence[Factor]) -> list[Family]:
-        """Factors without solutions of their own are a family if they share no joint."""
-        joints = [set(self.zeros.moving(factor.value)) for factor in factors]
-        if not any(a & b for a, b in combinations(joints, 2)):
-            return [tuple(map(Zero, factors))]
-        self.complete = self.complete and self.zeros.exist([factor.value for factor in factors]) is False
-        return []
 
     def _with(self, factor: Factor, others: Sequence[FactorChoice]) -> list[Family]:
         """The families in which a factor is zero; its solutions together where the others are the same for all."""

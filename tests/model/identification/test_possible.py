@@ -1,4 +1,4 @@
-"""Bodies that exist and move as the given ones: torques by the oracle, acceptance and accelerations by MuJoCo."""
+"""Bodies that exist and move as the given ones, by the oracle and by MuJoCo; proofs that there are none."""
 
 from __future__ import annotations
 
@@ -11,11 +11,27 @@ import pytest
 from derive.errors import DeriveError
 from derive.mechanics.space import exactly
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction
+from derive.model.identification.nearest_bodies import (
+    MARGIN,
+    Bodies,
+    in_own_units,
+    least_eigenvalues,
+    most_room,
+    nearest,
+    needed,
+    pseudo_inertias,
+    size_of,
+    targets,
+    weighed,
+)
 from derive.model.identification.possible import possible
 from derive.model.identification.regressor_null_space import bare_chain, combined, directions, parameters_of
+from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
+from derive.model.identification.witness import NoSuchBodies, Witness
 from derive.robot.description import Inertia, Link
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import number
+from derive.robot.expression import ZERO, number
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import TABLES, arm, with_links
@@ -189,3 +205,167 @@ links:
 parameters: {a1: 0.5, g: 9.81, I1: 0.5, I2: -0.1, m2: 2}
 runtime: [a1, I2]
 """
+
+
+def coefficients(matrix: np.ndarray) -> np.ndarray:
+    """What multiplies a body's ten parameters in the integral of a function over its mass."""
+    (xx, xy, xz, x), (_, yy, yz, y), (_, _, zz, z), (*_, one) = matrix
+    turning = [(yy + zz - xx) / 2, (xx + zz - yy) / 2, (xx + yy - zz) / 2, -2 * xy, -2 * xz, -2 * yz]
+    return np.array([one, 2 * x, 2 * y, 2 * z, *turning])
+
+
+def contradictory(turned: bool) -> Robot:
+    """Corke's PUMA with a last link whose moments across its axis differ by more than the one about it."""
+    robot = Robot.load("puma560-corke")
+    last = Inertia(*(number(Fraction(cell)) for cell in ("0.0005", "0.0001", "0.0002", "0", "0", "0")))
+    joints = list(robot.joints)
+    if turned:
+        joints[3] = replace(joints[3], alpha=number(Fraction(13, 10)))
+    return replace(robot, joints=tuple(joints), links=(*robot.links[:5], replace(robot.links[5], inertia=last)))
+
+
+def factors_of(witness: Witness, n: int) -> np.ndarray:
+    rows = np.zeros((n, 10))
+    for link, matrix in witness.functions:
+        rows[link - 1] = coefficients(np.array([[float(entry) for entry in row] for row in matrix]))
+    return rows.ravel()
+
+
+def prove(robot: Robot) -> NoSuchBodies:
+    """The refusal of a robot, whose witness is nowhere negative, seen by torques, and negative."""
+    with pytest.raises(NoSuchBodies, match="torques fix the integral") as caught:
+        possible(robot)
+    witness = caught.value.witness
+    for _, matrix in witness.functions:
+        values = np.linalg.eigvalsh(np.array([[float(entry) for entry in row] for row in matrix]))
+        assert values[0] >= -1e-12 * values[-1]
+    factors = factors_of(witness, robot.n)
+    # a sum of torques: in the row space of the oracle's regressor of all links
+    columns = tuple(Parameter(i, part) for i in range(1, robot.n + 1) for part in LINK_PARTS)
+    q, qd, qdd = np.random.default_rng(1).uniform(-2, 2, (3, 80, robot.n))
+    regressor = Oracle.of(robot, base=columns).evaluate("base_regressor", q, qd, qdd).reshape(-1, len(columns))
+    _, sizes, rows = np.linalg.svd(regressor, full_matrices=False)
+    rows = rows[sizes > 1e-9 * sizes[0]]
+    assert np.abs(rows.T @ (rows @ factors) - factors).max() <= 1e-9 * np.abs(factors).max()
+    with exactly():
+        bodies = bare_chain(robot, ExactDomain(robot)).bodies
+        given = np.array([float(value) for body in bodies for value in parameters_of(body)])
+    assert witness.value < 0
+    assert abs(factors @ given - float(witness.value)) <= 1e-12 * np.abs(factors * given).max()
+    return caught.value
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_witness_is_exact_where_the_geometry_is_rational(turned: bool) -> None:
+    error = prove(contradictory(turned))
+    assert error.witness.exact is not turned
+    assert str(error).startswith(
+        "puma560-corke: no bodies have these torques: torques fix the integral of f dm over all links at -0.0001 "
+        "kg m^2, though f is nowhere negative (link 6: f = x^2; in joint frames, rounded)"
+    )
+
+
+NO_BODIES = {
+    # points that never move on the first axis, and along it in the frame of the slide: rounding would make functions
+    # negative beside them
+    "slanted axes": (
+        ("4.4", "0.14 0.04 0.28", "0.15 0.24 0.23 0.07 0.03 0.04"),
+        ("0.72", "0.06 -0.39 0.07", "0.33 0.34 0.08 -0.02 -0.06 -0.09"),
+        ("2.37", "0.05 -0.06 -0.18", "0.13 -0.01 0.1 0.02 -0.02 0"),
+        ("3.12", "-0.08 0.31 -0.19", "0.07 0.1 0.05 0.01 0.04 -0.02"),
+    ),
+    # the function of a link without weight is of another size; what is near is seen in their units
+    "a last link that weighs nothing": (
+        ("0.9", "0.1 -0.2 0.1", "0.1 0.1 0.08 0 0 0.01"),
+        ("1.9", "-0.13 -0.23 0.07", "0.4 0.015 0.2 -0.07 -0.01 -0.08"),
+        ("1.7", "-0.11 0.01 0.25", "0.16 0.35 0.19 0.01 0.08 -0.02"),
+        ("0", "0 0 0", "0 0 0 0 0 0"),
+    ),
+}
+
+
+@pytest.mark.parametrize("links", NO_BODIES.values(), ids=NO_BODIES)
+def test_a_witness_is_found_beside_slanted_axes_and_links_without_weight(
+    links: tuple[tuple[str, str, str], ...],
+) -> None:
+    prove(with_links(arm("spatial", "modified"), *links))
+
+
+def cloud() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Masses, homogeneous places, and the ten parameters of their body."""
+    points, masses = np.random.default_rng(3).normal(size=(7, 3)), np.arange(1.0, 8.0)
+    second = np.einsum("p,pa,pb->ab", masses, points, points)
+    tensor = np.trace(second) * np.eye(3) - second
+    entries = [tensor[k] for k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    return masses, np.column_stack([points, np.ones(7)]), np.array([masses.sum(), *(masses @ points), *entries])
+
+
+def bodies_of(robot: Robot) -> Bodies:
+    with exactly():
+        domain = ExactDomain(robot)
+        chain = bare_chain(robot, domain)
+        parameters = [value for body in chain.bodies for value in parameters_of(body)]
+        return in_own_units(parameters, directions(robot, chain, domain), size_of(chain))
+
+
+def test_a_pseudo_inertia_is_the_integral_of_place_by_place() -> None:
+    masses, places, parameters = cloud()
+    assert np.allclose(pseudo_inertias(parameters[None]), [np.einsum("p,pa,pb->ab", masses, places, places)])
+
+
+def test_a_body_in_its_own_units_has_mass_one_and_no_first_moment() -> None:
+    found = bodies_of(arm("spatial"))
+    assert np.allclose(found.given[:, 6:9], 0, atol=1e-12)
+    assert np.allclose(found.given[:, 9], 1)
+    assert least_eigenvalues(found).min() > 0
+
+
+def test_steps_to_the_nearest_bodies_keep_to_the_targets() -> None:
+    robot = arm("spatial", "modified")
+    flat = replace(robot.links[1], inertia=Inertia(number(Fraction(4)), number(1), number(1), ZERO, ZERO, ZERO))
+    bodies = bodies_of(replace(robot, links=(robot.links[0], flat, *robot.links[2:])))
+    room = most_room(bodies)
+    target = targets(bodies, room)
+    assert least_eigenvalues(bodies).min() < 0 < target.min()
+    assert room.value == pytest.approx(MARGIN, rel=1e-3)
+    assert 1 in needed(bodies, target)
+    assert (least_eigenvalues(bodies, nearest(bodies, target)) >= 0.99 * target).all()
+
+
+def test_a_link_that_needs_a_little_changes_beside_one_that_needs_much() -> None:
+    given = packed(np.array([np.diag([-0.1, 1, 1, 1]), np.diag([0.0, 1, 1, 1]), np.diag([0.1, 1, 1, 1])]))
+    along = np.zeros((3, 10, 3))
+    along[[0, 1, 2], 0, [0, 1, 2]] = 1
+    bodies = Bodies(given, along, np.array([np.eye(4)] * 3), np.zeros(3))
+    assert needed(bodies, np.full(3, MARGIN / 2)) == [0, 1]
+
+
+def test_links_without_a_mass_get_as_much_of_one_as_torques_allow_each() -> None:
+    """A sole Izz bounds the mass of a link that has its centre off the axis; all or nothing would leave nothing."""
+    robot = arm("planar")
+    small = Inertia(number(Fraction(1, 10)), number(Fraction(1, 10)), number(Fraction(1, 50)), ZERO, ZERO, ZERO)
+    bare = replace(robot, links=(robot.links[0], Link(inertia=small), Link(inertia=small)))
+    bodies = bodies_of(bare)
+    target = targets(bodies, most_room(bodies))
+    found = weighed(bodies, target)
+    assert found.masses[0] == 0
+    assert (found.masses[1:] > 1e-3).all()
+    assert found.masses.min() < 0.4
+    steps = nearest(found, target)
+    assert (least_eigenvalues(found, steps) >= 0.99 * target).all()
+    assert ((found.given + found.along @ steps)[1:, -1] >= 0.99 * found.masses[1:]).all()
+
+
+def test_the_least_of_linear_quadratic_and_semidefinite_programs_is_found_and_contradictions_told() -> None:
+    matrix = np.array([[1.0, 2.0, 0.0], [2.0, -1.0, 0.5], [0.0, 0.5, 0.3]])
+    found = least(np.ones(1), [Limit(Cone.SEMIDEFINITE, packed(matrix), packed(np.eye(3))[:, None])])
+    values, vectors = np.linalg.eigh(matrix)
+    assert abs(found.x[0] + values[0]) < 1e-8
+    assert np.allclose(unpacked(found.prices[0]), np.outer(vectors[:, 0], vectors[:, 0]), atol=1e-6)
+    bound = Limit(Cone.NOT_NEGATIVE, np.array([-1.0]), np.array([[1.0, 1.0]]))
+    assert np.allclose(least(np.zeros(2), [bound], np.diag([1.0, 3.0])).x, [0.75, 0.25], atol=1e-7)
+    length = Limit(Cone.LONGEST_FIRST, np.array([0.0, 3.0, 4.0]), np.array([[1.0], [0.0], [0.0]]))
+    assert abs(least(np.ones(1), [length]).x[0] - 5) < 1e-7
+    above, below = (Limit(Cone.NOT_NEGATIVE, np.array([-1.0]), np.array([[sign]])) for sign in (1.0, -1.0))
+    with pytest.raises(DeriveError, match="PrimalInfeasible"):
+        least(np.ones(1), [above, below])

@@ -11,13 +11,17 @@ import numpy.typing as npt
 import sympy
 
 from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.mechanics.exact_kinematics import Reference
 from derive.model.kinematic_model import KinematicModel
+from derive.model.singularities.blocks import ALL
 from derive.model.singularities.conditions import Condition
+from derive.model.singularities.singularities import Outcome
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.options.inverse import POSE
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, jacobian
 from derive.verification.oracle.functions import Oracle
+from tests.evaluate import evaluate
 
 Array = npt.NDArray[Any]
 
@@ -55,8 +59,8 @@ class SingularArm:
         known = {name: float(expression_to_sympy(value)) for name, value in number_of(robot).items()}
         free = {name: float(self.rng.uniform(0.3, 1.7)) for name in robot_symbols(robot) if name not in known}
         self.arm = Oracle.of(robot, free).arm
-        self.oracle = Oracle.of(robot, free)
-        self.numbers = {sympy.Symbol(name): value for name, value in (known | free).items()}
+        self.values = known | free
+        self.numbers = {sympy.Symbol(name): value for name, value in self.values.items()}
         self.found = self.model.singularities
 
     def random(self, count: int) -> Array:
@@ -97,6 +101,25 @@ class SingularArm:
                 rate = np.cross(spin, turn[:, None, :, 0])
                 rows.append((turn[:, None, 0, 0] * rate[..., 1] - turn[:, None, 1, 0] * rate[..., 0])[:, None])
         return np.concatenate(rows, axis=1)
+
+    def check_determinant(self) -> None:
+        """It is that of J by the recursion, or of the printed block where that is taken elsewhere."""
+        (q,) = self.random(1)
+        values = self.values | dict(zip(map(str, self.model.q), q, strict=True))
+        of_arm, found = jacobian(self.arm, q), self.found
+        if found.outcome is Outcome.EVERYWHERE:
+            assert found.rank == np.linalg.matrix_rank(of_arm, tol=1e-9) < min(found.shape)
+        elif found.outcome is not Outcome.UNSOLVED and found.blocks:
+            block, *others = found.blocks
+            is_whole = bool(others) or self.model.n == 6
+            if is_whole or block.reference == Reference():
+                rows = ALL if is_whole else block.rows
+                ours = [found.determinant, self.model.det_J(rows)]
+                theirs = np.linalg.det(of_arm[[row - 1 for row in rows]])
+            else:
+                ours, theirs = [found.determinant], np.linalg.det(evaluate(block.matrix, values))
+            for determinant in ours:
+                assert abs(evaluate(determinant, values) - theirs) <= 1e-9 * max(1.0, abs(theirs))
 
     def minimisers(self, starts: int, steps: int = 150) -> Array:
         """Configurations to which descent on that singular value leads, by steps that make a cone zero at once."""

@@ -1,74 +1,34 @@
-"""Singularities: det J in factors against the Jacobian of the independent recursion, in numbers."""
+"""Singularities: det J in factors and families of conditions, against the independent recursion, in numbers."""
 
 from __future__ import annotations
 
 import random
 import time
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 import sympy
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.ring import Polynomial
 from derive.model.kinematic_model import KinematicModel
+from derive.model.model import Model
+from derive.model.singularities.coincidences import coincidences
 from derive.model.singularities.conditions import Posture
-from derive.model.singularities.singularities import JacobianBlock, Outcome, Singularities
+from derive.model.singularities.determinant import find_singularities
+from derive.model.singularities.rank import rank_loss
+from derive.model.singularities.real_zeros import RealZeros
+from derive.model.singularities.singularities import Outcome, statement
 from derive.robot.load import catalogue_names
-from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.functions import Oracle
-from tests.evaluate import evaluate
-from tests.model.singularities.singular_arms import SingularArm
+from tests.model.singularities.singular_arms import SingularArm, arm_text
 from tests.random_robots import random_robot
 
 CATALOGUE = catalogue_names()
 ARTICULATED = ["anthropomorphic-arm", "anthropomorphic-wrist", "puma560-corke", "puma560-usp", "puma560-laschi"]
-
-
-class Arm:
-    """A model, numbers for its symbols, and its singularities."""
-
-    def __init__(self, robot: Robot, seed: int = 1) -> None:
-        rng = random.Random(seed)
-        self.model = KinematicModel(robot)
-        known = {name: float(expression_to_sympy(value)) for name, value in number_of(robot).items()}
-        free = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in known}
-        self.oracle = Oracle.of(robot, free)
-        self.values = known | free
-        self.found: Singularities = self.model.singularities
-        self.q = {symbol.name: rng.uniform(-2, 2) for symbol in self.model.q}
-
-    def value(self, expression: Any, q: dict[str, float]) -> Any:
-        return evaluate(expression, self.values | q)
-
-    def jacobian(self, q: dict[str, float]) -> np.ndarray[Any, Any]:
-        return np.asarray(self.oracle.evaluate("jacobian", np.array([q[s.name] for s in self.model.q])))
-
-    def block(self, q: dict[str, float]) -> np.ndarray[Any, Any]:
-        """The part of J whose determinant is printed, from the recursion where it is taken at the end effector."""
-        block = self.found.blocks[0]
-        if len(self.found.blocks) > 1 or self.model.n == 6:
-            return self.jacobian(q)
-        if at_end_effector(block):
-            return self.jacobian(q)[[row - 1 for row in block.rows], :]
-        return np.asarray(self.value(block.matrix, q))
-
-
-def at_end_effector(block: JacobianBlock) -> bool:
-    return block.reference.point is None and block.reference.frame is None
-
-
-def check_determinant(arm: Arm) -> None:
-    if arm.found.outcome in (Outcome.FOUND, Outcome.NEVER) and arm.found.blocks:
-        theirs = np.linalg.det(arm.block(arm.q))
-        ours = arm.value(arm.found.determinant, arm.q)
-        scale = max(1.0, abs(theirs))
-        assert ours == pytest.approx(theirs, abs=1e-9 * scale)
-    if arm.found.outcome is Outcome.EVERYWHERE:
-        assert arm.found.rank == np.linalg.matrix_rank(arm.jacobian(arm.q), tol=1e-9) < min(arm.found.shape)
 
 
 # -- every robot of the catalogue
@@ -77,41 +37,11 @@ def check_determinant(arm: Arm) -> None:
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_catalogue_has_the_determinant_of_the_recursion_within_seconds(name: str) -> None:
     for seed in range(3):
-        check_determinant(Arm(Robot.load(name), seed))
+        SingularArm(Robot.load(name), seed).check_determinant()
     model = KinematicModel(Robot.load(name))
     start = time.process_time()
     assert model.singularities is model.singularities
     assert time.process_time() - start < 5
-
-
-@pytest.mark.parametrize("name", CATALOGUE)
-def test_the_determinant_is_that_of_the_model_exactly(name: str) -> None:
-    model = KinematicModel(Robot.load(name))
-    found = model.singularities
-    if not found.blocks or found.determinant is None:
-        return
-    rows = tuple(range(1, 7)) if model.n == 6 else found.blocks[0].rows
-    if model.n == 6 or at_end_effector(found.blocks[0]):
-        assert equal(found.determinant, model.det_J(rows), model)
-
-
-def equal(a: Any, b: Any, model: KinematicModel) -> bool:
-    """Whether two expressions are equal as Laurent polynomials in exp(i q)."""
-    units = {q: sympy.Symbol(f"z_{q.name}") for q in model.q}
-
-    def laurent(angle: Any) -> Any:
-        coefficients = {q: angle.coeff(q) for q in units}
-        rest = sympy.expand(angle - sympy.Add(*(k * q for q, k in coefficients.items())))
-        return sympy.exp(sympy.I * rest) * sympy.Mul(*(units[q] ** k for q, k in coefficients.items()))
-
-    def cosine(x: Any) -> Any:
-        return (laurent(x) + 1 / laurent(x)) / 2
-
-    def sine(x: Any) -> Any:
-        return (laurent(x) - 1 / laurent(x)) / (2 * sympy.I)
-
-    difference = (a - b).replace(sympy.cos, cosine).replace(sympy.sin, sine)
-    return bool(sympy.expand(difference) == 0)
 
 
 @pytest.mark.first(8)
@@ -121,10 +51,6 @@ def test_rank_drops_where_it_is_stated_and_nowhere_else(name: str) -> None:
 
 
 # -- what the books say
-
-
-def determinant(name: str) -> Any:
-    return KinematicModel(Robot.load(name)).singularities.determinant
 
 
 A1, A2, A3, D4 = sympy.symbols("a1 a2 a3 d4")
@@ -149,42 +75,43 @@ ELBOW = A3 * sympy.sin(Q3) + D4 * sympy.cos(Q3)
     ],
 )
 def test_the_determinants_are_those_of_the_books(name: str, printed: Any) -> None:
-    assert determinant(name) == printed
+    assert find_singularities(Robot.load(name)).determinant == printed
 
 
 @pytest.mark.parametrize("name", ARTICULATED)
 def test_an_articulated_arm_has_a_shoulder_and_an_elbow(name: str) -> None:
-    found = KinematicModel(Robot.load(name)).singularities
+    found = find_singularities(Robot.load(name))
     postures = {c.posture for c in found.conditions}
     wrist = {Posture.WRIST} if len(found.blocks) > 1 else set()
     assert postures == {Posture.SHOULDER, Posture.ELBOW} | wrist
 
 
 def test_the_coefficients_of_a_factor_are_lengths_of_the_robot() -> None:
-    elbow = next(c for c in KinematicModel(Robot.load("puma560-laschi")).singularities.conditions if c.joints == (3,))
+    elbow = next(c for c in find_singularities(Robot.load("puma560-laschi")).conditions if c.joints == (3,))
     coefficients = {abs(float(k)) for k in elbow.expression.as_coefficients_dict().values()}
     assert coefficients == {0.43307, 0.02032}
 
 
-def arm_of(joints: list[str], base: str = "") -> KinematicModel:
-    rows = "".join(f"  - {{{row}}}\n" for row in joints)
-    return KinematicModel(Robot.from_text(f"name: arm\ntitle: Arm\nconvention: standard\njoints:\n{rows}{base}"))
+def robot(rows: str, more: str = "", convention: str = "standard") -> Robot:
+    """A robot file: a row for each joint, ``P`` before those that slide."""
+    joints = ""
+    for row in rows.split("|"):
+        kind, cells = row.strip()[0], row.strip()[1:].strip()
+        joints += f"  - {{type: {'prismatic' if kind == 'P' else 'revolute'}{', ' if cells else ''}{cells}}}\n"
+    return Robot.from_text(f"name: arm\ntitle: Arm\nconvention: {convention}\n{more}joints:\n{joints}")
 
 
 def test_arms_are_singular_everywhere_or_never_where_their_axes_say_so() -> None:
-    model = arm_of(["type: revolute, a: a1", "type: revolute, alpha: pi/2", "type: revolute, a: a3"])
-    assert arm_of(["type: revolute", "type: revolute, a: a1"]).singularities.outcome is Outcome.EVERYWHERE
-    assert model.singularities.outcome is not Outcome.EVERYWHERE
-    joints = ["type: prismatic, alpha: -pi/2", "type: prismatic, theta: pi/2, alpha: -pi/2", "type: prismatic"]
-    found = arm_of(joints).singularities
+    assert find_singularities(robot("R | R a: a1")).outcome is Outcome.EVERYWHERE
+    assert find_singularities(robot("R a: a1 | R alpha: pi/2 | R a: a3")).outcome is not Outcome.EVERYWHERE
+    found = find_singularities(robot("P alpha: -pi/2 | P theta: pi/2, alpha: -pi/2 | P"))
     assert found.outcome is Outcome.NEVER
     assert abs(found.determinant) == 1
 
 
 def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
-    joints = ["type: revolute, a: a1", "type: revolute, a: a2, alpha: pi", "type: prismatic", "type: revolute"]
     base = "base: [[1, 0, 0, 0], [0, 3/5, -4/5, 0], [0, 4/5, 3/5, 1], [0, 0, 0, 1]]\n"
-    found = arm_of(joints, base).singularities
+    found = find_singularities(robot("R a: a1 | R a: a2, alpha: pi | P | R", base))
     assert found.blocks[0].rows == (1, 2, 3, 6)
     assert found.blocks[0].reference.frame == 0
     assert found.conditions[0].values == (0, sympy.pi)
@@ -197,8 +124,7 @@ def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 6))
 @example(seed=897535, n=2)  # a twist of -0.07 degrees: cos^2 - 1 would lose ten of its digits
 def test_random_arms_have_the_determinant_of_the_recursion(seed: int, n: int) -> None:
-    text = random_robot(random.Random(seed), n, dynamics=False).text
-    check_determinant(Arm(Robot.from_text(text), seed))
+    SingularArm(Robot.from_text(random_robot(random.Random(seed), n, dynamics=False).text), seed).check_determinant()
 
 
 SLANTED = """
@@ -221,7 +147,7 @@ base:
 
 def test_a_slanted_base_does_not_enter_the_determinant() -> None:
     """Rank does not depend on it; in its numbers the determinant had coefficients of 96 digits."""
-    level, slanted = (KinematicModel(Robot.from_text(SLANTED + base)).singularities for base in ("", BASE))
+    level, slanted = (find_singularities(Robot.from_text(SLANTED + base)) for base in ("", BASE))
     assert slanted.determinant == level.determinant
     assert level.task == ("position",)
     assert slanted.blocks[0].reference.frame == 0
@@ -243,5 +169,221 @@ tool:
 
 
 def test_no_whole_number_of_a_factor_is_longer_than_its_decimals() -> None:
-    numbers = KinematicModel(Robot.from_text(LONG)).singularities.determinant.atoms(sympy.Rational)
+    numbers = find_singularities(Robot.from_text(LONG)).determinant.atoms(sympy.Rational)
     assert max(abs(float(number)) for number in numbers) < 1e9
+
+
+def families(arm: Robot) -> set[frozenset[str]]:
+    return {frozenset(str(c.expression) for c in family) for family in find_singularities(arm).families}
+
+
+BENT = "R d: d1, alpha: pi/2 | R a: a2 | R a: a3"
+WRIST = "R alpha: -pi/2 | R alpha: pi/2 | R d: 0.1"
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        (f"{BENT} | R a: a4", [{"sin(q3)"}]),
+        (f"{BENT} | R alpha: -pi/2 | R d: d5", [{"sin(q3)"}, {"a2*cos(q2) + a3*cos(q2 + q3)", "sin(q2 + q3 + q4)"}]),
+        ("R a: a1 | R a: a2 | R a: a3 | R a: a4", [{"sin(q2)", "sin(q3)"}]),
+        (
+            "R d: 1, alpha: -pi/2 | R alpha: pi/2 | R d: 1, alpha: pi/2 | R alpha: -pi/2 "
+            "| R d: 1, alpha: -pi/2 | R alpha: pi/2 | R d: 1",  # Baron and Angeles, isotropic redundant arms: S-R-S
+            [{"sin(q4)"}, {"sin(q2)", "cos(q3)"}, {"sin(q2)", "sin(q6)"}, {"cos(q5)", "sin(q6)"}],
+        ),
+    ],
+)
+def test_arms_of_special_geometry_have_families_of_sines(rows: str, expected: list[set[str]]) -> None:
+    arm = SingularArm(robot(rows))
+    assert families(robot(rows)) == {frozenset(family) for family in expected}
+    assert arm.found.complete
+    arm.check(places=500, starts=12)
+
+
+@pytest.mark.parametrize(
+    ("rows", "more", "task", "shown"),
+    [
+        ("R a: a1 | R a: a2", "", ("x", "y"), "(rows 1, 2)"),
+        ("R a: a1, alpha: pi | R a: a2 | R a: a3", "", ("x", "y", "phi"), "(rows 1, 2, 6)"),
+        ("P alpha: pi/2 | R a: a2 | R a: a3", "", ("x", "z", "rotation about y"), "(rows 1, 3, 5)"),
+        (
+            "P theta: 0.4, alpha: pi/2 | R a: a2 | R a: a3",
+            "",
+            ("x", "y", "phi"),
+            "(rows 1, 2, 6) in the axes of frame 1",
+        ),
+        ("R a: a1 | R a: a2", "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]\n", ("x", "z"), "(rows"),
+        ("R a: a1 | R a: a2, alpha: pi | P | R", "", ("x", "y", "z", "phi"), "(rows 1, 2, 3, 6)"),
+        ("P alpha: 1 | R a: a1 | R a: a2 | P theta: 0.3", "", ("x", "y", "z", "phi"), "frame 1"),
+        (WRIST, "", ("orientation",), "(rows 4, 5, 6)"),
+        ("R alpha: pi/2 | R a: a2 | R a: a3", "", ("position",), "(rows 1, 2, 3)"),
+        ("R alpha: pi/2 | R a: a2", "inverse: {task: [x, z]}\n", ("x", "z"), "(rows 1, 3)"),
+        ("R a: a1 | R a: a2 | R a: a3", "inverse: {task: [x, phi]}\n", ("x", "phi"), "(2x3)"),
+        ("R alpha: pi/2 | R a: a2", "", (), "(6x2)"),
+        ("R alpha: pi/2 | R a: a2 | R a: a3 | R a: a4", "", (), "(6x4)"),
+    ],
+)
+def test_the_task_is_natural_or_stated_and_named(rows: str, more: str, task: tuple[str, ...], shown: str) -> None:
+    found = find_singularities(robot(rows, more))
+    assert found.task == task
+    first = next(statement(found, str))
+    assert shown in first
+    assert f"for the task {', '.join(task)}" in first or not task
+
+
+def test_a_stated_task_of_fewer_coordinates_is_judged_by_its_own_rank() -> None:
+    arm = "R a: a1 | R a: a2 | R a: a3"
+    assert families(robot(arm, "inverse: {task: [x, y]}\n")) == {frozenset({"sin(q2)", "sin(q3)"})}
+    assert families(robot(arm)) == {frozenset({"sin(q2)"})}
+
+
+@pytest.mark.parametrize(
+    ("rows", "more", "is_met"),
+    [
+        ("R a: 0.5, alpha: pi/2 | R a: 0.3", "", False),
+        ("R a: a1, alpha: pi/2 | R a: a2", "parameters: {a1: 0.5, a2: 0.3}\n", False),
+        ("R a: 0.2, alpha: pi/2 | R a: 0.3", "", True),
+        ("R a: a1, alpha: pi/2 | R a: a2", "", None),
+    ],
+)
+def test_factors_that_are_never_zero_are_no_singularities(rows: str, more: str, is_met: bool | None) -> None:
+    """Of a1 + a2*c2 numbers decide; symbols leave it open."""
+    found = find_singularities(robot(rows, f"{more}inverse: {{task: [x, y]}}\n"))
+    shoulder = [c for c in found.conditions if not c.values]
+    assert [c.is_certain for c in shoulder] == {False: [], True: [True], None: [False]}[is_met]
+
+
+def test_lengths_that_are_equal_in_the_file_count_as_equal() -> None:
+    """Folded, the third axis lies on the first: where a2 = a3 the rank of all four columns is less."""
+    rows = "R a: a2 | R a: a3, alpha: pi/2 | R alpha: pi/2 | R"
+    assert SingularArm(robot(rows, "parameters: {a2: 0.3, a3: 0.3}\n")).check(places=200, starts=12) is None
+
+
+def test_what_has_no_closed_form_says_what_decides_and_is_not_called_complete() -> None:
+    row = "R a: 0.3, d: 0.1, alpha: 0.4 | R a: 0.2, alpha: 1.1, d: 0.2 | R a: 0.3, alpha: -0.4, d: 0.4"
+    more = "R a: 0.2, d: 0.3, alpha: 0.7 | R a: 0.2"
+    five = find_singularities(robot(f"{row} | {more}"))
+    assert (five.outcome, five.complete, five.rank, five.square) == (Outcome.UNSOLVED, False, 5, "J^T*J")
+    assert list(statement(five, str))[-1].endswith("what decides is det(J^T*J) = 0")
+    seven = find_singularities(robot(f"{row} | {more}, d: 0.2, alpha: 0.9 | R a: 0.1, alpha: 0.8 | R a: 0.2"))
+    assert (seven.outcome, seven.complete, seven.rank, seven.square) == (Outcome.UNSOLVED, False, 6, "J*J^T")
+
+
+def test_four_general_axes_are_proven_to_be_never_singular() -> None:
+    row = "R a: 0.3, d: 0.1, alpha: 0.4 | R a: 0.2, alpha: 1.1, d: 0.2 | R a: 0.3, alpha: -0.4, d: 0.4 | R a: 0.2"
+    assert find_singularities(robot(row)).outcome is Outcome.NEVER
+
+
+def _check(seed: int, places: int, starts: int) -> None:
+    rng = random.Random(seed)
+    text = arm_text(rng, rng.randint(2, 7), rng.choice([0.5, 0.8, 1.0, 1.0]))
+    SingularArm(Robot.from_text(text), seed).check(places, starts)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_arms_lose_rank_where_it_is_stated_and_nowhere_else(seed: int) -> None:
+    _check(seed, places=500, starts=4)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("block", range(25))
+def test_five_hundred_arms_lose_rank_where_it_is_stated_and_nowhere_else(block: int) -> None:
+    for seed in range(1000 + 20 * block, 1020 + 20 * block):
+        _check(seed, places=10_000, starts=8)
+
+
+def seen(name: str) -> dict[str, tuple[list[str], list[str]]]:
+    model = Model(Robot.load(name))
+    pairs = coincidences(model.inverse, model.singularities.factors)
+    return {
+        str(step.unknown): ([str(f.expression) for f in merged], [str(f.expression) for f in free])
+        for step, (merged, free) in zip(model.inverse.steps, pairs, strict=True)
+    }
+
+
+SEEN = {
+    "anthropomorphic-wrist": {
+        "q3": (["cos(q3)"], []),
+        "q4": ([], ["sin(q5)"]),
+        "q1": ([], ["a2*cos(q2) + d4*sin(q2 + q3)"]),
+        "q6": ([], []),
+    },
+    "puma560-corke": {  # with an offset of the shoulder
+        "q1": (["a2*cos(q2) + a3*cos(q2 + q3) - d4*sin(q2 + q3)"], []),
+        "q3": (["a3*sin(q3) + d4*cos(q3)"], []),
+    },
+    "planar-3r": {"q2": (["sin(q2)"], [])},
+    "scara-perugia": {"q2": (["sin(q2)"], [])},
+}
+
+
+@pytest.mark.parametrize("name", SEEN)
+def test_elbows_are_where_two_values_are_one_and_wrists_where_a_joint_is_free(name: str) -> None:
+    assert SEEN[name].items() <= seen(name).items()
+
+
+def test_zeros_of_a_factor_are_as_near_as_the_rounding_of_its_terms_allows() -> None:
+    """Terms of an arm of 17 digits may be as large, and what they leave as small."""
+    model = Model(Robot.load("planar-3r"))
+    (factor,) = [factor for factor in model.singularities.factors if factor.condition is not None]
+    q2 = sympy.Symbol("q2")
+    steep = (1 + q2) * (10**30 * sympy.cos(q2) - 10**30 * sympy.cos(1)) - sympy.sin(q2)
+    pairs = coincidences(model.inverse, [replace(factor, expression=steep)])
+    assert not any(merged or free for merged, free in pairs)
+
+
+ARM = """
+name: arm
+convention: standard
+parameters: {a: 0.5, b: 0.5}
+joints:
+  - {type: revolute, a: a, alpha: pi/2}
+  - {type: revolute, a: b, alpha: x}
+  - {type: prismatic, a: k}
+"""
+DOMAIN = PolynomialDomain(Robot.from_text(ARM), rates=False)
+C1, S1 = DOMAIN.cosine_sine_of(0)
+C2, S2 = DOMAIN.cosine_sine_of(1)
+A, B, K, D3 = (DOMAIN.ring.generator(name) for name in ("a", "b", "k", "q3"))
+
+
+@pytest.mark.parametrize(
+    ("polynomials", "exist"),
+    [
+        ([K * C1 + S1], True),  # changes its sign by half a turn
+        ([D3 + K * D3 * C1], True),
+        ([K * K + D3 * D3], None),  # k may be zero
+        ([1 + K * K + D3 * D3], False),
+        ([1 + C1 * C1], False),
+        ([K + C1], None),  # depends on k
+        ([A + B * C1], None),  # touches zero
+        ([A + C1], True),
+        ([3 * A + B * C1 + B * S2], False),
+        ([2 + C1 * C2 + S1 * S2], False),
+        ([C1 - 2 * S1 * C2, C2 + 2 * C1 - 5], False),
+        ([C1 - C2, S1 - S2], None),
+    ],
+)
+def test_what_is_said_of_zeros_is_true(polynomials: list[Polynomial], exist: bool | None) -> None:
+    assert RealZeros(DOMAIN).exist(polynomials) is exist
+
+
+def test_numbers_of_the_file_decide_what_vanishes() -> None:
+    zeros = RealZeros(DOMAIN)
+    assert zeros.vanishes(A - B)
+    assert zeros.vanishes(K * (A - B) * C1 + (A - B) * S2)
+    assert not zeros.vanishes(A + B)
+    assert not zeros.vanishes(A - K)
+    assert not zeros.vanishes((A - B) * C1 + K * S2)
+
+
+def test_what_vanishes_in_numbers_is_no_pivot_and_the_rank_is_less_where_all_minors_are_zero() -> None:
+    zero, still = DOMAIN.ring.zero, K * (A - B)
+    loss = rank_loss(DOMAIN, [[[still, C1, zero], [zero, S2, still * C1 + (A - B) * S1]]])
+    assert (loss.rank, loss.unless, loss.complete) == (1, (), True)
+    assert [len(family) for family in loss.families] == [2]
+    loss = rank_loss(DOMAIN, [[[C1, K * S2], [DOMAIN.ring.zero, S2 * C1], [D3 * S2, D3]]])
+    found = {frozenset(str(zero.factor.value.raw) for zero in family) for family in loss.families}
+    assert (loss.rank, loss.complete) == (2, True)
+    assert found == {frozenset({"cos q1", "sin q2"}), frozenset({"cos q1", "q3"}), frozenset({"sin q2", "q3"})}
