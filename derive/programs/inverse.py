@@ -197,14 +197,17 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
     given = [domain.argument(GIVEN, i) for i in range(len(graph.given))]
     run = GraphWalk(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
-    angles: list[Value] = []
-    codes: list[Value] = []
+    angles, codes = list[Value](), list[Value]()
     leaves = list(run.leaves())
     existing = _existing(run, leaves)
     lost = ~reduce(Mask.__or__, [exists for exists, _ in existing])
     for leaf, (exists, ill) in zip(leaves, existing, strict=True):
         angles += run.angles(leaf)
-        codes.append(_code(field, exists, replace(leaf, ill=ill), lost))
+        # The status, and whether the branch is to be checked: where none exists, every one that has lost digits.
+        singular = reduce(Mask.__or__, leaf.free, field.truth(False)).value
+        kind = singular.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
+        none = singular.select(FREE, DOUBTFUL * (leaf.doubt | (ill & lost)).value)
+        codes.append(exists.value.select(kind + DOUBTFUL * ill.value, none))
     angles += angles[: trace.n] * graph.spare
     codes += [field.number(Status.NONE)] * graph.spare
     words = "closed form, all branches at once"
@@ -276,13 +279,3 @@ def _error(run: GraphWalk[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
     turns += [abs(pair[0] * pair[0] + pair[1] * pair[1] - 1) for pair in leaf.joints if len(pair) == 2]
     moves = [abs(pose.position[i] - run.pose[i][j]) for i, j in entries if j == 3]
     return reduce(Value.maximum, [*([reduce(Value.maximum, turns) * run.reach] if turns else []), *moves])
-
-
-def _code(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask], lost: Mask) -> Value:
-    """The status of a branch, and whether it is to be checked: where none exists, every one that has lost digits."""
-    singular = field.truth(False)
-    for free in leaf.free:
-        singular = singular | free
-    kind = singular.value.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
-    none = singular.value.select(FREE, DOUBTFUL * (leaf.doubt | (leaf.ill & lost)).value)
-    return exists.value.select(kind + DOUBTFUL * leaf.ill.value, none)
