@@ -133,7 +133,6 @@ def _report(name: str, found: Verdict, seconds: float) -> None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run, print, and return 1 where something failed."""
     parser = argparse.ArgumentParser(prog="python -m tests.inverse.mass", description=__doc__)
     parser.add_argument("what", choices=["arms", "poses", "general"])
     parser.add_argument("--class", dest="kinds", action="append", metavar="CLASS", help="arms: only this class; repeat")

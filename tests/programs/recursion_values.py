@@ -1,4 +1,4 @@
-"""Tapes of a robot's functions evaluated at any numbers, complex ones too: derivatives by complex steps."""
+"""Tapes of a robot's functions evaluated at numbers."""
 
 import cmath
 import random
@@ -18,18 +18,16 @@ ARITHMETIC = {
     "sqrt": cmath.sqrt,
     "sign": lambda x: float(np.sign(x.real)),
 }
-STEP = 1e-40
+Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class State:
-    """A point of the state space, with numbers for the free parameters."""
-
-    q: npt.NDArray[np.float64]
-    qd: npt.NDArray[np.float64]
-    qdd: npt.NDArray[np.float64]
-    tau: npt.NDArray[np.float64]
-    parameters: tuple[float, ...]
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    tau: Floats
+    parameters: tuple[float, ...]  # numbers of the free ones
 
 
 def random_state(program: Program, n: int, values: dict[str, float], seed: int) -> State:
@@ -39,21 +37,12 @@ def random_state(program: Program, n: int, values: dict[str, float], seed: int) 
     return State(draw(), draw(), draw(), draw(), tuple(values.get(name, 0.7) for name in program.parameters))
 
 
-def inputs_of(state: State, **changed: npt.NDArray[np.complex128]) -> dict[str, list[complex]]:
-    """The inputs of a tape at a state, with some arguments changed."""
+def inputs_of(state: State, **changed: Floats) -> dict[str, list[float]]:
     inputs = {kind: list(changed.get(kind, getattr(state, kind))) for kind in ("q", "qd", "qdd", "tau")}
     return {**inputs, PARAMETER: list(state.parameters)}
 
 
-def value(program: Program, name: str, state: State, **changed: npt.NDArray[np.complex128]) -> npt.NDArray[np.float64]:
-    """A function at a state, with some arguments changed; complex where they are."""
+def value(program: Program, name: str, state: State, **changed: Floats) -> Floats:
+    """A function at a state, with some arguments changed."""
     function = program[name]
-    result = np.array(evaluate(function.tape, inputs_of(state, **changed), ARITHMETIC)).reshape(function.shape)
-    return result if any(np.iscomplexobj(c) for c in changed.values()) else result.real
-
-
-def derivative(
-    program: Program, name: str, state: State, direction: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
-    moved = state.q + 1j * STEP * direction
-    return value(program, name, state, q=moved).imag / STEP
+    return np.array(evaluate(function.tape, inputs_of(state, **changed), ARITHMETIC)).reshape(function.shape).real

@@ -30,8 +30,6 @@ def variables(graph: Graph, count: int = 3) -> list[Value]:
 
 @dataclass(frozen=True)
 class Step:
-    """An operation on earlier values."""
-
     name: str
     left: int
     right: int

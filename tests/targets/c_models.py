@@ -9,7 +9,7 @@ import pytest
 from derive.programs.program import Program
 from derive.robot.robot import Robot
 from derive.targets.c import render_c
-from derive.targets.compiler import find_compiler
+from derive.targets.compiler import find_compiler, require_compiler
 from derive.verification.c_model import CModel, load_c_model
 from tests.targets.generated_models import source_of
 
@@ -26,8 +26,6 @@ def write_c_model(folder: Path, robot: Robot, program: Program | None = None) ->
 
 
 def c_model(robot: Robot, program: Program | None = None) -> CModel:
-    compiler = find_compiler()
-    assert compiler is not None
     with tempfile.TemporaryDirectory() as folder:
         write_c_model(Path(folder), robot, program)
-        return load_c_model(Path(folder, "model.c"), compiler)
+        return load_c_model(Path(folder, "model.c"), require_compiler())

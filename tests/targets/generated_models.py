@@ -32,6 +32,7 @@ links:
 parameters: {a1: 0.5, a2: 0.4}
 """
 PARAMETERS = {"m1": 2.0, "m2": 1.5}
+ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
 
 
 @lru_cache(maxsize=64)
@@ -51,8 +52,6 @@ def load(text: str, name: str = "generated") -> ModuleType:
 
 
 class TextLoader(InspectLoader):
-    """Loads one module from text."""
-
     def __init__(self, name: str, text: str) -> None:
         self.name = name
         self.text = text
@@ -92,26 +91,5 @@ def call(module: ModuleType, name: str, arguments: Mapping[str, object], **optio
     return function(*(arguments[kind] for kind in taken), **options)
 
 
-FUNCTIONS = (
-    "forward_kinematics",
-    "link_transforms",
-    "jacobian",
-    "jacobian_end",
-    "jacobian_dot",
-    "analytic_jacobian_rpy",
-    "analytic_jacobian_zyz",
-    "inertia_matrix",
-    "coriolis_matrix",
-    "gravity_vector",
-    "kinetic_energy",
-    "potential_energy",
-    "inverse_dynamics",
-    "forward_dynamics",
-    "coriolis_vector",
-    "inverse_dynamics_dq",
-    "inverse_dynamics_dqd",
-    "base_regressor",
-)
-
-IDENTIFICATION = ("regressor", "base_parameters")
-"""Further functions: one like `base_regressor`, and one without arguments."""
+IDENTIFICATION = ("regressor", "base_parameters")  # one like `base_regressor`, and one without arguments
+FUNCTIONS = tuple(name for name in INTERFACES if name not in IDENTIFICATION)

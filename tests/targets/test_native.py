@@ -14,16 +14,15 @@ from derive.programs.optimise.search_policy import Effort
 from derive.publish.build import build_robot, check_robot, library_names
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
-from derive.targets.compiler import compile_shared, find_compiler
+from derive.targets.compiler import compile_shared, require_compiler
 from derive.targets.native import CODE, LIBRARY, MODULE, TARGET
 from derive.verification.generated import load_models
 from tests.targets.c_models import STRICT, needs_compiler
-from tests.targets.generated_models import FUNCTIONS, planar
+from tests.targets.generated_models import FUNCTIONS, ONE_JOINT, planar
 
 pytestmark = needs_compiler
 
 TARGETS = (TARGET.name, "numpy")
-ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
 
 
 class Models(NamedTuple):
@@ -87,10 +86,8 @@ def test_there_is_a_generalised_ufunc_behind_every_function(models: Models) -> N
 def test_the_sources_compile_without_a_warning(models: Models, tmp_path: Path) -> None:
     for file in ("model.h", "model.c", CODE):
         shutil.copy(models.folder / file, tmp_path)
-    compiler = find_compiler()
-    assert compiler is not None
     options = [option for option in STRICT if option not in ("-Wconversion", "-Wmissing-prototypes")]
-    compile_shared(compiler, [tmp_path / CODE], tmp_path / "x.so", options)
+    compile_shared(require_compiler(), [tmp_path / CODE], tmp_path / "x.so", options)
 
 
 def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:

@@ -171,13 +171,7 @@ def test_finite_numbers_and_what_is_no_number_raise_no_warning(model: ModuleType
 
 FK, G = "forward_kinematics", "gravity_vector"
 REFUSED: list[tuple[type[Exception], str, tuple[Any, ...], Any, str]] = [
-    (
-        ValueError,
-        "forward_kinematics",
-        ([1.0, 2.0, 3.0],),
-        None,
-        r"q must have shape \(2,\) or \(\.\.\., 2\); got \(3,\)",
-    ),
+    (ValueError, FK, ([1.0, 2.0, 3.0],), None, r"q must have shape \(2,\) or \(\.\.\., 2\); got \(3,\)"),
     (ValueError, FK, (1.0,), None, r"got \(\)"),
     (ValueError, FK, (np.zeros((2, 5)),), None, r"got \(2, 5\)"),
     (ValueError, FK, ([[1.0, 2.0], [1.0]],), None, "unequal length"),
@@ -186,13 +180,7 @@ REFUSED: list[tuple[type[Exception], str, tuple[Any, ...], Any, str]] = [
     (TypeError, FK, (["a", "b"],), None, "q must be real numbers"),
     (TypeError, FK, ([None, 1.0],), None, "q must be real numbers"),
     (TypeError, FK, (np.array([1.0, 2.0], dtype=object),), None, "q must be real numbers"),
-    (
-        ValueError,
-        "coriolis_matrix",
-        (np.zeros((3, 2)), np.zeros((4, 2))),
-        PARAMETERS,
-        r"q \(3,\), qd \(4,\)",
-    ),
+    (ValueError, "coriolis_matrix", (np.zeros((3, 2)), np.zeros((4, 2))), PARAMETERS, r"q \(3,\), qd \(4,\)"),
     (ValueError, G, (np.zeros((3, 2)),), {"m1": np.ones(4), "m2": 1}, r"q \(3,\), params \(4,\)"),
     (ValueError, G, ([0.0, 0.0],), None, "missing in params: m1, m2"),
     (ValueError, G, ([0.0, 0.0],), {"m1": 1.0}, "missing in params: m2"),

@@ -1,13 +1,20 @@
-"""Octave as a callable: found as other programs are, and what goes wrong in it is one message."""
+"""C and Octave as callables: what is wrong with a program or a source is one message."""
 
+import ctypes
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from derive.errors import VerificationError
+from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
+from derive.targets.c import render_c
+from derive.targets.compiler import find_compiler, require_compiler
+from derive.targets.target import Source
 from derive.verification import verify as module
+from derive.verification.c_model import CModel, load_c_model
 from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.verify import verify
 from tests.targets.octave_model import needs_octave, write_package
@@ -57,3 +64,22 @@ def test_without_octave_the_report_says_so(tmp_path: Path, monkeypatch: pytest.M
     assert report.reasons == ("+two_bars: not verified, there is no Octave",)
     with running_octave(tmp_path, None) as found:
         assert found == ()
+
+
+ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: a1, d: d1}]\n"
+
+
+def test_names_and_numbers_are_those_of_the_header() -> None:
+    robot = Robot.from_text(ONE_JOINT)
+    program = build_program(robot, Effort.QUICK)
+    model = CModel(ctypes.CDLL(None), render_c(Source(robot, program, "0.0.0"))["model.h"])
+    shapes = {function.name: function.shape for function in program}
+    assert model.constants == {**shapes, "DOF": 1, "PARAMETERS": program.parameters, "GIVEN": ()}
+    assert set(program.parameters) == {"a1", "d1"}
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_code_that_does_not_compile_is_one_message(tmp_path: Path) -> None:
+    (tmp_path / "model.c").write_text("this is no C\n", encoding="utf-8")
+    with pytest.raises(VerificationError, match=r"model\.c cannot be compiled"):
+        load_c_model(tmp_path / "model.c", require_compiler())

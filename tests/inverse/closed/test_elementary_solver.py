@@ -48,7 +48,6 @@ def solver_at(x: float) -> Solver:
 
 
 def rest(equation: NodeEquation, branch: Branch) -> float:
-    """What the equation is at a value."""
     terms = equation.terms.items()
     return float(sum(_number(p) * np.prod(np.power(branch.numbers, e)) for e, p in terms))
 

@@ -23,7 +23,6 @@ from derive.inverse.general.rigid_motion import (
 
 
 def random_loop(types, seed=0):
-    """An arm of floats with general gaps."""
     return Loop(tuple(t == "R" for t in types), tuple(random_frames(np.random.default_rng(seed), len(types) + 1)))
 
 

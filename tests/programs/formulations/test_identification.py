@@ -25,7 +25,6 @@ RANDOM = [Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)) for see
 
 
 def numbers_for(model: Model) -> dict[str, float]:
-    """Numbers for every symbol of a model."""
     rng = random.Random(1)
     known = {name: float(number) for name, number in parameter_values(model.robot).items()}
     symbols = [*robot_symbols(model.robot), *map(str, (*model.q, *model.qd, *model.qdd))]
