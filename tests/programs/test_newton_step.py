@@ -6,8 +6,7 @@ import pytest
 from derive.algebra.constants import to_float
 from derive.inverse.closed.solve import solve
 from derive.programs.formulations.trace import Trace
-from derive.programs.inverse import inverse_function
-from derive.programs.inverse_search import FRAME_ENTRIES
+from derive.programs.inverse import FRAME_ENTRIES, inverse_function
 from derive.programs.newton_step import least_squares
 from derive.programs.program import DAMPING, POSE, Function
 from derive.programs.tape.build import cut

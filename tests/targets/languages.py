@@ -19,9 +19,7 @@ from derive.targets import c, casadi, javascript, native, numpy, octave
 from derive.targets.compiler import compile_shared, find_compiler, require_compiler
 from derive.verification.generated import compile_models, load_models
 from derive.verification.octave_model import FIRST_FILE, find_octave, running_octave
-from tests.targets.c_models import needs_compiler
-from tests.targets.generated_models import source_of
-from tests.targets.octave_model import needs_octave
+from tests.targets.generated_models import needs_compiler, needs_octave, source_of
 
 TARGETS = {
     "numpy": (numpy.TARGET,),

@@ -157,8 +157,5 @@ def test_what_does_not_fit_is_refused_as_for_numpy(library: object) -> None:
         MODEL.forward_kinematics(library.zeros(2), out=np.empty((4, 4)))
     with pytest.raises(ValueError, match="missing in params: m2"):
         MODEL.gravity_vector(library.zeros(2), params={"m1": library.asarray(1.0)})
-
-
-def test_two_libraries_at_once_are_refused() -> None:
     with pytest.raises(TypeError, match=r"arrays of one library.*got array_api_strict, jax\.numpy"):
         MODEL.coriolis_matrix(strict.zeros(2), jnp.zeros(2), params=PARAMETERS)

@@ -19,8 +19,16 @@ from derive.targets.compiler import compile_shared, require_compiler
 from derive.targets.escape import c_prefix
 from derive.verification.c_model import CModel
 from tests.random_robots import random_robot, seeds
-from tests.targets.c_models import STRICT, c_model, needs_compiler, write_c_model
-from tests.targets.generated_models import ONE_JOINT, PARAMETERS, planar, small_program
+from tests.targets.generated_models import (
+    ONE_JOINT,
+    PARAMETERS,
+    STRICT,
+    c_model,
+    needs_compiler,
+    planar,
+    small_program,
+    write_c_model,
+)
 from tests.targets.searched_arms import GENERAL, program_of, robot_of
 
 pytestmark = needs_compiler

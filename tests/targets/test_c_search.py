@@ -13,8 +13,7 @@ from derive.targets.c import c_inverse, c_search, render_c
 from derive.targets.c_function import c_function
 from derive.targets.readme import render as render_readme
 from tests.inverse.arms import PUBLISHED
-from tests.targets.c_models import c_model, needs_compiler
-from tests.targets.generated_models import casadi_model, small_program, source_of
+from tests.targets.generated_models import c_model, casadi_model, needs_compiler, small_program, source_of
 from tests.targets.searched_arms import (
     CROOKED,
     GENERAL,

@@ -9,8 +9,7 @@ import pytest
 from derive.publish.build import build_robot
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi_c
-from tests.targets.c_models import needs_compiler
-from tests.targets.generated_models import FUNCTIONS, PARAMETERS, casadi_model, planar, source_of
+from tests.targets.generated_models import FUNCTIONS, PARAMETERS, casadi_model, needs_compiler, planar, source_of
 from tests.targets.test_inverse import elbow, program_of
 
 MODEL = casadi_model(planar())

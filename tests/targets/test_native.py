@@ -17,8 +17,7 @@ from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, require_compiler
 from derive.targets.native import CODE, LIBRARY, MODULE, TARGET
 from derive.verification.generated import load_models
-from tests.targets.c_models import STRICT, needs_compiler
-from tests.targets.generated_models import FUNCTIONS, ONE_JOINT, planar
+from tests.targets.generated_models import FUNCTIONS, ONE_JOINT, STRICT, needs_compiler, planar
 
 pytestmark = needs_compiler
 
@@ -50,27 +49,6 @@ def test_both_modules_have_the_same_names_and_signatures(models: Models) -> None
         native, numpy = getattr(models.native, name), getattr(models.numpy, name)
         assert inspect.signature(native) == inspect.signature(numpy)
         assert native.__doc__ == numpy.__doc__
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize("name", ["puma560-corke", "kuka-lwr4"])
-def test_the_nearest_solutions_are_those_of_numpy_one_by_one_and_in_a_batch(name: str, tmp_path: Path) -> None:
-    """Limits, full turns, singular poses, given joints, and ties between two turns that rounding must not decide."""
-    models, rng = built(Robot.load(name), tmp_path), np.random.default_rng(2)
-    q = rng.uniform(-3, 3, (300, models.numpy.DOF))
-    q[::5, ::2] = 0.0
-    poses = models.numpy.forward_kinematics(q)
-    near = q + np.pi * rng.integers(-2, 3, q.shape) * rng.integers(0, 2, (300, 1))
-    wanted = models.numpy.inverse_kinematics_nearest(poses, near)
-    batch = models.native.inverse_kinematics_nearest(poses, near)
-    single = np.array([models.native.inverse_kinematics_nearest(*each) for each in zip(poses, near, strict=True)])
-    exists = np.isfinite(wanted)
-    assert exists.any()
-    assert not exists.all()
-    for found in (batch, single):
-        assert np.array_equal(np.isfinite(found), exists)
-        distances = [np.square(each - near).sum(axis=1)[exists[:, 0]] for each in (found, wanted)]
-        assert np.allclose(*distances, rtol=0, atol=1e-6)
 
 
 def test_there_is_a_generalised_ufunc_behind_every_function(models: Models) -> None:

@@ -73,21 +73,6 @@ def test_results_have_the_shape_of_the_batch(model: ModuleType, batch: tuple[int
         assert (result.shape, result.dtype, result.flags.c_contiguous) == ((*batch, *shape), np.float64, True)
 
 
-def test_a_batch_gives_what_its_configurations_give(model: ModuleType) -> None:
-    many = arguments(9000)
-    for name in FUNCTIONS:
-        batch = call(model, name, many, params=PARAMETERS)
-        for k in (0, 1, 4095, 4096, 8191, 8192, 8999):
-            same(batch[k], call(model, name, {kind: values[k] for kind, values in many.items()}, params=PARAMETERS))
-
-
-def test_arguments_broadcast_against_each_other(model: ModuleType) -> None:
-    a = arguments(4, 3)
-    q, qd, qdd = a["q"][0, 0], a["qd"][:, :1], a["qdd"][0]
-    found = model.inverse_dynamics(q, qd, qdd, params=PARAMETERS)
-    same(found, model.inverse_dynamics(*(np.broadcast_to(x, (4, 3, 2)) for x in (q, qd, qdd)), params=PARAMETERS))
-
-
 @pytest.mark.parametrize("count", [3, 40])
 def test_whatever_varies_the_rest_may_stay(model: ModuleType, count: int) -> None:
     rng = np.random.default_rng(7)

@@ -23,8 +23,7 @@ from derive.targets.numpy import render_numpy
 from derive.targets.octave import render_octave
 from derive.targets.readme import render as render_readme
 from derive.targets.target import joint_bounds
-from tests.targets.c_models import STRICT, needs_compiler, write_c_model
-from tests.targets.generated_models import planar, program_of, source_of
+from tests.targets.generated_models import STRICT, needs_compiler, planar, program_of, source_of, write_c_model
 from tests.targets.languages import languages, running, texts_of
 
 texts = st.text(max_size=60) | st.text(

@@ -17,7 +17,7 @@ from derive.verification import verify as module
 from derive.verification.c_model import CModel, load_c_model
 from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.verify import verify
-from tests.targets.octave_model import needs_octave, write_package
+from tests.targets.generated_models import needs_octave, write_package
 
 TEXT = "name: two-bars\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: prismatic, alpha: pi/2}]\n"
 

@@ -11,14 +11,9 @@ from derive.inverse.general.closure import Loop, closures, middle_part
 from derive.inverse.general.elimination import EigenProblem
 from derive.inverse.general.rigid_motion import (
     BESIDE,
-    axis_action,
     beside,
-    frame_action,
-    inverse_features,
     motion_by,
-    point_action,
     pose_features,
-    rigid_inverse,
 )
 
 
@@ -91,29 +86,6 @@ def random_frames(random, count):
     return frames
 
 
-def axis_numbers(u, p):
-    """The fifteen numbers by their definition."""
-    return np.concatenate([[1], u, p, [p @ p, p @ u], np.cross(p, u), (p @ p) * u - 2 * (p @ u) * p])
-
-
-def test_axis_action_maps_the_numbers_of_an_axis_to_those_of_the_moved_axis():
-    random = np.random.default_rng(1)
-    for frame in random_frames(random, 5):
-        u, p = random.normal(size=3), random.normal(size=3)
-        moved = axis_numbers(frame[:3, :3] @ u, frame[:3, :3] @ p + frame[:3, 3])
-        np.testing.assert_allclose(axis_action(pose_features(frame)) @ axis_numbers(u, p), moved, atol=1e-12)
-
-
-@pytest.mark.parametrize("action", [axis_action, frame_action, point_action])
-def test_actions_of_motions_one_after_the_other_are_multiplied(action):
-    first, second = random_frames(np.random.default_rng(2), 2)
-    one, two, both = (action(pose_features(frame)) for frame in (first, second, first @ second))
-    np.testing.assert_allclose(both, one @ two, atol=1e-12)
-    back = action(inverse_features(pose_features(first)))
-    np.testing.assert_allclose(back @ one, np.eye(len(one)), atol=1e-12)
-    np.testing.assert_allclose(back, action(pose_features(rigid_inverse(first))), atol=1e-12)
-
-
 def test_poses_beside_are_poses_at_a_small_distance_that_grows_with_the_unit():
     frames = random_frames(np.random.default_rng(5), 4)
     unit = np.array([1.0, 2.0, 10.0, 1e-3])
@@ -125,34 +97,6 @@ def test_poses_beside_are_poses_at_a_small_distance_that_grows_with_the_unit():
         np.testing.assert_allclose(shift / unit[:, None], np.broadcast_to(shift[0], (4, 3)), atol=1e-12)
         assert 1e-4 < np.abs(turn - np.eye(3)).max() < 0.1
         assert (moved[:, 3] == (0, 0, 0, 1)).all()
-
-
-@pytest.mark.parametrize("types", ["RRRRRR", "PRRPRR", "RRRRR"])
-def test_the_hidden_joint_is_among_the_eigenvalues_and_the_others_in_the_eigenvector(types):
-    loop = random_loop(types)
-    q = np.random.default_rng(2).uniform(-2, 2, loop.n)
-    pose = pose_of(loop, q)
-    tried = sorted(eliminations(loop, pose), key=lambda each: each.eigenvalues)[:6]
-    assert tried
-    for elimination in tried:
-        problem = EigenProblem.of(loop, elimination)
-        values, vectors, turn, singular = problem.eigen(pose)
-        assert not singular.any()
-        assert values.shape == (1, elimination.eigenvalues)
-        hidden = q[elimination.hidden]
-        wanted = np.tan((hidden - turn[0]) / 2) if loop.revolute[elimination.hidden] else hidden
-        which = np.abs(values[0] - wanted).argmin()
-        assert abs(values[0, which] - wanted) < 1e-6 * (1 + wanted**2)
-        product = np.ones(1)
-        for joint, size in zip(problem.others, problem.shape, strict=True):
-            x = q[joint]
-            line = (1, np.cos(x), np.sin(x)) if loop.revolute[joint] else (1, x, x * x, x**3)[:size]
-            if size == 4 and loop.revolute[joint]:
-                line = (np.cos(1.5 * x), np.sin(1.5 * x), np.cos(0.5 * x), np.sin(0.5 * x))
-            product = np.multiply.outer(product, line).reshape(-1)
-        vector = vectors[0, :, which]
-        parallel = abs(np.vdot(vector, product)) / np.linalg.norm(vector) / np.linalg.norm(product)
-        assert parallel > 1 - 1e-6
 
 
 def apart(loop, joints, q):

@@ -19,7 +19,7 @@ from derive.inverse.closed.solve import solve
 from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.general.candidates import finished
 from derive.inverse.general.choice import eliminations, find_general
-from derive.inverse.general.count import count_solutions, residue_loop
+from derive.inverse.general.count import count_solutions
 from derive.inverse.general.search import GeneralSolution, _distinct, free_loop, scaled
 from derive.inverse.numeric.chain import POSE, POSITION, NumericChain
 from tests.inverse.arms import PUBLISHED, arm_of, random_arm
@@ -266,10 +266,3 @@ def test_positions_of_three_joints_have_as_many_solutions_as_continuation_finds(
     general = GeneralSolution((), POSITION, found, count)
     q = np.random.default_rng(2).uniform(-1, 1, (5, 3))
     assert_all(chain, general, q, AllSolutions(Chain(case.arm, POSITION)))
-
-
-def test_the_loop_modulo_a_prime_has_orthogonal_gaps():
-    loop = residue_loop(case_of("crx-10ia").robot(choice=False))
-    for gap in loop.gaps:
-        square = (gap[:3, :3].T @ gap[:3, :3]) % loop.prime
-        assert (square == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]).all()

@@ -1,10 +1,10 @@
 """All formulations of one function compute the same values: whichever is the cheapest, it is right."""
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,7 @@ from derive.programs.tape.value import Value
 from derive.robot.evaluate import evaluate as number_in
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
-from tests.programs.recursion_values import ARITHMETIC
+from tests.programs.formulations.test_recursions import ARITHMETIC
 from tests.random_robots import random_robot, seeds
 
 TWISTS = ["0", "0", "0", "pi", "pi", "pi/2", "-pi/2", "0.4", "w"]
@@ -107,18 +107,6 @@ def test_most_functions_can_be_computed_in_several_ways() -> None:
     assert len(several) >= 8
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_runs_of_parallel_axes_take_every_joint_once(seed: int) -> None:
-    trace = parallel_arm(seed)
-
-    def total(turns: object) -> tuple[Value, Value]:
-        return trace.chain.one, trace.chain.zero
-
-    runs = parallel_runs(trace.chain, total)
-    assert [run.first for run in runs] == [sum(len(run.placements) for run in runs[:k]) for k in range(len(runs))]
-    assert sum(len(run.placements) for run in runs) == trace.n
-
-
 def by_runs(trace: Trace) -> list[Frame[Value]]:
     poses: list[Frame[Value]] = []
     pose = trace.chain.base
@@ -149,28 +137,19 @@ def test_axes_of_a_run_are_parallel_and_runs_are_as_long_as_can_be(seed: int) ->
     trace = parallel_arm(seed)
     poses, joints = joint_poses(trace.chain), trace.chain.joints
     axes = numbers(trace, [v for pose in poses for v in column(pose.rotation, 2)]).reshape(-1, 3)
-    last: tuple[int, int] | None = None
-    for run in trace.runs:
-        for i, place in enumerate(run.placements, run.first):
-            if joints[i].revolute:
-                if last is not None:
-                    parallel = np.linalg.norm(np.cross(axes[last[1]], axes[i])) < 1e-12
-                    assert parallel == (last[0] == run.first)
-                    assert not parallel or axes[last[1]] @ axes[i] == pytest.approx(
-                        place.direction * direction_of(trace, last)
-                    )
-                last = (run.first, i)
-
-
-def direction_of(trace: Trace, place: tuple[int, int]) -> int:
-    run = next(run for run in trace.runs if run.first == place[0])
-    return run.placements[place[1] - run.first].direction
+    placed = [
+        (run.first, place.direction, i) for run in trace.runs for i, place in enumerate(run.placements, run.first)
+    ]
+    for (run, direction, i), (own, turned, k) in pairwise(row for row in placed if joints[row[2]].revolute):
+        parallel = np.linalg.norm(np.cross(axes[i], axes[k])) < 1e-12
+        assert parallel == (run == own)
+        assert not parallel or axes[i] @ axes[k] == pytest.approx(direction * turned)
 
 
 def test_nearly_parallel_is_not_parallel() -> None:
     rows = "  - {type: revolute, alpha: 1e-9, a: 1}\n  - {type: revolute, a: 1}\n"
     trace = Trace(Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}"))
-    assert [run.first for run in trace.runs] == [0, 1]
+    assert [run.first for run in parallel_runs(trace.chain, trace.domain.cosine_sine_of_sum)] == [0, 1]
 
 
 def test_a_sum_of_angles_costs_its_additions() -> None:
@@ -185,10 +164,23 @@ SQUARE = ["alpha: pi/2", "alpha: -pi/2", "d: d3, alpha: -pi/2", "alpha: pi/2", "
 PUMA = ["alpha: pi/2", "a: a2", "a: a3, d: d3, alpha: -pi/2", "d: d4, alpha: pi/2", "alpha: -pi/2", ""]
 
 
-def assert_same_kinematics(trace: Trace) -> None:
+def any_arm(seed: int) -> Trace:
+    return Trace(Robot.from_text(random_robot(random.Random(seed), dynamics=False).text))
+
+
+def long_arm(seed: int) -> Trace:
+    return parallel_arm(3, joints=24)
+
+
+@pytest.mark.parametrize("make", [parallel_arm, any_arm, long_arm])
+@pytest.mark.parametrize("seed", seeds(12, usual=5))
+def test_the_cheapest_ways_give_pose_frames_and_jacobian(make: Callable[[int], Trace], seed: int) -> None:
+    if make is long_arm and seed:  # one of them
+        return
+    trace = make(seed)
     chain, stations = trace.chain, trace.stations
     assert stations is not None
-    pairs = [
+    pairs: list[tuple[list[Frame[Value]], list[Frame[Value]]]] = [
         ([cheapest_pose(stations)], [forward_kinematics(chain)]),
         (cheapest_links(stations), link_transforms(chain)),
     ]
@@ -199,21 +191,6 @@ def assert_same_kinematics(trace: Trace) -> None:
     outputs.append((flat(cheapest_jacobian(stations)), flat(jacobian(chain))))
     for found, wanted in outputs:
         assert np.abs(numbers(trace, found) - numbers(trace, wanted)).max() < 1e-13 * 4**trace.n
-
-
-@pytest.mark.parametrize("seed", seeds(12, usual=5))
-def test_parallel_arms(seed: int) -> None:
-    assert_same_kinematics(parallel_arm(seed))
-
-
-@pytest.mark.parametrize("seed", seeds(12, usual=5))
-def test_any_arm(seed: int) -> None:
-    robot = Robot.from_text(random_robot(random.Random(seed), dynamics=False).text)
-    assert_same_kinematics(Trace(robot))
-
-
-def test_long_arms() -> None:
-    assert_same_kinematics(parallel_arm(3, joints=24))
 
 
 def revolute(joints: list[str], extra: str = "") -> Robot:

@@ -24,7 +24,7 @@ from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.programs.tape.value import Value
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from tests.programs.recursion_values import ARITHMETIC
+from tests.programs.formulations.test_recursions import ARITHMETIC
 from tests.random_robots import random_robot, seeds
 
 SCARA = """

@@ -17,7 +17,7 @@ from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
-from tests.programs.recursion_values import random_state, value
+from tests.programs.formulations.test_recursions import random_state, value
 from tests.random_robots import catalogue, random_robot, robot_text, seeds
 
 SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]

@@ -1,5 +1,6 @@
 """What traced recursions compute on any robot: both conventions, R and P, motors, base, tool, any gravity."""
 
+import cmath
 import random
 from dataclasses import dataclass, replace
 from functools import cache
@@ -9,6 +10,7 @@ import numpy.typing as npt
 import pytest
 import sympy
 
+from derive.algebra.constants import to_float
 from derive.errors import QuantityError, RobotFileError
 from derive.mechanics.forward_dynamics import articulated_accelerations
 from derive.mechanics.regrouping import regroup
@@ -17,15 +19,51 @@ from derive.programs.build import build_program
 from derive.programs.formulations.trace import Trace
 from derive.programs.program import Program
 from derive.programs.tape.build import bake, cut
-from derive.programs.tape.tape import Op, Operations, evaluate
+from derive.programs.tape.tape import PARAMETER, Op, Operations, evaluate
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import ZERO
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.rates import distance_from_singularity
-from tests.programs.recursion_values import ARITHMETIC, State, inputs_of, random_state, value
 from tests.random_robots import RandomRobot, random_robot, seeds
+
+ARITHMETIC = {
+    "number": to_float,
+    "sin": cmath.sin,
+    "cos": cmath.cos,
+    "sqrt": cmath.sqrt,
+    "sign": lambda x: float(np.sign(x.real)),
+}
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class State:
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    tau: Floats
+    parameters: tuple[float, ...]  # numbers of the free ones
+
+
+def random_state(program: Program, n: int, values: dict[str, float], seed: int) -> State:
+    """A state at random, away from zero velocities."""
+    rng = random.Random(seed)
+    draw = lambda: np.array([rng.choice((-1, 1)) * rng.uniform(0.1, 1.5) for _ in range(n)])  # noqa: E731
+    return State(draw(), draw(), draw(), draw(), tuple(values.get(name, 0.7) for name in program.parameters))
+
+
+def inputs_of(state: State, **changed: Floats) -> dict[str, list[float]]:
+    inputs = {kind: list(changed.get(kind, getattr(state, kind))) for kind in ("q", "qd", "qdd", "tau")}
+    return {**inputs, PARAMETER: list(state.parameters)}
+
+
+def value(program: Program, name: str, state: State, **changed: Floats) -> Floats:
+    """A function at a state, with some arguments changed."""
+    function = program[name]
+    return np.array(evaluate(function.tape, inputs_of(state, **changed), ARITHMETIC)).reshape(function.shape).real
+
 
 TOLERANCE = 1e-11
 

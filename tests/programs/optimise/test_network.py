@@ -174,13 +174,8 @@ def test_few_values_are_alive_where_an_order_allows_it() -> None:
     assert all(places[k] < places[i] for i in order for k in graph.operands[i])
 
 
-def inputs(count: int) -> tuple[Graph, list[Value]]:
-    graph = Graph()
-    return graph, [Value(graph, graph.input("q", i)) for i in range(count)]
-
-
 def test_a_sum_in_two_products_is_shared_until_nothing_saves() -> None:
-    graph, (a, b, c, d) = inputs(4)
+    graph, (a, b, c, d, *_), _ = names()
     outputs = [value.ref for value in (a * c + b * c, a * d + b * d)]
     network = network_of(graph, outputs)
     before = network.cost
@@ -193,7 +188,7 @@ def test_a_sum_in_two_products_is_shared_until_nothing_saves() -> None:
 
 
 def test_what_occurs_once_is_left_alone() -> None:
-    graph, (a, b) = inputs(2)
+    graph, (a, b, *_), _ = names()
     network = network_of(graph, [(a * b).ref])
     before = network.cost
     Extractor(network).run()

@@ -26,6 +26,13 @@ from derive.programs.tape.tape import LEAVES, PARAMETER, Layer, Op, Operations, 
 from derive.programs.tape.value import Value
 from tests.programs.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs, variables
 
+CHOICES: dict[str, Any] = {
+    "less": lambda a, b: Fraction(a < b),
+    "select": lambda case, a, b: a if case else b,
+    "maximum": max,
+    "minimum": min,
+    "absolute": abs,
+}
 points = st.lists(fractions(), min_size=INPUTS + PARAMETERS, max_size=INPUTS + PARAMETERS)
 
 
@@ -60,10 +67,7 @@ def test_numbers_put_in_later_give_the_same_as_symbols(program: RandomProgram, p
     inputs, parameters = point[:INPUTS], point[INPUTS:]
     graph = Graph()
     with rational_functions():
-        results = program.trace(graph)
-    numbers = dict(enumerate(parameters))
-    with rational_functions():
-        baked = cut(*bake(graph, results, numbers))
+        baked = cut(*bake(graph, program.trace(graph), dict(enumerate(parameters))))
     assert evaluate(baked, {"q": inputs}, RATIONAL) == program.evaluate(inputs, parameters)
     assert all(node.layer is not Layer.HOISTED for node in baked.nodes)
 
@@ -255,13 +259,7 @@ def test_improving_keeps_what_cases_choose(point: list[Fraction]) -> None:
     x, y, z = variables(graph)
     case = (x * y + x * z).less(y * z)
     values = [case.select(x * y + x * z, -x) + z, (x - y).maximum(-z) * abs(z - x), (1 - case).minimum(x * -y)]
-    functions = RATIONAL | {
-        "less": lambda a, b: Fraction(a < b),
-        "select": lambda case, a, b: a if case else b,
-        "maximum": max,
-        "minimum": min,
-        "absolute": abs,
-    }
+    functions = RATIONAL | CHOICES
     refs = [value.ref for value in values]
     plain, improved = (
         evaluate(cut(*stage), {"q": point}, functions) for stage in ((graph, refs), improve(graph, refs))
@@ -278,7 +276,7 @@ def run(values: list[Value], arithmetic: dict[str, Any], q: list[Any], parameter
     return evaluate(tape, {"q": q, "qd": [1] * len(q), PARAMETER: parameters}, arithmetic)
 
 
-@given(programs(), st.lists(fractions(), min_size=INPUTS + PARAMETERS, max_size=INPUTS + PARAMETERS))
+@given(programs(), points)
 @settings(max_examples=60, deadline=None)
 def test_derivatives_of_polynomials_are_exact(program: RandomProgram, numbers: list[Fraction]) -> None:
     program = RandomProgram(program.numbers, tuple(s for s in program.steps if s.name in POLYNOMIAL), program.results)
@@ -356,16 +354,7 @@ def test_cases_and_arctangents_have_their_derivatives() -> None:
         (x * x).maximum(y) + x.minimum(x * y),
         abs(x * y) + case,
     ]
-    functions = {
-        "number": float,
-        "atan2": math.atan2,
-        "less": lambda a, b: float(a < b),
-        "select": lambda case, a, b: a if case else b,
-        "maximum": max,
-        "minimum": min,
-        "absolute": abs,
-        "sign": lambda v: math.copysign(1.0, v),
-    }
+    functions = CHOICES | {"number": float, "atan2": math.atan2, "sign": lambda v: math.copysign(1.0, v)}
     for at in ([0.7, -1.3], [0.4, 0.9], [-2.0, 0.3]):
         rows = run([entry for row in gradient_columns(values, [x, y]) for entry in row], functions, at, [])
         for j in range(2):

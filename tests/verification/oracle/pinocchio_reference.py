@@ -97,11 +97,6 @@ class Reference:
         columns = [(self.bias(q, qd + e) - g) - (self.bias(q, qd - e) - g) for e in identity]
         return np.array(columns).T / 4
 
-    def pinocchio_coriolis(self, q: Array, qd: Array) -> Array:
-        data = self.data
-        full = pin.computeCoriolisMatrix(self.model, data, self.map @ q, self.map @ qd)
-        return np.array(self.map.T @ full @ self.map)
-
     def jacobian_dot(self, q: Array, qd: Array) -> Array:
         """Rate of the geometric Jacobian, (6, n), from that of Pinocchio's Jacobian at the world's origin."""
         data = self.data

@@ -40,16 +40,6 @@ def test_every_function_agrees_with_pinocchio(robot: RandomRobot) -> None:
     check(oracle, outside, motion(robot.n))
 
 
-@given(robots())
-@settings(max_examples=40, deadline=None)
-def test_the_christoffel_matrix_is_pinocchios_coriolis_matrix(robot: RandomRobot) -> None:
-    """Pinocchio's factorisation is Christoffel-consistent for single-axis joints, rotors included."""
-    oracle, outside = Oracle.of(Robot.from_text(robot.text), robot.values), reference(robot)
-    arguments = motion(robot.n)
-    got = oracle.evaluate("coriolis_matrix", arguments["q"], arguments["qd"])
-    assert relative_error(got, outside.pinocchio_coriolis(arguments["q"], arguments["qd"])) < TOLERANCE
-
-
 @given(robots(dynamics=False))
 @settings(max_examples=30, deadline=None)
 def test_kinematics_agrees_without_dynamics(robot: RandomRobot) -> None:

@@ -12,7 +12,9 @@ from hypothesis import given, settings
 from derive.model.identification.base_parameters import base_set
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.verification.oracle import frames, newton
 from derive.verification.oracle.functions import FUNCTIONS, Oracle
+from derive.verification.oracle.identification import Identification
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.random_robots import Array, RandomRobot, configurations, robots
 
@@ -114,12 +116,25 @@ links:
     assert matrix == pytest.approx(np.array(wanted))
 
 
+@given(robots())
+@settings(max_examples=30, deadline=None)
+def test_accelerations_of_the_last_link_are_second_differences_of_its_frame(robot: RandomRobot) -> None:
+    arm, (q, qd, qdd) = oracle_of(robot).arm, state(robot.n)
+    places = [frames.chain_frames(arm, q + qd * t + 0.5 * qdd * t * t)[-1, :3, 3] for t in (-1e-4, 0.0, 1e-4)]
+    chain = frames.chain_frames(arm, q)
+    axis, _ = frames.joint_axes(arm, chain)
+    last = newton.link_motions(arm, chain, axis, qd, qdd)[-1]
+    measured = (places[0] - 2 * places[1] + places[2]) / 1e-8
+    assert np.allclose(last.acceleration_at(places[1]), measured, rtol=1e-5, atol=1e-5)
+
+
 @pytest.mark.parametrize("name", ["scara-perugia", "planar-2r-perugia"])
 def test_regressors_give_the_torques_and_values_have_the_axes_of_their_definitions(name: str) -> None:
     robot = Robot.load(name)
     numbers = {symbol: 0.3 + 0.1 * place for place, symbol in enumerate(free_symbols(robot))}
     oracle = Oracle.of(robot, numbers, base_set(robot).parameters)
     q, qd, qdd = np.random.default_rng(4).uniform(-1.0, 1.0, (3, 5, robot.n))
+    assert isinstance(oracle.identification, Identification)
     base = oracle.evaluate("base_regressor", q, qd, qdd) @ oracle.evaluate("base_parameters")
     assert np.allclose(base, oracle.evaluate("inverse_dynamics", q, qd, qdd), rtol=1e-9, atol=1e-9)
     for function in oracle.functions:
