@@ -1,4 +1,4 @@
-"""Inverse kinematics as a program: every branch, the angles taken once, nothing lost between graph and tape."""
+"""Inverse kinematics as a program: every branch, the angles taken once, nothing lost; a step of damped Newton."""
 
 from collections.abc import Callable
 from functools import cache
@@ -12,19 +12,22 @@ from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.solve import solve
 from derive.inverse.closed.walk import GraphWalk
 from derive.programs.formulations.trace import Trace
-from derive.programs.inverse import Mask, around, inverse_function, solved
-from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
+from derive.programs.inverse import FRAME_ENTRIES, Mask, around, inverse_function, solved
+from derive.programs.newton_step import least_squares
+from derive.programs.program import DAMPING, NEAR, POSE, Function, Inverse, InverseSearch
+from derive.programs.tape.build import cut
 from derive.programs.tape.graph import ONE, ZERO, Graph
 from derive.programs.tape.tape import PARAMETER, Op, evaluate
 from derive.programs.tape.value import Value
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
+from derive.robot.options.inverse import ROWS, Task
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import NumericArm, forward_kinematics, numeric_arm
-from tests.inverse.arms import PUBLISHED
-from tests.inverse.arms import arm_of as robot_of
+from tests.inverse.arms import PUBLISHED, arm_of
 from tests.random_robots import swept
+from tests.targets.searched_arms import GENERAL, LOOSE, PARAMETERS, robot_of, search_of
 from tests.targets.test_inverse import model_of
 
 ARITHMETIC: dict[str, Any] = {
@@ -54,13 +57,13 @@ def numbers_of(robot: Robot) -> dict[str, float]:
     return {name: 0.3 + 0.13 * k for k, name in enumerate(free_symbols(robot))}
 
 
-def arm_of(robot: Robot) -> NumericArm:
+def numeric_arm_of(robot: Robot) -> NumericArm:
     return numeric_arm(robot, numbers_of(robot))
 
 
 def poses_of(robot: Robot, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
     q = np.random.default_rng(robot.n).uniform(-3, 3, (count, robot.n))
-    return q, forward_kinematics(arm_of(robot), q)
+    return q, forward_kinematics(numeric_arm_of(robot), q)
 
 
 def run(robot: Robot, inverse: Inverse, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -94,7 +97,7 @@ def test_every_solution_leads_to_its_pose_the_configuration_is_one_and_far_away_
     robot, inverse = program_of(name)
     q, poses = poses_of(robot)
     found, status = run(robot, inverse, poses)
-    again = forward_kinematics(arm_of(robot), np.nan_to_num(found))
+    again = forward_kinematics(numeric_arm_of(robot), np.nan_to_num(found))
     errors = np.abs(again - poses[:, None]).max(axis=(2, 3))
     assert errors[status > 0].max() < 1e-10
     turned = np.array([joint.is_revolute for joint in robot.joints])
@@ -122,12 +125,12 @@ def test_a_puma_takes_every_angle_once() -> None:
 def test_joints_that_are_free_are_zero_and_others_follow() -> None:
     robot, inverse = program_of("puma560-corke")
     q = np.array([[0.3, -0.7, 0.4, 0.5, 0.0, 0.6], [0.3, -0.7, 0.4, -0.2, 0.0, 1.3]])
-    poses = forward_kinematics(arm_of(robot), q)
+    poses = forward_kinematics(numeric_arm_of(robot), q)
     np.testing.assert_allclose(poses[0], poses[1], atol=1e-15)
     found, status = run(robot, inverse, poses[:1])
     singular = status[0] == 3
     assert singular.any()
-    again = forward_kinematics(arm_of(robot), found[0][status[0] > 0])
+    again = forward_kinematics(numeric_arm_of(robot), found[0][status[0] > 0])
     assert np.abs(again - poses[0]).max() < 1e-10
     assert (found[0][singular, 3] == 0).all()
 
@@ -180,7 +183,7 @@ def test_given_joints_are_arguments() -> None:
 
 
 def test_an_arm_without_lengths_reaches_its_centre() -> None:
-    model = model_of(robot_of("standard", "R 0 0 0 60; R 0 0 0 50; P 0 0 0 0; R 0 0 0 0"))
+    model = model_of(arm_of("standard", "R 0 0 0 60; R 0 0 0 50; P 0 0 0 0; R 0 0 0 0"))
     q = np.array([[0.3, -1.2, 0.0, 0.7], [0.3, -1.2, 1e-17, 0.7], [-2.0, 0.4, 0.5, 0.1]])
     found = model.inverse_kinematics(model.forward_kinematics(q))
     assert np.nanmin(np.abs(found - q[:, None]).max(axis=-1), axis=1).max() < 1e-9
@@ -231,9 +234,9 @@ UR5 = next(case for case in PUBLISHED if case.name == "ur5").robot()
 @pytest.mark.parametrize(
     ("robot", "draw", "seed", "most"),
     [
-        (robot_of("modified", SHOULDER), near_shoulder, 1, 1e-10),
-        (robot_of("standard", EQUAL), folded, 2, 3e-11),
-        (robot_of("standard", THUMB), few_joints, 11, 1e-10),
+        (arm_of("modified", SHOULDER), near_shoulder, 1, 1e-10),
+        (arm_of("standard", EQUAL), folded, 2, 3e-11),
+        (arm_of("standard", THUMB), few_joints, 11, 1e-10),
         pytest.param(UR5, straight_twice, 2, 1e-9, marks=pytest.mark.sweep),
     ],
     ids=["shoulder", "equal", "thumb", "ur5"],
@@ -251,7 +254,7 @@ def test_beside_singular_poses_there_is_a_solution_and_none_that_is_almost_right
     assert np.nanmax(off[np.nanmin(off, axis=1) < 3e-11] if robot.n == 5 else off) < most
 
 
-CONIC = robot_of(
+CONIC = arm_of(
     "modified",
     "R -90 0 0 35; R 0 -0.6 0.21 0; R 0 0.436 0 35; R 90 0 0.249 180; R -90 0.638 0 0; R -90 0 0 -90",
     "base: [[2/3, -1/3, 2/3, -0.361], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]\n"
@@ -269,3 +272,119 @@ def test_a_solution_that_has_lost_more_digits_than_another_is_checked_not_droppe
     found = model.inverse_kinematics(model.forward_kinematics(q), given=q[[1, 2, 4, 5]])
     assert np.isfinite(found).all()
     assert np.abs(found[:, 0] - 2.75855005).min() < 1e-7
+
+
+POINT_TASK: Task = ("x", "y")
+CASES = [("stanford-deluca", None, ()), ("planar-3r", POINT_TASK, (2,))]
+
+
+def step_of(name: str, task: Task | None, given: tuple[int, ...]) -> tuple[Robot, Function, list[tuple[int, int]]]:
+    robot = Robot.load(name)
+    graph = solve(robot, task, given or None)
+    places = [(i - 1, j - 1) for row in graph.task for i, j in ROWS[row]]
+    return robot, inverse_function(Trace(robot), graph).step, places
+
+
+def stepped(robot: Robot, step: Function, q: np.ndarray, pose: np.ndarray, damping: float) -> tuple[np.ndarray, float]:
+    """Where a step leads, and the error before it."""
+    inputs = {"q": list(q), POSE: list(pose.ravel()), DAMPING: [damping], PARAMETER: list(numbers_of(robot).values())}
+    *ahead, error, unit = (float(value) for value in evaluate(step.tape, inputs, ARITHMETIC))
+    assert unit > 0
+    return np.array(ahead), error
+
+
+@pytest.mark.parametrize(("name", "task", "given"), CASES)
+def test_the_step_solves_the_damped_normal_equations(name: str, task: Task | None, given: tuple[int, ...]) -> None:
+    robot, step, places = step_of(name, task, given)
+    arm, rng = numeric_arm_of(robot), np.random.default_rng(4)
+    q, goal = rng.uniform(-1, 1, (2, robot.n))
+    pose = forward_kinematics(arm, goal)
+    ahead, error = stepped(robot, step, q, pose, 1e9)
+    lengths = np.array([*arm.a, *arm.d, *pose[:3, 3]])
+    reach = np.sqrt((lengths**2).sum())
+    weight = np.array([1 / reach if j == 3 else 1.0 for _, j in places])
+
+    def errors(x: np.ndarray) -> np.ndarray:
+        return np.array([(forward_kinematics(arm, x) - pose)[place] for place in places]) * weight
+
+    assert error == pytest.approx(np.linalg.norm(errors(q)), rel=1e-12)
+    scale = np.array([1.0 if joint.is_revolute else reach for joint in robot.joints])
+    slopes = np.array([(errors(q + h) - errors(q - h)) / 2e-6 for h in 1e-6 * np.diag(scale)]).T
+    for damping in (1e-3, 10.0):
+        ahead, _ = stepped(robot, step, q, pose, damping)
+        free = [k for k in range(robot.n) if k not in given]
+        g = slopes[:, free]
+        wanted = np.zeros(robot.n)
+        wanted[free] = -np.linalg.solve(g.T @ g + damping * np.eye(len(free)), g.T @ errors(q))
+        np.testing.assert_allclose(ahead - q, wanted * scale, rtol=1e-5, atol=1e-8)
+
+
+@pytest.mark.parametrize(("name", "task", "given"), CASES)
+def test_steps_from_nearby_arrive(name: str, task: Task | None, given: tuple[int, ...]) -> None:
+    robot, step, _ = step_of(name, task, given)
+    goal = np.random.default_rng(1).uniform(0.3, 1, robot.n)
+    pose = forward_kinematics(numeric_arm_of(robot), goal)
+    q = goal + 1e-3 * np.array([k not in given for k in range(robot.n)])
+    for _ in range(4):
+        q, error = stepped(robot, step, q, pose, 1e-12)
+    assert error < 1e-14
+    np.testing.assert_allclose(q, goal, atol=1e-12)
+
+
+def test_what_a_matrix_is_off_a_pose_is_no_error() -> None:
+    robot, step, _ = step_of(*CASES[0])
+    q = np.full(robot.n, 0.4)
+    pose = forward_kinematics(numeric_arm_of(robot), q)
+    assert stepped(robot, step, q, pose, 1e-12)[1] == 0
+    pose[0, :3] *= 1 + 1e-7
+    assert stepped(robot, step, q, pose, 1e-12)[1] == 0
+    pose[0, 3] += 1e-3
+    assert stepped(robot, step, q, pose, 1e-12)[1] > 1e-5
+
+
+def test_least_squares_lose_the_digits_of_a_matrix_and_not_of_its_square() -> None:
+    rng = np.random.default_rng(2)
+    left, right = (np.linalg.qr(rng.normal(size=(rows, 4)))[0] for rows in (7, 4))
+    matrix, wanted, weights = left * [1, 0.5, 1e-3, 1e-9] @ right.T, rng.normal(size=4), rng.uniform(1, 2, 7)
+    graph = Graph()
+    columns = [[Value(graph, graph.input("m", 4 * i + j)) for i in range(7)] for j in range(4)]
+    values = least_squares(columns, *([Value(graph, graph.input(name, i)) for i in range(7)] for name in "wr"))
+    inputs = {"m": list(matrix.ravel()), "w": list(weights), "r": list(matrix @ wanted)}
+    found = evaluate(cut(graph, [value.ref for value in values]), inputs, ARITHMETIC)
+    np.testing.assert_allclose(np.array(found, dtype=float), wanted, atol=1e-5)
+
+
+def test_frames_and_motions_between_them_are_the_pose() -> None:
+    robot, search = robot_of(GENERAL), search_of(GENERAL)
+    values = evaluate(search.function.tape, {PARAMETER: list(PARAMETERS.values())}, ARITHMETIC | {"number": to_float})
+    frames = np.tile(np.eye(4), (robot.n + 1, 1, 1))
+    frames[:, :3] = np.reshape(np.array(values, dtype=float), (robot.n + 1, 3, FRAME_ENTRIES // 3))
+    q = np.random.default_rng(1).uniform(-2, 2, robot.n)
+    pose = np.eye(4)
+    for joint, frame, value in zip(robot.joints, frames[:-1], joint_values(robot.joints, q), strict=True):
+        motion = np.eye(4)
+        if joint.is_revolute:
+            motion[:2, :2] = [[np.cos(value), -np.sin(value)], [np.sin(value), np.cos(value)]]
+        else:
+            motion[2, 3] = value
+        pose = pose @ frame @ motion
+    expected = forward_kinematics(numeric_arm(robot, PARAMETERS), q[None])[0]
+    np.testing.assert_allclose(pose @ frames[-1], expected, atol=1e-14)
+
+
+def joint_values(joints: tuple, q: np.ndarray) -> list[float]:  # type: ignore[type-arg]
+    """How far each joint moves about or along its axis."""
+    return [joint.sign * value for joint, value in zip(joints, q, strict=True)]
+
+
+def test_general_arms_have_eliminations_and_a_count_and_others_neither() -> None:
+    general, loose = search_of(GENERAL), search_of(LOOSE)
+    assert general.given == (3,)
+    assert general.count == general.branches == 16
+    assert general.summary.startswith(
+        "A reachable pose has up to 16 solutions (more only where joints are free), computed from the eigenvalues of a "
+    )
+    assert all(each.hidden != each.multiplied for each in general.eliminations)
+    assert (loose.eliminations, loose.count, loose.branches) == ((), 0, 16)
+    assert "solutions may be missing" in loose.summary
+    assert set(loose.entries) == {(0, 0), (1, 0), (0, 3), (1, 3), (2, 3)}

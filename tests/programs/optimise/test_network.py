@@ -1,16 +1,22 @@
-"""Networks of polynomials: what is shared, written out and redefined keeps its value; the cost kept is the cost."""
+"""Networks of polynomials keep their value however they are written; every threshold of the search counts."""
 
+import inspect
+import re
+from dataclasses import fields, replace
 from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings
 
+from derive.errors import DeriveError
+from derive.programs.build import build_program
 from derive.programs.optimise.coefficients import PRIME, Coefficients, residue_of, scatter
 from derive.programs.optimise.convert import graph_of, network_of
 from derive.programs.optimise.improve import improve
 from derive.programs.optimise.network import Network, Opaque
 from derive.programs.optimise.resubstitute import Resubstitution
 from derive.programs.optimise.search import Search
+from derive.programs.optimise.search_policy import POLICY, Effort, Policy, effort_named
 from derive.programs.optimise.sharing import Extractor
 from derive.programs.tape.build import cut
 from derive.programs.tape.cost import polynomial_cost, program_cost
@@ -18,8 +24,10 @@ from derive.programs.tape.graph import ZERO, Graph, negated
 from derive.programs.tape.schedule import live, schedule
 from derive.programs.tape.tape import OPERATION_COST, PARAMETER, Op, Operations, evaluate
 from derive.programs.tape.value import Value
+from derive.robot.robot import Robot
 from tests.programs.tape.test_tape import points, rational_functions
 from tests.programs.tape_programs import INPUTS, RATIONAL, RandomProgram, programs
+from tests.programs.thresholds import measured, values_tried
 
 
 def names(count: int = 6) -> tuple[Graph, list[Value], list[Value]]:
@@ -222,3 +230,27 @@ def test_equal_values_are_one_coefficient_however_they_are_computed() -> None:
     assert known.multiply(known.same(b), known.same(a)) == product
     assert known.add(product, negated(product)) == ZERO
     assert known.residue(product) == known.residue(known.same(a)) * known.residue(known.same(b)) % PRIME
+
+
+@pytest.mark.parametrize("name", [field.name for field in fields(Policy)])
+def test_every_threshold_has_a_reason_and_is_tried_below_and_above(name: str) -> None:
+    below, above = values_tried(name)
+    assert below < getattr(POLICY, name) < above
+    assert re.search(rf"# .*\n    {name}: |    {name}: .*  # ", inspect.getsource(Policy))
+
+
+def test_one_of_both_ways_to_accelerations_is_left_for_every_number_of_joints() -> None:
+    assert POLICY.fewest_articulated <= POLICY.most_factorised + 1
+
+
+def test_a_search_without_work_finds_less() -> None:
+    idle = replace(POLICY, search_work=0, draft_work=0, hoisted_work=0, frame_choice_work=0)
+    costs, _ = measured(idle, ["puma560-corke"], ["inertia_matrix"])
+    usual = build_program(Robot.load("puma560-corke"), names=["inertia_matrix"])["inertia_matrix"]
+    assert usual.tape.operations.cost < costs["puma560-corke", "inertia_matrix"]
+
+
+def test_an_effort_has_a_name() -> None:
+    assert effort_named("quick") is Effort.QUICK
+    with pytest.raises(DeriveError, match="unknown effort 'most'"):
+        effort_named("most")
