@@ -1,4 +1,4 @@
-"""All formulations of one function compute the same values: whichever is the cheapest, it is right."""
+"""All formulations of one function, and all choices of frames, compute the same values; the search finds cheap ones."""
 
 import random
 from collections.abc import Callable, Sequence
@@ -14,13 +14,21 @@ from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian, joint_poses, link_transforms
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
-from derive.mechanics.newton_euler import inverse_dynamics
+from derive.mechanics.newton_euler import PLAIN, FrameChoice, inverse_dynamics
 from derive.mechanics.vectors import Frame, Vector, add, column, identity, multiply
 from derive.programs.build import build_program
 from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.cheapest_kinematics import cheapest_jacobian, cheapest_links, cheapest_pose
 from derive.programs.formulations.choice import choose
 from derive.programs.formulations.closed_form import CLOSED_FORMS, ClosedForm
+from derive.programs.formulations.frame_choice import (
+    ALL_CHOICES,
+    FrameChoices,
+    FrameChoiceSearch,
+    holdable,
+    places,
+    starting_choices,
+)
 from derive.programs.formulations.parallel_axes import parallel_runs
 from derive.programs.formulations.trace import Trace, flat
 from derive.programs.optimise.search_policy import POLICY, Effort
@@ -316,3 +324,82 @@ def test_long_closed_forms_are_not_offered() -> None:
     robot = Robot.from_text(random_robot(random.Random(4), 6).text)
     trace = Trace(robot)
     assert [form.values("inverse_dynamics") for form in trace.closed_forms] == [None] * len(trace.closed_forms)
+
+
+SCARA = """
+name: scara
+convention: standard
+joints:
+  - {type: revolute, a: 0.4}
+  - {type: revolute, a: 0.3, d: 0.1, alpha: pi}
+  - {type: prismatic}
+  - {type: revolute, d: 0.2}
+  - {type: revolute, alpha: pi/2}
+gravity: [0, 0, -9.81]
+links:
+"""
+LINK = "  - {mass: 2.5, com: [0.1, -0.2, 0.3], inertia: {xx: 0.3, yy: 0.2, zz: 0.4, xy: 0.01, xz: 0.02, yz: 0.03}}\n"
+
+
+def scara() -> Robot:
+    return Robot.from_text(SCARA + 5 * LINK)
+
+
+def random_choices(trace: Trace, rng: random.Random) -> FrameChoices:
+    return tuple(
+        FrameChoice(
+            place=rng.choice(places(trace.chain, i)),
+            held=holdable(trace.chain, i) and rng.random() < 0.5,
+            second_moments=rng.random() < 0.5,
+            column=rng.random() < 0.5,
+            squares=rng.random() < 0.5,
+            grown=rng.random() < 0.5,
+        )
+        for i in range(trace.n)
+    )
+
+
+def outputs(trace: Trace, choices: FrameChoices) -> list[Value]:
+    chain, rates, gains = trace.arranged(choices), trace.arguments("qd"), trace.arguments("qdd")
+    torques = inverse_dynamics(trace.arranged(choices, axial=True), rates, gains, choices)
+    matrices = [*flat(inertia_matrix(chain)), *flat(coriolis_matrix(chain, rates, trace.half))]
+    return [*torques, *matrices, *gravity_vector(chain)]
+
+
+@pytest.mark.parametrize("seed", seeds(24, usual=8))
+def test_every_form_gives_the_same_values(seed: int) -> None:
+    rng = random.Random(seed)
+    robot = Robot.from_text(random_robot(rng, 1 + seed % 6).text)
+    trace = Trace(robot)
+    expected = numbers(trace, outputs(trace, (PLAIN,) * robot.n))
+    for _ in range(3):
+        found = numbers(trace, outputs(trace, random_choices(trace, rng)))
+        assert np.abs(found - expected).max() <= 1e-12 * max(1.0, np.abs(expected).max())
+
+
+def test_parallel_axes_may_be_held_whichever_way_they_point() -> None:
+    trace = Trace(scara())
+    assert [holdable(trace.chain, i) for i in range(5)] == [True, True, True, True, True]
+    expected = numbers(trace, outputs(trace, (PLAIN,) * 5))
+    for seed in range(12):
+        found = numbers(trace, outputs(trace, random_choices(trace, random.Random(seed))))
+        assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+def test_a_link_before_a_crossing_axis_is_not_held() -> None:
+    robot = Robot.from_text(SCARA.replace("d: 0.2}", "d: 0.2, alpha: pi/2}") + 5 * LINK)
+    assert [holdable(Trace(robot).chain, i) for i in range(5)] == [True, True, True, False, True]
+
+
+def test_the_search_never_ends_above_its_starts() -> None:
+    trace = Trace(scara())
+
+    def trial(choices: FrameChoices) -> tuple[int, ...]:
+        return tuple(value.ref for value in outputs(trace, choices))
+
+    price = trace.choice.price
+    starts = starting_choices(trace.chain)
+    best, *close = FrameChoiceSearch(trace.chain, ALL_CHOICES, trial, price).best(starts, 3)
+    costs = [price(trial(choices)).body for choices in (best, *close)]
+    assert costs == sorted(costs)
+    assert costs[0] < min(price(trial(choices)).body for choices in starts)
