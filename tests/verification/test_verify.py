@@ -46,10 +46,7 @@ def _value(name, arguments, params):
     columns += [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arguments]
     if not columns:
         return _evaluated(name, numbers, np.zeros((1, 0)))[0]
-    rows = np.ascontiguousarray(np.concatenate(columns, axis=1))
-    whole = rows.view(np.dtype((np.void, rows.itemsize * rows.shape[1]))).reshape(-1)
-    _, first, places = np.unique(whole, return_index=True, return_inverse=True)
-    rows = rows[first]
+    rows, places = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
     sets, kinds = np.unique(rows[:, : len(numbers)], axis=0, return_inverse=True)
     values = None
     for k, chosen in enumerate(sets):
