@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
+from typing import Any
 
 from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.choice import Formulation
@@ -46,275 +47,189 @@ class FunctionRow:
         return self.is_optional or self.without_value is not None
 
 
+# What functions of arms with links have in common.
+_OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_margin}
+
+
+def _row(
+    what: tuple[str, tuple[int | str, ...], Magnitude],
+    words: tuple[str, str],
+    formulations: Callable[[Trace], Iterable[Formulation]],
+    **options: Any,
+) -> FunctionRow:
+    """A row by a call of the function, ``J = jacobian(q)``, shape and magnitude, and words for it and its result."""
+    call, shape, magnitude = what
+    symbol, _, rest = call.partition(" = ")
+    name, _, arguments = rest.removesuffix(")").partition("(")
+    taken = tuple(arguments.split(", ")) if arguments else ()
+    return FunctionRow(
+        interface=Interface(name, taken, shape, symbol, *words, magnitude), formulations=formulations, **options
+    )
+
+
 # In the order in which they are printed.
 ROWS = (
-    FunctionRow(
-        interface=Interface(
-            "forward_kinematics",
-            ("q",),
-            (4, 4),
-            "T",
-            "Pose of the end effector in the world frame.",
-            "base A_1 ... A_n tool, a 4x4 homogeneous transform",
-            Magnitude.POSE,
-        ),
-        formulations=kinematics.poses,
+    _row(
+        ("T = forward_kinematics(q)", (4, 4), Magnitude.POSE),
+        ("Pose of the end effector in the world frame.", "base A_1 ... A_n tool, a 4x4 homogeneous transform"),
+        kinematics.poses,
         margin=POLICY.kinematics_margin,
     ),
-    FunctionRow(
-        interface=Interface(
-            "link_transforms",
-            ("q",),
-            ("n", 4, 4),
-            "T_i",
-            "Poses of the DH frames 1..n in the world frame.",
-            "base A_1 ... A_i for i = 1..n, without the tool",
-            Magnitude.POSE,
-        ),
-        formulations=kinematics.link_poses,
+    _row(
+        ("T_i = link_transforms(q)", ("n", 4, 4), Magnitude.POSE),
+        ("Poses of the DH frames 1..n in the world frame.", "base A_1 ... A_i for i = 1..n, without the tool"),
+        kinematics.link_poses,
         margin=POLICY.kinematics_margin,
     ),
-    FunctionRow(
-        interface=Interface(
-            "jacobian",
-            ("q",),
-            (6, "n"),
-            "J",
+    _row(
+        ("J = jacobian(q)", (6, "n"), Magnitude.JACOBIAN),
+        (
             "Geometric Jacobian at the end effector, in the world frame.",
             "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
-            Magnitude.JACOBIAN,
         ),
-        formulations=kinematics.jacobians,
+        kinematics.jacobians,
         margin=POLICY.kinematics_margin,
     ),
-    FunctionRow(
-        interface=Interface(
-            "jacobian_end",
-            ("q",),
-            (6, "n"),
-            "J_end",
+    _row(
+        ("J_end = jacobian_end(q)", (6, "n"), Magnitude.JACOBIAN),
+        (
             "Geometric Jacobian at the end effector, in the end effector's axes.",
             "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
-            Magnitude.JACOBIAN,
         ),
-        formulations=kinematics.end_jacobians,
+        kinematics.end_jacobians,
         margin=POLICY.kinematics_margin,
     ),
-    FunctionRow(
-        interface=Interface(
-            "jacobian_dot",
-            ("q", "qd"),
-            (6, "n"),
-            "dJ/dt",
+    _row(
+        ("dJ/dt = jacobian_dot(q, qd)", (6, "n"), Magnitude.JACOBIAN_RATE),
+        (
             "Rate of change of the geometric Jacobian, in the world frame.",
             "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
-            Magnitude.JACOBIAN_RATE,
         ),
-        formulations=kinematics.jacobian_rates,
+        kinematics.jacobian_rates,
     ),
-    FunctionRow(
-        interface=Interface(
-            "analytic_jacobian_rpy",
-            ("q",),
-            (6, "n"),
-            "J_A",
+    _row(
+        ("J_A = analytic_jacobian_rpy(q)", (6, "n"), Magnitude.JACOBIAN),
+        (
             "Analytic Jacobian for roll, pitch, yaw.",
             "rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit "
             "of qd; no finite numbers where cos(pitch) = 0",
-            Magnitude.JACOBIAN,
         ),
-        formulations=partial(kinematics.analytic_jacobians, "rpy"),
+        partial(kinematics.analytic_jacobians, "rpy"),
         is_optional=True,
     ),
-    FunctionRow(
-        interface=Interface(
-            "analytic_jacobian_zyz",
-            ("q",),
-            (6, "n"),
-            "J_A",
+    _row(
+        ("J_A = analytic_jacobian_zyz(q)", (6, "n"), Magnitude.JACOBIAN),
+        (
             "Analytic Jacobian for Euler angles ZYZ.",
             "rows: velocity of the end effector's origin [m/s], then rates of phi, theta and psi [rad/s], per unit "
             "of qd; no finite numbers where sin(theta) = 0",
-            Magnitude.JACOBIAN,
         ),
-        formulations=partial(kinematics.analytic_jacobians, "zyz"),
+        partial(kinematics.analytic_jacobians, "zyz"),
         is_optional=True,
     ),
-    FunctionRow(
-        interface=Interface(
-            "inertia_matrix",
-            ("q",),
-            ("n", "n"),
-            "B",
-            "Inertia matrix, rotors and armatures included.",
-            "symmetric; kinetic energy is qd^T B qd / 2",
-            Magnitude.INERTIA,
-        ),
-        formulations=dynamics.inertia_matrices,
-        exists=_has_links,
-        margin=POLICY.dynamics_margin,
+    _row(
+        ("B = inertia_matrix(q)", ("n", "n"), Magnitude.INERTIA),
+        ("Inertia matrix, rotors and armatures included.", "symmetric; kinetic energy is qd^T B qd / 2"),
+        dynamics.inertia_matrices,
+        **_OF_LINKS,
     ),
-    FunctionRow(
-        interface=Interface(
-            "coriolis_matrix",
-            ("q", "qd"),
-            ("n", "n"),
-            "C",
-            "Coriolis and centrifugal matrix in Christoffel form.",
-            "C qd is the velocity torque, and dB/dt = C + C^T",
-            Magnitude.CORIOLIS,
-        ),
-        formulations=dynamics.coriolis_matrices,
-        exists=_has_links,
-        margin=POLICY.dynamics_margin,
+    _row(
+        ("C = coriolis_matrix(q, qd)", ("n", "n"), Magnitude.CORIOLIS),
+        ("Coriolis and centrifugal matrix in Christoffel form.", "C qd is the velocity torque, and dB/dt = C + C^T"),
+        dynamics.coriolis_matrices,
+        **_OF_LINKS,
     ),
-    FunctionRow(
-        interface=Interface(
-            "gravity_vector",
-            ("q",),
-            ("n",),
-            "g",
-            "Torques that hold the arm against gravity.",
-            "dU/dq, U the potential energy",
-            Magnitude.GRAVITY,
-        ),
-        formulations=dynamics.gravity_vectors,
-        exists=_has_links,
-        margin=POLICY.dynamics_margin,
+    _row(
+        ("g = gravity_vector(q)", ("n",), Magnitude.GRAVITY),
+        ("Torques that hold the arm against gravity.", "dU/dq, U the potential energy"),
+        dynamics.gravity_vectors,
+        **_OF_LINKS,
     ),
-    FunctionRow(
-        interface=Interface(
-            "kinetic_energy",
-            ("q", "qd"),
-            (),
-            "T",
-            "Kinetic energy, rotors and armatures included.",
-            "qd^T B qd / 2 [J]",
-            Magnitude.KINETIC_ENERGY,
-        ),
-        formulations=dynamics.kinetic_energies,
-        exists=_has_links,
-        margin=POLICY.dynamics_margin,
+    _row(
+        ("T = kinetic_energy(q, qd)", (), Magnitude.KINETIC_ENERGY),
+        ("Kinetic energy, rotors and armatures included.", "qd^T B qd / 2 [J]"),
+        dynamics.kinetic_energies,
+        **_OF_LINKS,
     ),
-    FunctionRow(
-        interface=Interface(
-            "potential_energy",
-            ("q",),
-            (),
-            "U",
+    _row(
+        ("U = potential_energy(q)", (), Magnitude.POTENTIAL_ENERGY),
+        (
             "Potential energy of links and rotors in the field of gravity.",
             "the sum of -m g . p [J], which is zero at the origin of the world frame",
-            Magnitude.POTENTIAL_ENERGY,
         ),
-        formulations=dynamics.potential_energies,
-        exists=_has_links,
-        margin=POLICY.dynamics_margin,
+        dynamics.potential_energies,
+        **_OF_LINKS,
     ),
-    FunctionRow(
-        interface=Interface(
-            "inverse_dynamics",
-            ("q", "qd", "qdd"),
-            ("n",),
-            "tau",
+    _row(
+        ("tau = inverse_dynamics(q, qd, qdd)", ("n",), Magnitude.TORQUE),
+        (
             "Joint torques and forces of a motion, friction included.",
             "B qdd + C qd + g + viscous*qd + coulomb*sign(qd)",
-            Magnitude.TORQUE,
         ),
-        formulations=dynamics.torques,
-        exists=_has_links,
-        margin=POLICY.dynamics_margin,
+        dynamics.torques,
+        **_OF_LINKS,
     ),
-    FunctionRow(
-        interface=Interface(
-            "forward_dynamics",
-            ("q", "qd", "tau"),
-            ("n",),
-            "qdd",
-            "Joint accelerations under given torques and forces.",
-            "solution of tau = B qdd + C qd + g + friction",
-        ),
-        formulations=dynamics.accelerations,
+    _row(
+        ("qdd = forward_dynamics(q, qd, tau)", ("n",), Magnitude.OTHER),
+        ("Joint accelerations under given torques and forces.", "solution of tau = B qdd + C qd + g + friction"),
+        dynamics.accelerations,
         exists=_has_links,
         without_value=dynamics.no_accelerations,
     ),
-    FunctionRow(
-        interface=Interface(
-            "coriolis_vector",
-            ("q", "qd"),
-            ("n",),
-            "c",
-            "Coriolis and centrifugal torques.",
-            "C qd, quadratic in qd",
-            Magnitude.VELOCITY_TORQUE,
-        ),
-        formulations=dynamics.coriolis_vectors,
+    _row(
+        ("c = coriolis_vector(q, qd)", ("n",), Magnitude.VELOCITY_TORQUE),
+        ("Coriolis and centrifugal torques.", "C qd, quadratic in qd"),
+        dynamics.coriolis_vectors,
         exists=_has_links,
     ),
-    FunctionRow(
-        interface=Interface(
-            "inverse_dynamics_dq",
-            ("q", "qd", "qdd"),
-            ("n", "n"),
-            "dtau/dq",
+    _row(
+        ("dtau/dq = inverse_dynamics_dq(q, qd, qdd)", ("n", "n"), Magnitude.TORQUE_BY_POSITION),
+        (
             "Derivatives of the joint torques with respect to q.",
             "row i, column j: d tau_i / d q_j at constant qd and qdd",
-            Magnitude.TORQUE_BY_POSITION,
         ),
-        formulations=dynamics.torque_position_derivatives,
+        dynamics.torque_position_derivatives,
         exists=_has_links,
     ),
-    FunctionRow(
-        interface=Interface(
-            "inverse_dynamics_dqd",
-            ("q", "qd"),
-            ("n", "n"),
-            "dtau/dqd",
+    _row(
+        ("dtau/dqd = inverse_dynamics_dqd(q, qd)", ("n", "n"), Magnitude.TORQUE_BY_VELOCITY),
+        (
             "Derivatives of the joint torques with respect to qd.",
             "2 C + viscous friction on the diagonal; Coulomb friction counts as constant",
-            Magnitude.TORQUE_BY_VELOCITY,
         ),
-        formulations=dynamics.torque_velocity_derivatives,
+        dynamics.torque_velocity_derivatives,
         exists=_has_links,
     ),
-    FunctionRow(
-        interface=Interface(
-            "regressor",
-            ("q", "qd", "qdd"),
-            ("n", "p"),
-            "Y",
+    _row(
+        ("Y = regressor(q, qd, qdd)", ("n", "p"), Magnitude.OTHER),
+        (
             "Regressor: tau = Y pi for the standard parameters pi, friction included.",
             "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's "
             "origin",
         ),
-        formulations=dynamics.regressors,
+        dynamics.regressors,
         exists=_has_regressor,
         columns=dynamics.standard_columns,
         search=False,  # its entries share little beyond what the recursion shares
     ),
-    FunctionRow(
-        interface=Interface(
-            "base_regressor",
-            ("q", "qd", "qdd"),
-            ("n", "p"),
-            "Y_b",
+    _row(
+        ("Y_b = base_regressor(q, qd, qdd)", ("n", "p"), Magnitude.OTHER),
+        (
             "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
             "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
         ),
-        formulations=dynamics.base_regressors,
+        dynamics.base_regressors,
         exists=_has_regressor,
         columns=dynamics.base_columns,
         search=False,
     ),
-    FunctionRow(
-        interface=Interface(
-            "base_parameters",
-            (),
-            ("p",),
-            "beta",
+    _row(
+        ("beta = base_parameters()", ("p",), Magnitude.OTHER),
+        (
             "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
             "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
         ),
-        formulations=dynamics.base_parameters,
+        dynamics.base_parameters,
         exists=_has_regressor,
         columns=dynamics.base_columns,
     ),

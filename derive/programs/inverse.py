@@ -3,6 +3,11 @@
 All branches stand in one program: a node is computed once for each combination of the branches that it depends on,
 cosines and sines are carried as values, and every angle is taken once, at the end. What exists, what is degenerate and
 what coincides are values too, 1 or 0, by which the program chooses among the formulas of a node; nothing branches.
+
+For arms without formulas generated code finds the joints by itself, by code that is the same for every arm: an
+elimination and an eigenvalue problem (`derive.inverse.general.search`), or damped Newton from many starts
+(`derive.inverse.numeric.newton`). Of the arm it needs the frames between its joints, which are a tape, exact until
+numbers are printed and with parameters as arguments, and which joints are eliminated.
 """
 
 from __future__ import annotations
@@ -20,19 +25,25 @@ from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeFormula, NodeKind
 from derive.inverse.closed.solve import Freedom, refusal, solve
 from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
+from derive.inverse.general.rigid_motion import BESIDE
+from derive.inverse.general.search import GeneralSolution
+from derive.inverse.numeric.chain import POSE as WHOLE
+from derive.inverse.numeric.chain import POSITION
 from derive.inverse.numeric.newton import Status
 from derive.inverse.words.postures import postures
+from derive.mechanics.chain import build_chain
+from derive.mechanics.vectors import Frame
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace, has_exact_rotations
-from derive.programs.inverse_search import MOTIONS, search_function
 from derive.programs.newton_step import newton_step
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Around, Function, Interface, Inverse, InverseSearch
 from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
-from derive.programs.tape.scalars import TapeDomain
+from derive.programs.tape.scalars import Q, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot.expression import Expression, Pi
+from derive.robot.options.inverse import FREEDOMS
 from derive.robot.options.solution_policy import POLICY
 
 DOUBTFUL, FREE = 4, 8
@@ -52,6 +63,17 @@ INTERFACE = Interface(
     "Joint variables of a pose of the end effector, every branch.",
     "a row for each branch [rad, m], NaN for missing branches",
 )
+SEARCH_INTERFACE = replace(
+    INTERFACE,
+    arguments=(),
+    summary="Joint variables of a pose of the end effector, every solution.",
+    result="a row for each solution [rad, m], sorted by the first joint, then the second and so on; NaN in unused rows",
+)
+FRAME_ENTRIES = 12  # of the first three rows of a frame
+# Configurations that an arm of six joints can have; so many rows has the result where their number is not known.
+MOST_SOLUTIONS = 16
+# By which singular poses are brought beside, row by row; lengths in the unit.
+MOTIONS = tuple(tuple(entry for row in motion for entry in row) for motion in BESIDE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +185,7 @@ class TapeField:
         return line_points(self, coefficients)
 
     def general(self, formula: NodeFormula, values: Mapping[str, Value]) -> Sequence[Any]:
-        """Graphs with eigenvalue problems have no program (`derive.programs.inverse_search`)."""
+        """Graphs with eigenvalue problems have no program (`search_function`)."""
         raise NotImplementedError
 
 
@@ -197,14 +219,17 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
     given = [domain.argument(GIVEN, i) for i in range(len(graph.given))]
     run = GraphWalk(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
-    angles: list[Value] = []
-    codes: list[Value] = []
+    angles, codes = list[Value](), list[Value]()
     leaves = list(run.leaves())
     existing = _existing(run, leaves)
     lost = ~reduce(Mask.__or__, [exists for exists, _ in existing])
     for leaf, (exists, ill) in zip(leaves, existing, strict=True):
         angles += run.angles(leaf)
-        codes.append(_code(field, exists, replace(leaf, ill=ill), lost))
+        # The status, and whether the branch is to be checked: where none exists, every one that has lost digits.
+        singular = reduce(Mask.__or__, leaf.free, field.truth(False)).value
+        kind = singular.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
+        none = singular.select(FREE, DOUBTFUL * (leaf.doubt | (ill & lost)).value)
+        codes.append(exists.value.select(kind + DOUBTFUL * ill.value, none))
     angles += angles[: trace.n] * graph.spare
     codes += [field.number(Status.NONE)] * graph.spare
     words = "closed form, all branches at once"
@@ -278,11 +303,64 @@ def _error(run: GraphWalk[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
     return reduce(Value.maximum, [*([reduce(Value.maximum, turns) * run.reach] if turns else []), *moves])
 
 
-def _code(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask], lost: Mask) -> Value:
-    """The status of a branch, and whether it is to be checked: where none exists, every one that has lost digits."""
-    singular = field.truth(False)
-    for free in leaf.free:
-        singular = singular | free
-    kind = singular.value.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
-    none = singular.value.select(FREE, DOUBTFUL * (leaf.doubt | (leaf.ill & lost)).value)
-    return exists.value.select(kind + DOUBTFUL * leaf.ill.value, none)
+class _AtZero(TapeDomain):
+    """The scalars of a robot whose joint variables are zero."""
+
+    def argument(self, kind: str, index: int) -> Value:
+        """One entry of an argument; zero if it is a joint variable."""
+        return self.number(0) if kind == Q else super().argument(kind, index)
+
+
+def frames(trace: Trace) -> list[Value]:
+    """The constant frames of T = C_1 M_1 C_2 M_2 ... C_n M_n C_(n+1), M_i the motion of joint i about or along z."""
+    domain = _AtZero(trace.robot, trace.graph)
+    chain = build_chain(replace(trace.robot, links=(), gravity=None), domain)
+    between = [joint.fixed @ joint.motion(chain.zero, chain.one) for joint in chain.joints]
+    ordered: list[Frame[Value]] = [chain.base @ between[0], *between[1:], chain.tool]
+    return [entry for frame in ordered for row in frame.rows(chain.zero, chain.one)[:3] for entry in row]
+
+
+def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch | None, str]:
+    """What generated code needs to find all solutions without formulas; None and why where it cannot."""
+    free = graph.robot.n - len(graph.given)
+    wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
+    if free > wanted:
+        return None, f"{graph.why_not}; the task fixes {wanted} of {free} joints, so the others are to be `given`"
+    payload = next((node.formulas[0].payload for node in graph.nodes if node.kind is NodeKind.GENERAL), None)
+    solution: GeneralSolution | None = payload.solution if payload else None
+    places = tuple(sorted(graph.places))
+    entries = next((known for known in (WHOLE, POSITION) if tuple(sorted(known)) == places), places)
+    words = "the frames between the joints"
+    formulation, tape = trace.choice.cheapest([Formulation(words, lambda: frames(trace))])
+    given = {GIVEN: len(graph.given)} if graph.given else {}
+    widths = {POSE: POSE_ENTRIES, **given, NEAR: trace.n}
+    function = Function(SEARCH_INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words, widths=widths)
+    return InverseSearch(
+        function=function,
+        branches=solution.branches if solution else MOST_SOLUTIONS,
+        joints=trace.n,
+        given=graph.given,
+        entries=entries,
+        eliminations=solution.eliminations if solution else (),
+        count=solution.count if solution else 0,
+        summary=_summary(graph, solution),
+        reason=f"its joints follow from {_eigenvalues(solution)}" if solution else graph.why_not,
+        motions=MOTIONS,
+    ), ""
+
+
+def _summary(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
+    if solution is None:
+        return (
+            "Damped Newton from many starts: there are no formulas, and solutions may be missing. "
+            f"At most {MOST_SOLUTIONS} are listed."
+        )
+    method = f"computed from {_eigenvalues(solution)}, each refined by Newton's method"
+    more = " (more only where joints are free)," if graph.everywhere else ","
+    pose = "A" if graph.everywhere or not graph.complete else "Almost every"
+    return f"{pose} reachable pose has up to {solution.count or solution.branches} solutions{more} {method}."
+
+
+def _eigenvalues(solution: GeneralSolution) -> str:
+    size = solution.eliminations[0].eigenvalues
+    return f"the eigenvalues of a {size}x{size} matrix"

@@ -6,9 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from math import prod
+from typing import TYPE_CHECKING
 
 from derive.programs.tape.tape import Operations, Tape
 from derive.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from derive.inverse.general.elimination import Elimination
 
 # The arguments that a function may take, in words; each has one entry per joint.
 ARGUMENTS: Mapping[str, str] = {
@@ -156,32 +160,6 @@ class Inverse:
         rows = (f"{k}. {words}" for k, words in enumerate(self.postures, 1))
         head = "Branches, in this order; `derive show ROBOT inverse --format json` has their signs:"
         return (head, *rows) if self.postures else ()
-
-
-@dataclass(frozen=True, slots=True)
-class Way:
-    """One way around a loop of joints (`Closure`), and how its equations split by degree."""
-
-    joints: int  # number of joints of the loop
-    dropped: int  # index of the joint whose numbers are carried around
-    direction: int  # +1 towards the end effector, -1 towards the base
-    eliminated: int  # how many joints beside the dropped one are eliminated
-    equations: int = 0  # number of equations
-    constant: int = 0  # how many combinations do not hold the hidden joint
-    linear: int = 0  # how many further ones are of the first degree
-
-
-@dataclass(frozen=True, slots=True)
-class Elimination:
-    """How all joints follow from one eigenvalue problem (`derive.inverse.general.elimination.Elimination`)."""
-
-    ways: tuple[Way, ...]  # where its equations come from
-    hidden: int  # index of the joint whose tan(theta/2), or length, is the eigenvalue
-    multiplied: int | None  # index of the joint with whose half angle the equations are multiplied; None for none
-    rows: tuple[int, int, int]  # how many rows are of degree 0, 1 and 2
-    finish: Way  # along which way the eliminated joints follow
-    start: int  # the joint of the arm at which the loop begins
-    straight: tuple[int, ...]  # slides of which no squares occur
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import inf, prod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from derive.programs.program import NEAR, POSE, Elimination, Inverse, InverseSearch, Program, Way
+from derive.programs.program import NEAR, POSE, Inverse, InverseSearch, Program
 from derive.programs.tape.tape import Op
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
@@ -15,6 +15,10 @@ from derive.targets.escape import c_comment, c_prefix
 from derive.targets.kernel import case_context
 from derive.targets.target import Source, Target, bound_text, heading, joint_limits
 from derive.targets.templating import render
+
+if TYPE_CHECKING:
+    from derive.inverse.general.closure import Closure
+    from derive.inverse.general.elimination import Elimination
 
 HEADER, CODE = "model.h", "model.c"
 # Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones.
@@ -149,7 +153,7 @@ def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, const
 def c_search(search: InverseSearch, robot: Robot) -> dict[str, Any]:
     """Numbers and initialisers for the templates below ``c/search``."""
     free = [joint for joint in range(robot.n) if joint not in search.given]
-    size = max(each.rows[1] + 2 * each.rows[2] for each in search.eliminations)
+    size = max(each.eigenvalues for each in search.eliminations)
     return {
         "eliminations": tuple(map(_initialiser, search.eliminations)),  # each as the inside of an array
         "is_position": all(column == 3 for _, column in search.entries),  # whether the position alone is wanted
@@ -161,8 +165,11 @@ def c_search(search: InverseSearch, robot: Robot) -> dict[str, Any]:
         "entry_columns": _listed(column for _, column in search.entries),
         "entry_count": len(search.entries),
         "signs": _listed(float(joint.sign) for joint in robot.joints),  # factors of the joint variables
-        "ways": max(len(each.ways) for each in search.eliminations),  # most ways around the loop of an elimination
-        "rows": max(sum(way.equations for way in each.ways) for each in search.eliminations),  # most equations of one
+        "ways": max(
+            len(each.reductions) for each in search.eliminations
+        ),  # most ways around the loop of an elimination
+        # most equations of one
+        "rows": max(sum(way.equations for way in each.reductions) for each in search.eliminations),
         "columns": max(_LEAST, *(max(sum(each.rows), _products(each)) for each in search.eliminations)),
         "size": max(_LEAST, size),
         "most": max(search.branches, 8 * size),  # solutions that are kept
@@ -181,14 +188,14 @@ def _products(elimination: Elimination) -> int:
 def _initialiser(elimination: Elimination) -> str:
     multiplied = -1 if elimination.multiplied is None else elimination.multiplied
     straight = sum(1 << joint for joint in elimination.straight)
-    ways = ", ".join(map(_way, elimination.ways))
+    ways = [_way(each.closure, each.equations, each.constant, each.linear) for each in elimination.reductions]
     head = f"{elimination.start}, {elimination.hidden}, {multiplied}, {{{_listed(elimination.rows)}}}"
-    return f"{{{head}, {straight}, {len(elimination.ways)}, {{{ways}}}, {_way(elimination.finish)}}}"
+    return f"{{{head}, {straight}, {len(ways)}, {{{', '.join(ways)}}}, {_way(elimination.finish)}}}"
 
 
-def _way(way: Way) -> str:
-    numbers = (way.dropped, way.direction, way.eliminated, way.equations, way.constant, way.linear)
-    return f"{{{_listed(numbers)}}}"
+def _way(way: Closure, *numbers: int) -> str:
+    """A way around the loop, and how its equations split by degree."""
+    return f"{{{_listed((way.dropped, way.direction, way.eliminated, *(numbers or (0, 0, 0))))}}}"
 
 
 def _listed(values: Iterable[float]) -> str:

@@ -55,42 +55,33 @@ def require_compiler() -> Command:
 
 
 def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, options: Sequence[str] = ()) -> None:
-    """Compile C into a shared library."""
+    """Compile C into a shared library; a compiler ends with all that it has started if this is left early."""
     command = [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"]
     try:
-        with TemporaryFolder() as temporary:
-            status, said = _run(command, temporary.path)
+        with TemporaryFolder() as temporary:  # one that is stopped leaves files between its passes behind
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+                errors="replace",
+                env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(temporary.path)),
+                start_new_session=True,  # an interrupt from the terminal is ours to answer
+            )
+            _running.add(process)
+            try:
+                _, said = process.communicate(timeout=SECONDS)
+            except BaseException:
+                _end(process)
+                raise
+            finally:
+                _running.discard(process)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise TargetError(f"the C compiler {compiler[0]} did not run: {type(error).__name__}: {error}") from error
-    if status != 0:
+    if process.returncode != 0:
         reason = next((line for line in said.splitlines() if "error" in line), "without saying why")
         raise TargetError(f"the C compiler {compiler[0]} failed: {reason.strip()}")
-
-
-def _run(command: Sequence[str], temporary: Path) -> tuple[int, str]:
-    """Exit status and messages of a compiler, which ends with all that it has started if this is left early.
-
-    One that is stopped leaves files between its passes behind; they have a folder of their own.
-    """
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        errors="replace",
-        env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(temporary)),
-        start_new_session=True,  # an interrupt from the terminal is ours to answer
-    )
-    _running.add(process)
-    try:
-        _, said = process.communicate(timeout=SECONDS)
-    except BaseException:
-        _end(process)
-        raise
-    finally:
-        _running.discard(process)
-    return process.returncode, said
 
 
 _running: set[subprocess.Popen[str]] = set()  # compilers at work

@@ -63,11 +63,21 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
 def _function(function: Function, parameters: Sequence[str], joints: int) -> dict[str, object]:
     kernel = write_kernel(function.tape, JAVASCRIPT, parameters)
     needed = [parameters[index] for index in kernel.parameters]
+    wording, kind = function.interface, "Array" if function.shape else "number"
+    lines = (
+        wording.summary,
+        "",
+        *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments if name in ARGUMENTS),
+        "@param {Object|number[]} [params] Numbers of the free parameters.",
+        f"@returns {{{kind}}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
+        "",
+        *function.notes,
+    )
     return {
         "name": camel_case(function.name),
         "label": javascript_string(camel_case(function.name)),  # its name as a string literal
         "signature": ", ".join((*function.arguments, "params")),
-        "documentation": _documentation(function),  # lines of its comment
+        "documentation": tuple(f" * {line}".rstrip() for line in lines),  # lines of its comment
         "parameters": wrapped([javascript_string(name) for name in needed]),
         "hoists": bool(needed),  # whether it needs any
         "unpack_parameters": wrapped([f"p_{name}" for name in needed]),  # lines that name them
@@ -150,18 +160,3 @@ def _nested(results: Sequence[str], shape: Sequence[int]) -> tuple[str, ...]:
         short = len(shape) == 2 and len(inside) == 1
         lines += [f"[{inside[0].rstrip(',')}],"] if short else ["[", *(f"  {line}" for line in inside), "],"]
     return tuple(lines)
-
-
-def _documentation(function: Function) -> tuple[str, ...]:
-    """The lines of a function's comment."""
-    wording, kind = function.interface, "Array" if function.shape else "number"
-    lines = (
-        wording.summary,
-        "",
-        *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments if name in ARGUMENTS),
-        "@param {Object|number[]} [params] Numbers of the free parameters.",
-        f"@returns {{{kind}}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
-        "",
-        *function.notes,
-    )
-    return tuple(f" * {line}".rstrip() for line in lines)

@@ -168,7 +168,17 @@ class Kernel:
 
 def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> Kernel:
     """A tape in two parts: work on run-time parameters alone, and everything else."""
-    pieces, names = _leaves_and_names(tape, language, parameters)
+    # Texts of constants and inputs, and the values with a name: s2 and c2 are the sine and cosine of q2.
+    pieces: dict[int, CodePiece] = {}
+    names = dict.fromkeys(tape.hoisted_results, "")
+    for i, node in enumerate(tape.nodes):
+        if node.op is Op.CONSTANT:
+            pieces[i] = language.number(node.value)
+        elif node.source is not None:
+            pieces[i] = CodePiece(input_name(node.source, parameters))
+        elif node.op in TRIGONOMETRIC:
+            angle = tape.nodes[node.operands[0]].source
+            names[i] = f"{TRIGONOMETRIC[node.op]}{angle.index + 1}" if angle and angle.kind == "q" else ""
     layers = {
         layer: [i for i, node in enumerate(tape.nodes) if node.layer is layer and node.op not in LEAVES]
         for layer in (Layer.HOISTED, Layer.BODY)
@@ -193,23 +203,6 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
         hoisted_calls=any(tape.nodes[i].op in ALL_NAMES for i in layers[Layer.HOISTED]),
         calls=any(tape.nodes[i].op in ALL_NAMES for i in layers[Layer.BODY]),
     )
-
-
-def _leaves_and_names(
-    tape: Tape, language: Language, parameters: Sequence[str]
-) -> tuple[dict[int, CodePiece], dict[int, str]]:
-    """Texts of constants and inputs, and the values with a name: ``s2`` and ``c2`` are the sine and cosine of q2."""
-    pieces: dict[int, CodePiece] = {}
-    names = dict.fromkeys(tape.hoisted_results, "")
-    for i, node in enumerate(tape.nodes):
-        if node.op is Op.CONSTANT:
-            pieces[i] = language.number(node.value)
-        elif node.source is not None:
-            pieces[i] = CodePiece(input_name(node.source, parameters))
-        elif node.op in TRIGONOMETRIC:
-            angle = tape.nodes[node.operands[0]].source
-            names[i] = f"{TRIGONOMETRIC[node.op]}{angle.index + 1}" if angle and angle.kind == "q" else ""
-    return pieces, names
 
 
 def rows_of(values: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:

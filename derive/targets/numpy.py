@@ -7,13 +7,18 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from derive.programs.program import ARGUMENTS, Elimination, Function, Inverse, InverseSearch, Program, Way
+from derive.programs.program import ARGUMENTS, Function, Inverse, InverseSearch, Program
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, heading, joint_bounds, joint_limits
 from derive.targets.templating import render
+
+if TYPE_CHECKING:
+    from derive.inverse.general.closure import Closure
+    from derive.inverse.general.elimination import Elimination
 
 FILE = "model_numpy.py"
 
@@ -136,13 +141,16 @@ def _inverse(program: Program, robot: Robot) -> dict[str, object] | None:
 
 def _elimination(elimination: Elimination) -> str:
     """A call that makes it anew in the module."""
-    ways = [f"_Reduction({_closure(way)}, {way.equations}, {way.constant}, {way.linear})" for way in elimination.ways]
+    ways = [
+        f"_Reduction({_closure(each.closure)}, {each.equations}, {each.constant}, {each.linear})"
+        for each in elimination.reductions
+    ]
     rest = (elimination.hidden, elimination.multiplied, elimination.rows, _closure(elimination.finish))
     arguments = (f"({_tuple(ways)})", *map(str, rest), str(elimination.start), str(elimination.straight))
     return f"_Elimination({', '.join(arguments)})"
 
 
-def _closure(way: Way) -> str:
+def _closure(way: Closure) -> str:
     return f"_Closure({way.joints}, {way.dropped}, {way.direction}, {way.eliminated})"
 
 

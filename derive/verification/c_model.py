@@ -53,12 +53,7 @@ class CModel:
         inputs = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
         batch = inputs[0].shape[:-1] if inputs else ()
         result = np.full((*batch, *self._shapes[name]), np.nan)
-        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
-        if constants.size:
-            params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
-            getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
-            inputs.append(constants)
-        pointers = [_pointer(array) for array in (*inputs, result)]
+        pointers = [_pointer(array) for array in (*inputs, *self._hoisted(name, parameters), result)]
         if batch:
             getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(int(np.prod(batch))), *pointers)
         else:
@@ -73,18 +68,22 @@ class CModel:
         status = np.full((count, branches), -1, dtype=np.intc)
         arrays = [np.ascontiguousarray(poses, dtype=float)]
         arrays += [np.ascontiguousarray(given, dtype=float)] if given.shape[-1] else []
-        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
-        if constants.size:
-            params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
-            getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
-            arrays.append(constants)
-        pointers = [_pointer(array) for array in (*arrays, q, status)]
+        pointers = [_pointer(array) for array in (*arrays, *self._hoisted(name, parameters), q, status)]
         pointers.insert(1 + bool(given.shape[-1]), ctypes.c_void_p())  # free joints at zero
         if count > 1:
             getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(count), *pointers)
         elif getattr(self.shared, name)(*pointers) != (status > 0).sum():
             raise VerificationError(f"{name} of {self.file} returns another number of solutions than it marks")
         return q, status
+
+    def _hoisted(self, name: str, parameters: Parameters) -> list[Array]:
+        """The array of the constants that a function takes from the parameters, if it takes any."""
+        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
+        if not constants.size:
+            return []
+        params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
+        getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
+        return [constants]
 
     @cached_property
     def _numbers(self) -> dict[str, int]:

@@ -46,7 +46,17 @@ def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet
             if way != "parameters" and (way != "blocks" or sample_set is sample_sets[0]):
                 yield _trial(way, model, function, arguments, sample_set)
     if "parameters" in model.ways and sample_sets[0].parameters:
-        yield from _parameter_trials(model, function, sample_sets)
+        # Every parameter an array of its numbers in all sets, (sets, 1), against (sets, samples, n) configurations.
+        arguments, sets = _arguments(function, sample_sets[0]), len(sample_sets)
+        stacked: Parameters = {
+            name: np.reshape([one.parameters[name] for one in sample_sets], (sets, *(1 for _ in arguments[:1])))
+            for name in sample_sets[0].parameters
+        }
+        shaped = read_only([np.broadcast_to(argument, (sets, *argument.shape)) for argument in arguments])
+        call = cache(partial(model.call, function, shaped, stacked))
+        for index, sample_set in enumerate(sample_sets):
+            own: Callable[[], Array] = partial(lambda k: np.asarray(call())[k], index)
+            yield Trial("a batch of parameters", own, arguments, sample_set)
 
 
 def _arguments(function: str, sample_set: SampleSet) -> tuple[Array, ...]:
@@ -90,21 +100,6 @@ def _one_by_one(model: GeneratedModel, function: str, arguments: tuple[Array, ..
                 raise
             values.append(np.full((6, len(row[0])) if function in ANGLES else row[0].shape, np.nan))
     return np.stack(values)
-
-
-def _parameter_trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]) -> Iterator[Trial]:
-    """Every parameter an array of its numbers in all sets, (sets, 1), against (sets, samples, n) configurations."""
-    arguments = _arguments(function, sample_sets[0])
-    shape = (len(sample_sets), *(1 for _ in arguments[:1]))
-    stacked: Parameters = {
-        name: np.reshape([sample_set.parameters[name] for sample_set in sample_sets], shape)
-        for name in sample_sets[0].parameters
-    }
-    shaped = read_only([np.broadcast_to(argument, (len(sample_sets), *argument.shape)) for argument in arguments])
-    call = cache(partial(model.call, function, shaped, stacked))
-    for index, sample_set in enumerate(sample_sets):
-        own: Callable[[], Array] = partial(lambda k: np.asarray(call())[k], index)
-        yield Trial("a batch of parameters", own, arguments, sample_set)
 
 
 def read_only(arrays: Sequence[Array]) -> list[Array]:

@@ -8,7 +8,7 @@ from derive.api.robots import load
 from derive.verification.octave_model import OPTIONS, find_octave
 from tests.docs.console import blocks
 from tests.places import ROOT
-from tests.targets.octave_model import needs_octave
+from tests.targets.generated_models import needs_octave
 
 
 @needs_octave

@@ -23,7 +23,7 @@ from derive.targets.escape import matlab_package
 from derive.verification.octave_model import OPTIONS, find_octave
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric
-from tests.targets.octave_model import needs_octave
+from tests.targets.generated_models import needs_octave
 
 STAND_INS = Path(__file__).parent / "octave"
 

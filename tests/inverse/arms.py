@@ -60,7 +60,6 @@ class ArmCase:
 
     @property
     def given_names(self) -> list[str]:
-        """Names of the joints that are given."""
         return [f"q{i + 1}" for i in self.given]
 
     def robot(self, choice: bool = True) -> Robot:
@@ -138,7 +137,6 @@ class _Draw:
         return self.rng.choice(TURNS if zero else ("90", "-90"))
 
     def offset(self) -> str:
-        """A constant part of a joint angle."""
         return self.rng.choice(["0", "0", "0", "90", "-90", "180", "35"])
 
     def frame(self) -> tuple[tuple[str, ...], ...]:
@@ -178,7 +176,6 @@ class _Shape:
             self.a[i], self.alpha[i] = draw.length(zero=0), draw.rng.choice(["0", "0", "180"])
 
     def case(self, name: str, kind: str, draw: _Draw, **options: object) -> ArmCase:
-        """The arm in one of the two conventions."""
         modified, n = draw.rng.random() < 0.5, len(self.types)
         a, alpha = self.a[:n], self.alpha[:n]
         if modified:  # the geometry between joints moves one row down; the first row has what was after the last

@@ -18,7 +18,6 @@ from tests.inverse.trial import Trial, Verdict
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run, print, and return 1 where something failed."""
     options = _options(arguments)
     others = sorted({case.kind for case in PUBLISHED + HARD} - set(CLASSES))
     failed = False

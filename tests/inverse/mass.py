@@ -49,8 +49,7 @@ def run_poses(options) -> Verdict:
             solver, second = generated_solver(case), generated_solver(case, "native") if options.native else None
             begin = time.perf_counter()
             found = tried(case, solver, options.poses or 1_000_000, options.seed, second=second)
-            _report(case.name, found, time.perf_counter() - begin)
-            total += found
+            total += _reported(case.name, found, begin)
     return total
 
 
@@ -62,13 +61,11 @@ def run_general(options) -> Verdict:
         solver = generated_solver(case, "native") if options.native else generated_solver(case)
         begin = time.perf_counter()
         found = tried(case, solver, options.poses or 10_000, options.seed, bar=1e-8)
-        _report(case.name, found, time.perf_counter() - begin)
-        total += found
+        total += _reported(case.name, found, begin)
         begin = time.perf_counter()
         found, unsure = with_truth(case, solver, options.truth, options.seed + 1)
-        _report(f"{case.name}, every solution", found, time.perf_counter() - begin)
+        total += _reported(f"{case.name}, every solution", found, begin)
         print(f"    the truth may lack some at {unsure} poses")
-        total += found
     return total
 
 
@@ -122,18 +119,16 @@ def _arm(kind: str, number: int, options) -> Verdict:
     except Exception as error:
         found = Verdict(wrong=1, missing=[f"raises {brief(error)}"])
     if options.verbose or not found.is_clean:
-        _report(f"{case.name} {'symbols' * bool(case.values)}", found, time.perf_counter() - begin)
+        _reported(f"{case.name} {'symbols' * bool(case.values)}", found, begin)
     return found
 
 
-def _report(name: str, found: Verdict, seconds: float) -> None:
-    print(f"{name}: {found}; {seconds:.1f} s", flush=True)
-    for example in found.missing[:20]:
-        print(f"    {example}", flush=True)
+def _reported(name: str, found: Verdict, begin: float) -> Verdict:
+    print(f"{name}: {found}; {time.perf_counter() - begin:.1f} s", *found.missing[:20], sep="\n    ", flush=True)
+    return found
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run, print, and return 1 where something failed."""
     parser = argparse.ArgumentParser(prog="python -m tests.inverse.mass", description=__doc__)
     parser.add_argument("what", choices=["arms", "poses", "general"])
     parser.add_argument("--class", dest="kinds", action="append", metavar="CLASS", help="arms: only this class; repeat")

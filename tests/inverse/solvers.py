@@ -50,7 +50,6 @@ def generated_solver(case: ArmCase, target: str = "numpy"):
 
 
 def built_modules(robot, folder, *targets: str):
-    """Modules of one build, by target, that of NumPy among them."""
     targets = dict.fromkeys(["numpy", *targets])
     built, modules = derive.build(robot, folder, targets=list(targets), only=True, effort="quick"), {}
     for target in targets:
@@ -71,7 +70,6 @@ def unbuilt_solver(case: ArmCase):
 
 
 def solver_of_module(module, case):
-    """The function of a generated module."""
     if not hasattr(module, "inverse_kinematics"):
         raise Refused("no inverse_kinematics is generated")
     params = {name: case.values[name] for name in getattr(module, "PARAMETERS", ()) if name in case.values} or None

@@ -59,7 +59,6 @@ class Verdict:
 
     @property
     def is_clean(self) -> bool:
-        """Whether there is nothing to complain about."""
         return not self.missing
 
     def __str__(self) -> str:

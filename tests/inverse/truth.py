@@ -133,7 +133,6 @@ class AllSolutions:
 
     @property
     def count(self):
-        """The number of complex solutions of a generic pose."""
         return len(self.solutions)
 
     def real(self, q, tries=3):

@@ -24,14 +24,13 @@ RATIONAL = {
 """Rational points of the unit circle stand for sine and cosine: then every identity can be tested exactly."""
 
 
-def variables(graph: Graph, count: int = 3) -> list[Value]:
-    return [Value(graph, graph.input("q", i)) for i in range(count)]
+def variables() -> list[Value]:
+    graph = Graph()
+    return [Value(graph, graph.input("q", i)) for i in range(3)]
 
 
 @dataclass(frozen=True)
 class Step:
-    """An operation on earlier values."""
-
     name: str
     left: int
     right: int

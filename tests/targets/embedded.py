@@ -49,8 +49,6 @@ Key = tuple[str, str]
 
 
 class Module:
-    """One source."""
-
     def __init__(self, name: str) -> None:
         self.name = name
         templates_of = {module: template for template, module in SOURCES.items()}
@@ -71,7 +69,9 @@ class Module:
                     for target in ast.walk(target)
                     if isinstance(target, ast.Name) and isinstance(target.ctx, ast.Store)
                 }
-        self.filled = [s for s in tree.body if isinstance(s, ast.Assign) and not _plain(s)]
+        # Assignments into what has been defined.
+        assignments = [s for s in tree.body if isinstance(s, ast.Assign)]
+        self.filled = [s for s in assignments if not all(isinstance(target, ast.Name) for target in s.targets)]
 
     def key(self, name: str) -> Key | None:
         """What a name at the top of the module stands for, if it is embedded."""
@@ -80,18 +80,10 @@ class Module:
         return self.imported.get(name)
 
 
-def _plain(statement: ast.Assign) -> bool:
-    return all(isinstance(target, ast.Name) for target in statement.targets)
-
-
-@cache
-def module(name: str) -> Module:
-    """A source, read once."""
-    return Module(name)
+module = cache(Module)
 
 
 def local_names(function: ast.AST) -> set[str]:
-    """What is bound within a function."""
     found = {node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
     return found | {node.arg for node in ast.walk(function) if isinstance(node, ast.arg)}
 
@@ -163,7 +155,6 @@ def embedded_name(key: Key) -> str:
 def embedded() -> dict[str, str]:
     """The text of every template, by module."""
     plain: dict[Key, ast.stmt] = {}
-    needs: dict[Key, set[Key]] = {}
     open_ = [(name, root) for name, roots in ROOTS.items() for root in roots]
     while open_:
         key = open_.pop()
@@ -172,10 +163,9 @@ def embedded() -> dict[str, str]:
         source = module(key[0])
         transformer = Plain(source)
         plain[key] = transformer.visit(copy.deepcopy(source.defined[key[1]]))
-        extra = [s for s in source.filled if key[1] in {n.id for n in ast.walk(s) if isinstance(n, ast.Name)}]
-        for statement in extra:
-            transformer.visit(copy.deepcopy(statement))
-        needs[key] = transformer.needs
+        for statement in source.filled:
+            if key[1] in {n.id for n in ast.walk(statement) if isinstance(n, ast.Name)}:
+                transformer.visit(copy.deepcopy(statement))
         open_ += transformer.needs
     _drop_unused_methods(list(plain.values()))
     return {name: _text(name, plain) for name in SOURCES}
@@ -183,23 +173,16 @@ def embedded() -> dict[str, str]:
 
 def _drop_unused_methods(statements: list[ast.stmt]) -> None:
     """Methods whose name occurs nowhere, and those that are left out."""
-    while True:
+    dropped = True
+    while dropped:
         used = {n.attr for s in statements for n in ast.walk(s) if isinstance(n, ast.Attribute)}
         dropped = False
-        for statement in statements:
-            if isinstance(statement, ast.ClassDef):
-                kept = [s for s in statement.body if not _is_dropped(statement.name, s, used)]
-                dropped |= len(kept) < len(statement.body)
-                statement.body = kept
-        if not dropped:
-            return
-
-
-def _is_dropped(owner: str, statement: ast.stmt, used: set[str]) -> bool:
-    if not isinstance(statement, ast.FunctionDef):
-        return False
-    name = statement.name
-    return f"{owner.lstrip('_')}.{name}" in LEFT_OUT or (name not in used and not name.startswith("__"))
+        for owner in (statement for statement in statements if isinstance(statement, ast.ClassDef)):
+            for method in [s for s in owner.body if isinstance(s, ast.FunctionDef)]:
+                is_used = method.name in used or method.name.startswith("__")
+                if f"{owner.name.lstrip('_')}.{method.name}" in LEFT_OUT or not is_used:
+                    owner.body.remove(method)
+                    dropped = True
 
 
 def _text(name: str, plain: dict[Key, ast.stmt]) -> str:
@@ -218,7 +201,6 @@ def _text(name: str, plain: dict[Key, ast.stmt]) -> str:
 
 
 def formatted(text: str) -> str:
-    """As the house formats code."""
     command = [sys.executable, "-m", "ruff", "format", "--line-length", "120", "--stdin-filename", "x.py", "-"]
     return subprocess.run(command, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
 

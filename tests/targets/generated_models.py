@@ -1,11 +1,14 @@
-"""Generated modules as namespaces, without writing them."""
+"""Generated modules as namespaces, without writing them; C and packages of MATLAB and Octave, written to a folder."""
 
 import inspect
+import os
+import tempfile
 from collections.abc import Mapping
 from functools import lru_cache
-from importlib.abc import InspectLoader
-from importlib.machinery import ModuleSpec
+from pathlib import Path
 from types import ModuleType
+
+import pytest
 
 from derive.programs.build import build_program
 from derive.programs.functions import INTERFACES
@@ -14,9 +17,14 @@ from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
+from derive.targets.c import render_c
 from derive.targets.casadi import render_casadi
+from derive.targets.compiler import find_compiler, require_compiler
 from derive.targets.numpy import render_numpy
+from derive.targets.octave import render_octave
 from derive.targets.target import Source
+from derive.verification.c_model import CModel, load_c_model
+from derive.verification.octave_model import find_octave
 
 PLANAR = """
 name: planar
@@ -32,6 +40,7 @@ links:
 parameters: {a1: 0.5, a2: 0.4}
 """
 PARAMETERS = {"m1": 2.0, "m2": 1.5}
+ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
 
 
 @lru_cache(maxsize=64)
@@ -44,28 +53,9 @@ def source_of(robot: Robot, program: Program | None = None) -> Source:
 
 
 def load(text: str, name: str = "generated") -> ModuleType:
-    loader = TextLoader(name, text)
     module = ModuleType(name)
-    loader.exec_module(module)
+    exec(compile(text, name, "exec", dont_inherit=True), module.__dict__)
     return module
-
-
-class TextLoader(InspectLoader):
-    """Loads one module from text."""
-
-    def __init__(self, name: str, text: str) -> None:
-        self.name = name
-        self.text = text
-
-    def get_source(self, fullname: str) -> str:
-        return self.text
-
-    def is_package(self, fullname: str) -> bool:
-        return False
-
-    def exec_module(self, module: ModuleType) -> None:
-        module.__spec__ = ModuleSpec(self.name, self)
-        super().exec_module(module)
 
 
 def numpy_model(robot: Robot, program: Program | None = None) -> ModuleType:
@@ -92,26 +82,35 @@ def call(module: ModuleType, name: str, arguments: Mapping[str, object], **optio
     return function(*(arguments[kind] for kind in taken), **options)
 
 
-FUNCTIONS = (
-    "forward_kinematics",
-    "link_transforms",
-    "jacobian",
-    "jacobian_end",
-    "jacobian_dot",
-    "analytic_jacobian_rpy",
-    "analytic_jacobian_zyz",
-    "inertia_matrix",
-    "coriolis_matrix",
-    "gravity_vector",
-    "kinetic_energy",
-    "potential_energy",
-    "inverse_dynamics",
-    "forward_dynamics",
-    "coriolis_vector",
-    "inverse_dynamics_dq",
-    "inverse_dynamics_dqd",
-    "base_regressor",
-)
+IDENTIFICATION = ("regressor", "base_parameters")  # one like `base_regressor`, and one without arguments
+FUNCTIONS = tuple(name for name in INTERFACES if name not in IDENTIFICATION)
 
-IDENTIFICATION = ("regressor", "base_parameters")
-"""Further functions: one like `base_regressor`, and one without arguments."""
+
+REQUIRED_C = os.environ.get("DERIVE_REQUIRE_COMPILER") == "1"
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wshadow", "-Wconversion", "-Wmissing-prototypes", "-Werror")
+needs_compiler = pytest.mark.skipif(find_compiler() is None and not REQUIRED_C, reason="no C compiler")
+
+
+def write_c_model(folder: Path, robot: Robot, program: Program | None = None) -> dict[str, str]:
+    texts = render_c(source_of(robot, program))
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return texts
+
+
+def c_model(robot: Robot, program: Program | None = None) -> CModel:
+    with tempfile.TemporaryDirectory() as folder:
+        write_c_model(Path(folder), robot, program)
+        return load_c_model(Path(folder, "model.c"), require_compiler())
+
+
+REQUIRED_OCTAVE = os.environ.get("DERIVE_REQUIRE_OCTAVE") == "1"
+needs_octave = pytest.mark.skipif(find_octave() is None and not REQUIRED_OCTAVE, reason="no Octave")
+
+
+def write_package(folder: Path, robot: Robot, program: Program | None = None) -> dict[str, str]:
+    texts = render_octave(source_of(robot, program))
+    for name, text in texts.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return texts

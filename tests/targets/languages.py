@@ -16,12 +16,10 @@ from derive.programs.program import Program
 from derive.publish.render import OPTIONS
 from derive.robot.robot import Robot
 from derive.targets import c, casadi, javascript, native, numpy, octave
-from derive.targets.compiler import compile_shared, find_compiler
+from derive.targets.compiler import compile_shared, find_compiler, require_compiler
 from derive.verification.generated import compile_models, load_models
 from derive.verification.octave_model import FIRST_FILE, find_octave, running_octave
-from tests.targets.c_models import needs_compiler
-from tests.targets.generated_models import source_of
-from tests.targets.octave_model import needs_octave
+from tests.targets.generated_models import needs_compiler, needs_octave, source_of
 
 TARGETS = {
     "numpy": (numpy.TARGET,),
@@ -64,9 +62,8 @@ def running(language: str, robot: Robot, program: Program | None = None) -> Iter
         else:
             compiler = find_compiler()
             if language == "native":
-                assert compiler is not None
                 options = (*OPTIONS, "-march=native", "-O1")
-                compile_shared(compiler, [folder / native.CODE], folder / native.LIBRARY, options)
+                compile_shared(require_compiler(), [folder / native.CODE], folder / native.LIBRARY, options)
             yield (load_models(folder) or compile_models(folder, compiler))[0]
 
 

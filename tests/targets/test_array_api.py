@@ -25,7 +25,6 @@ def _double_precision() -> Iterator[None]:
 
 
 def arguments(*batch: int, joints: int = 2) -> dict[str, np.ndarray]:
-    """Random arguments of a batch's shape."""
     rng = np.random.default_rng(5)
     return {kind: rng.uniform(-2, 2, (*batch, joints)) for kind in KINDS}
 
@@ -62,11 +61,6 @@ def test_python_numbers_among_compiled_arguments_do_not_widen_single_precision()
     half = jnp.asarray([0.1, 0.2], dtype=jnp.float32)
     gravity = jax.jit(lambda q, params: MODEL.gravity_vector(q, params=params))
     assert gravity(half, PARAMETERS).dtype == jnp.float32
-
-
-def test_integers_become_single_precision_where_that_is_usual() -> None:
-    with jax.enable_x64(False):
-        assert MODEL.forward_kinematics(jnp.asarray([1, 2])).dtype == jnp.float32
 
 
 @pytest.mark.parametrize("library", [strict, jnp])
@@ -115,16 +109,16 @@ def test_gradients_reach_arguments_and_parameters() -> None:
         return MODEL.gravity_vector(q, params=masses).sum()
 
     slope, by_mass = jax.jit(jax.grad(total, argnums=(0, 1)))(q, PARAMETERS)
-    differences = [
-        (total(q.at[i].add(step), PARAMETERS) - total(q.at[i].add(-step), PARAMETERS)) / step for i in (0, 1)
-    ]
+    ends = [(total(q.at[i].add(step), PARAMETERS), total(q.at[i].add(-step), PARAMETERS)) for i in (0, 1)]
+    differences = [(after - before) / step for after, before in ends]
     np.testing.assert_allclose(slope, np.array(differences) / 2, atol=1e-8)
     heavier = total(np.asarray(q), {**PARAMETERS, "m1": 3.0}) - total(np.asarray(q), PARAMETERS)
     assert by_mass["m1"] == pytest.approx(heavier, rel=1e-9)
 
 
-def test_single_precision_is_compiled_in_single_precision() -> None:
+def test_single_precision_is_compiled_in_single_precision_and_integers_become_it_where_that_is_usual() -> None:
     with jax.enable_x64(False):
+        assert MODEL.forward_kinematics(jnp.asarray([1, 2])).dtype == jnp.float32
         q = jnp.asarray([0.3, 0.4], dtype=jnp.float32)
         found = jax.jit(lambda q: MODEL.inertia_matrix(q, params=PARAMETERS))(q)
         assert found.dtype == jnp.float32
@@ -163,8 +157,5 @@ def test_what_does_not_fit_is_refused_as_for_numpy(library: object) -> None:
         MODEL.forward_kinematics(library.zeros(2), out=np.empty((4, 4)))
     with pytest.raises(ValueError, match="missing in params: m2"):
         MODEL.gravity_vector(library.zeros(2), params={"m1": library.asarray(1.0)})
-
-
-def test_two_libraries_at_once_are_refused() -> None:
     with pytest.raises(TypeError, match=r"arrays of one library.*got array_api_strict, jax\.numpy"):
         MODEL.coriolis_matrix(strict.zeros(2), jnp.zeros(2), params=PARAMETERS)

@@ -15,17 +15,24 @@ from derive.programs.program import Program
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
-from derive.targets.compiler import compile_shared, find_compiler
+from derive.targets.compiler import compile_shared, require_compiler
 from derive.targets.escape import c_prefix
 from derive.verification.c_model import CModel
 from tests.random_robots import random_robot, seeds
-from tests.targets.c_models import STRICT, c_model, needs_compiler, write_c_model
-from tests.targets.generated_models import PARAMETERS, planar, small_program
+from tests.targets.generated_models import (
+    ONE_JOINT,
+    PARAMETERS,
+    STRICT,
+    c_model,
+    needs_compiler,
+    planar,
+    small_program,
+    write_c_model,
+)
 from tests.targets.searched_arms import GENERAL, program_of, robot_of
 
 pytestmark = needs_compiler
 
-ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
 SLIDE = "name: slide\nconvention: standard\njoints: [{type: prismatic}]\ngravity: [0, 0, 1]\nlinks: [{mass: 1}]\n"
 TORQUES = ("inverse_dynamics", "forward_dynamics")
 
@@ -46,10 +53,8 @@ CASES: dict[str, tuple[Callable[[], tuple[Robot, Program | None]], str]] = {
 
 
 def compiled(folder: Path, *options: str) -> Path:
-    compiler = find_compiler()
-    assert compiler is not None
     library = folder / "model.so"
-    compile_shared(compiler, [folder / "model.c"], library, options)
+    compile_shared(require_compiler(), [folder / "model.c"], library, options)
     return library
 
 
@@ -133,8 +138,7 @@ def test_far_angles_and_what_is_no_number_are_as_in_the_library(sines: CModel) -
 
 
 def test_batches_are_vectorised(tmp_path: Path) -> None:
-    compiler = find_compiler()
-    assert compiler is not None
+    compiler = require_compiler()
     version = subprocess.run([*compiler, "--version"], capture_output=True, text=True).stdout
     if "Free Software Foundation" not in version:
         pytest.skip("the report is that of gcc")

@@ -1,13 +1,19 @@
-"""Arms without formulas in NumPy, C and CasADi: every solution, the same in both languages, and the reason if none."""
+"""Functions in C, their parts and arrays; arms without formulas in NumPy, C and CasADi, and the reason if none."""
+
+import re
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from derive.targets.c import c_search, render_c
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.tape import PARAMETER
+from derive.programs.tape.value import Value
+from derive.targets.c import c_inverse, c_search, render_c
+from derive.targets.c_function import c_function
 from derive.targets.readme import render as render_readme
 from tests.inverse.arms import PUBLISHED
-from tests.targets.c_models import c_model, needs_compiler
-from tests.targets.generated_models import casadi_model, source_of
+from tests.targets.generated_models import c_model, casadi_model, needs_compiler, small_program, source_of
 from tests.targets.searched_arms import (
     CROOKED,
     GENERAL,
@@ -19,6 +25,8 @@ from tests.targets.searched_arms import (
     robot_of,
     search_of,
 )
+from tests.targets.test_inverse import elbow
+from tests.targets.test_inverse import program_of as formulas_of
 
 GIVEN = [3]
 
@@ -177,3 +185,39 @@ def test_arrays_of_c_are_as_long_as_the_arm_needs() -> None:
     assert text["size"] >= 16
     assert text["columns"] >= max(sum(each.rows) for each in search_of(GENERAL).eliminations)
     assert not text["is_position"]
+
+
+def test_work_goes_to_the_part_that_needs_nothing_more() -> None:
+    graph = Graph()
+    angle, length = Value(graph, graph.input("q", 0)), Value(graph, graph.input(PARAMETER, 0))
+    program = small_program(graph, [angle.cos() * length.sqrt(), (angle + length).sin()])
+    (text,) = [c_function(function, ["a1"]) for function in program]
+    assert (text.used, text.constant_count, text.angle_count) == (("q",), 2, 2)
+    assert "sqrt" in " ".join(text.constants["body"] + text.constants["results"])
+    assert array_names(text.constants["declaration"]) == ["params", "k"]
+    assert array_names(text.angles["declaration"]) == ["q", "k", "angles"]
+    assert array_names(text.lane["declaration"]) == ["sines", "cosines", "k", "result"]
+
+
+def test_an_argument_without_a_say_is_declared_and_not_loaded() -> None:
+    graph = Graph()
+    (text,) = [c_function(f, ()) for f in small_program(graph, [Value(graph, graph.number(Fraction(3)))])]
+    assert (text.used, text.unused) == ((), text.arguments)
+    assert array_names(text.declaration) == [*text.arguments, "result"]
+    assert array_names(text.block_declaration) == ["result"]
+
+
+def array_names(declaration: str) -> list[str]:
+    return re.findall(r"\*(?:restrict )?(\w+)", declaration)
+
+
+def test_inverse_kinematics_has_the_limits_and_lengths_of_the_robot() -> None:
+    program = formulas_of(elbow())
+    assert program.inverse is not None
+    text = c_inverse(program.inverse, source_of(elbow(), program))
+    assert text["lower"] == "-2.0, -INFINITY, -INFINITY, -1.0"
+    assert text["upper"] == "2.0, INFINITY, INFINITY, 1.0"
+    assert text["revolute"] == "1, 1, 1, 0"
+    assert text["size"] == text["branches"] * 4
+    assert {load["name"]: load["width"] for load in text["loads"]}["T"] == 16
+    assert {load["name"] for load in text["loads"] if load["is_optional"]} <= {"near"}

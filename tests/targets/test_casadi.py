@@ -1,16 +1,34 @@
-"""The CasADi module: named inputs and outputs, fit for optimisation and code export; and CasADi's own C export."""
+"""The CasADi module and CasADi's own C export: named inputs and outputs; and that texts depend on the robot alone."""
 
+import hashlib
+import os
+import random
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import casadi
 import pytest
 
+from derive.programs.build import build_program
 from derive.publish.build import build_robot
 from derive.robot.robot import Robot
-from derive.targets.casadi import render_casadi_c
-from tests.targets.c_models import needs_compiler
-from tests.targets.generated_models import FUNCTIONS, PARAMETERS, casadi_model, planar, source_of
+from derive.targets.casadi import render_casadi, render_casadi_c
+from derive.targets.numpy import render_numpy
+from derive.targets.target import Source
+from tests.hash_seeds import another_hash_seed
+from tests.places import ROOT
+from tests.random_robots import random_robot
+from tests.targets.generated_models import (
+    FUNCTIONS,
+    ONE_JOINT,
+    PARAMETERS,
+    casadi_model,
+    needs_compiler,
+    planar,
+    source_of,
+)
 from tests.targets.test_inverse import elbow, program_of
 
 MODEL = casadi_model(planar())
@@ -32,7 +50,7 @@ def test_inverse_kinematics_has_a_function_for_each_branch() -> None:
 
 
 def test_no_parameters_no_input() -> None:
-    robot = Robot.from_text("name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n")
+    robot = Robot.from_text(ONE_JOINT)
     assert casadi_model(robot).forward_kinematics.name_in() == ["q"]
     assert casadi_model(Robot.load("scara-matlab")).base_parameters.n_in() == 0
 
@@ -56,3 +74,25 @@ def test_a_build_compiles_and_verifies_the_export(tmp_path: Path) -> None:
     assert report is not None
     assert {row.target for row in report.rows} == {"casadi-c"}
     assert report.worst < 1e-12
+
+
+SCRIPT = "from tests.targets.test_casadi import digest; print(digest({0}))"
+
+
+def digest(seeds: tuple[int, ...]) -> str:
+    found = hashlib.sha256()
+    for seed in seeds:
+        robot = Robot.from_text(random_robot(random.Random(seed), 1 + seed).text)
+        source = Source(robot, build_program(robot), "0")
+        for text in (*render_numpy(source).values(), *render_casadi(source).values()):
+            found.update(text.encode())
+    return found.hexdigest()
+
+
+@pytest.mark.parametrize("seeds", [(0, 1, 2), pytest.param((3,), marks=pytest.mark.sweep)])
+def test_hash_seeds_change_nothing(seeds: tuple[int, ...]) -> None:
+    """What this process makes, whose seed is another in every run, is what one with a given seed makes."""
+    environment = os.environ | {"PYTHONHASHSEED": another_hash_seed(), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", SCRIPT.format(seeds)]
+    other = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert other.stdout.strip() == digest(seeds)

@@ -20,7 +20,7 @@ from derive.verification.generated import NumpyModel
 from derive.verification.inverse import inverse_errors
 from derive.verification.samples import sample_sets
 from derive.verification.trials import trials
-from tests.inverse.arms import random_arm
+from tests.inverse.arms import arm_of, random_arm
 from tests.random_robots import random_robot, sampled, seeds
 from tests.targets.languages import languages, nearest, running
 from tests.targets.test_inverse import PARAMETERS, STUCK, UR5, elbow, model_of, program_of
@@ -68,17 +68,7 @@ def full_program(robot: Robot) -> Program:
     return build_program(robot, Effort.QUICK, inverse=True)
 
 
-OFFSET_SHOULDER = """
-name: offset-shoulder
-convention: modified
-joints:
-  - {type: revolute, d: 0.3}
-  - {type: revolute, alpha: -pi/2, d: 0.1}
-  - {type: revolute, a: 0.4}
-  - {type: revolute, alpha: -pi/2, d: 0.4}
-  - {type: revolute, alpha: pi/2}
-  - {type: revolute, alpha: -pi/2}
-"""
+OFFSET_SHOULDER = "R 0 0 0.3 0; R -90 0 0.1 0; R 0 0.4 0 0; R -90 0 0.4 0; R 90 0 0 0; R -90 0 0 0"
 PLANAR = """
 name: planar
 convention: standard
@@ -95,7 +85,7 @@ ARMS = {
     "elbow": elbow(),
     "puma": Robot.load("puma560-corke"),
     "ur5": UR5,
-    "offset-shoulder": Robot.from_text(OFFSET_SHOULDER),
+    "offset-shoulder": arm_of("modified", OFFSET_SHOULDER),
     "planar": Robot.from_text(PLANAR),
 }
 USUAL = 12  # random configurations before the special ones

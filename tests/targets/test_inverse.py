@@ -19,8 +19,8 @@ from derive.robot.evaluate import to_float
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.readme import render as render_readme
-from tests.targets.c_models import needs_compiler
-from tests.targets.generated_models import numpy_model, source_of
+from tests.inverse.arms import arm_of
+from tests.targets.generated_models import needs_compiler, numpy_model, source_of
 from tests.targets.languages import running
 
 NAMES = {"forward_kinematics"}
@@ -96,6 +96,8 @@ def test_the_nearest_solution_is_the_configuration_itself_full_turns_included(mo
     for turn, reached in zip(turns, (turns[0], turns[1], turns[0]), strict=True):  # joint 1 has limits
         found = model.inverse_kinematics_nearest(poses, q + turn, params=PARAMETERS)
         np.testing.assert_allclose(found, q + reached, atol=1e-7)
+        one = model.inverse_kinematics_nearest(poses[0], q[0] + turn, params=PARAMETERS)
+        np.testing.assert_allclose(one, found[0], atol=TOLERANCE)
 
 
 def test_what_is_beyond_the_limits_is_not_near(model: ModuleType) -> None:
@@ -158,11 +160,9 @@ def test_what_is_no_pose_and_what_does_not_fit_is_refused(
         getattr(model, name)(pose, **{"params": PARAMETERS, **options})
 
 
-UR5 = Robot.from_text(
-    "name: ur5\nconvention: standard\njoints:\n"
-    "  - {type: revolute, d: 0.089159, alpha: pi/2}\n  - {type: revolute, a: -0.425}\n"
-    "  - {type: revolute, a: -0.39225}\n  - {type: revolute, d: 0.10915, alpha: pi/2}\n"
-    "  - {type: revolute, d: 0.09465, alpha: -pi/2}\n  - {type: revolute, d: 0.0823}\n"
+UR5 = arm_of(
+    "standard",
+    "R 0 0.089159 0 90; R 0 0 -0.425 0; R 0 0 -0.39225 0; R 0 0.10915 0 90; R 0 0.09465 0 -90; R 0 0.0823 0 0",
 )
 STUCK = [-1.5409894385291336, np.pi, 0.7, -2.451063785379106, np.pi, -2.0214145260521557]
 """A wrist in line with the others: the last joint is free, but for most of its values the elbow does not reach."""

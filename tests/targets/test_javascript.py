@@ -1,12 +1,10 @@
-"""The JavaScript module: what it exports, arguments named, texts that are inert in a page."""
+"""The JavaScript module: what it exports, and arguments named."""
 
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
-from derive.robot.robot import Robot
-from derive.targets.escape import javascript_comment, javascript_string
 from derive.targets.javascript import camel_case
 from derive.verification.oracle.functions import FUNCTIONS
 from tests.targets.generated_models import planar
@@ -50,14 +48,8 @@ WANTED, PARAMS = "q must be an array of 2 numbers", "params must be an object by
         ("inertiaMatrix([1, 2], {m1: 1, m2: '2'})", "TypeError: inertiaMatrix: params: m2 must be a number"),
         ("jacobian([1, 2], {m3: 1})", "RangeError: jacobian: unknown in params: m3; the parameters are [m1, m2]"),
         ("gravityVector([1, 2], [1])", "RangeError: gravityVector: params must have 2 entries, [m1, m2]; got 1"),
-        (
-            "gravityVector([1, 2], 3)",
-            "TypeError: gravityVector: params must be an object by name or an array; got number",
-        ),
-        (
-            "inverseDynamics([1, 2], [1], [0, 0])",
-            "RangeError: inverseDynamics: qd must be an array of 2 numbers; got 1",
-        ),
+        ("gravityVector([1, 2], 3)", f"TypeError: gravityVector: {PARAMS}; got number"),
+        ("inverseDynamics([1, 2], [1], [0, 0])", f"RangeError: inverseDynamics: {WANTED.replace('q', 'qd')}; got 1"),
     ],
 )
 def test_wrong_arguments_are_named(model: JavaScriptModel, call: str, message: str) -> None:
@@ -87,21 +79,3 @@ def test_parameters_come_by_name_in_order_or_as_typed_arrays_and_arguments_stay(
     named = model.value("model.inertiaMatrix([0.1, 0.2], {m2: 1.5, m1: 2})")
     assert named == model.value("model.inertiaMatrix(new Float64Array([0.1, 0.2]), [2, 1.5])")
     assert model.value("(() => { const q = [0.1, 0.2]; model.jacobian(q); return q; })()") == [0.1, 0.2]
-
-
-def test_names_of_symbols_are_inert() -> None:
-    names = ["class", "Math", "q", "DOF", "constructor", "arguments", "model"]
-    rows = ", ".join(f"{{type: revolute, a: {name}}}" for name in names)
-    robot = Robot.from_text(f"name: odd\nconvention: standard\njoints: [{rows}]\n")
-    with running("javascript", robot) as model:
-        pose = model.call("forward_kinematics", [[0.0] * 7], {name: 1.0 for name in names})
-    assert pose[:3, 3] == pytest.approx([7, 0, 0])
-
-
-@pytest.mark.parametrize("text", ["</script>", "<!-- <script>", '"\\\n\u2028\u2029\x00\x7f\u00e9', "${x} `'"])
-def test_strings_and_comments_are_inert_in_a_page(model: JavaScriptModel, text: str) -> None:
-    literal = javascript_string(text)
-    assert literal.isascii()
-    assert "<" not in literal
-    assert model.value(literal) == text
-    assert not [tag for tag in ("</", "<!") if tag in javascript_comment(text)]

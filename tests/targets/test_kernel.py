@@ -19,8 +19,7 @@ from derive.programs.tape.tape import Op
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.kernel import JAVASCRIPT, PYTHON, C, CodePiece, Language, wrapped, write_kernel
-from tests.targets.c_models import c_model, needs_compiler
-from tests.targets.generated_models import numpy_model, planar, small_program, source_of
+from tests.targets.generated_models import c_model, needs_compiler, numpy_model, planar, small_program, source_of
 from tests.targets.languages import languages, running
 
 Build = Callable[[Value, Value], Value]

@@ -12,9 +12,8 @@ from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.targets.octave import TARGET, package_folder, render_octave
 from derive.verification.octave_model import OctaveModel
-from tests.targets.generated_models import planar, source_of
+from tests.targets.generated_models import needs_octave, planar, source_of
 from tests.targets.languages import running
-from tests.targets.octave_model import needs_octave
 
 OCTAVE_ALONE = re.compile(
     r"\bend(?:function|if|for|while|switch)\b|!|\+\+|--|[-+*/]=|\"|^\s*#|\bprintf\b|\bunwind_protect\b"

@@ -1,19 +1,33 @@
-"""The calls of a function: every way that a target offers, each with arguments that the oracle can answer."""
+"""What is called and with what it is compared; what is wrong with a program or a source is one message."""
 
+import ctypes
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from derive.errors import VerificationError
+from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
+from derive.targets.c import render_c
+from derive.targets.compiler import require_compiler
+from derive.targets.target import Source
+from derive.verification import verify as module
+from derive.verification.c_model import CModel, load_c_model
 from derive.verification.expectation import expectation
+from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.oracle.frames import Array
-from derive.verification.oracle.functions import Oracle
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.samples import SampleSet, sample_sets
+from derive.verification.tolerance import TOLERANCE, bounds, regressor_size, relative_errors
 from derive.verification.trials import BLOCK_ROWS, trials
+from derive.verification.verify import verify
+from tests.targets.generated_models import needs_compiler, needs_octave, write_package
 
-ROBOT = """
+ARM = """
 name: arm
 convention: standard
 joints:
@@ -46,7 +60,7 @@ class Perfect:
 
 @pytest.fixture(scope="module")
 def sets() -> tuple[SampleSet, ...]:
-    return sample_sets(Robot.from_text(ROBOT), 24, np.random.default_rng(1))
+    return sample_sets(Robot.from_text(ARM), 24, np.random.default_rng(1))
 
 
 @pytest.mark.parametrize("function", ["forward_kinematics", "gravity_vector", "inverse_dynamics", "forward_dynamics"])
@@ -92,3 +106,112 @@ def test_arguments_cannot_be_written_into(sets: tuple[SampleSet, ...]) -> None:
     for trial in trials(Vandal(sets), "gravity_vector", sets):
         with pytest.raises(ValueError, match="read-only"):
             trial.run()
+
+
+ROBOTS = ("scara-perugia", "stanford-deluca", "puma560-corke")
+NOT_BOUNDED = {"forward_dynamics", "base_parameters", *ANGLES}
+"""Accelerations and rates of angles grow without bound near singular configurations; a fit has its own yardstick."""
+
+
+def samples_of(name: str) -> SampleSet:
+    return sample_sets(Robot.load(name), 24, np.random.default_rng(3))[0]
+
+
+def test_the_tolerance_is_the_one_that_the_documentation_states() -> None:
+    assert TOLERANCE == 1e-9
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_values_keep_within_their_natural_size(name: str) -> None:
+    """The bounds hold, and are of the value's shape: an error of a thousandth of them is never lost."""
+    samples = samples_of(name)
+    oracle = samples.oracle
+    for function in oracle.functions:
+        arguments = tuple(samples.arguments[argument] for argument in FUNCTIONS[function].arguments)
+        if function in NOT_BOUNDED:
+            continue
+        limits = bounds(oracle, arguments[0])
+        if FUNCTIONS[function].identifies:
+            assert oracle.identification is not None
+            size = regressor_size(limits, oracle.identification, function, arguments[1:])
+        else:
+            size = limits.natural_size(function, arguments)
+        value = oracle.evaluate(function, *arguments)
+        assert np.broadcast_shapes(size.shape, value.shape) == value.shape, function
+        assert (np.abs(value) <= size * (1 + 1e-12)).all(), function
+
+
+def test_a_function_without_a_natural_size_is_no_silent_zero() -> None:
+    samples = samples_of("scara-perugia")
+    limits = bounds(samples.oracle, samples.arguments["q"])
+    with pytest.raises(KeyError, match="hovering"):
+        limits.natural_size("hovering", (samples.arguments["q"],))
+
+
+def test_errors_are_relative_exact_zeros_and_infinite_where_there_is_no_number() -> None:
+    difference = np.array([0.0, 0.0, 2.0, np.nan, 1.0])
+    scale = np.array([0.0, 1.0, 4.0, 1.0, 0.0])
+    assert relative_errors(difference, scale).tolist() == [0.0, 0.0, 0.5, np.inf, np.inf]
+
+
+TEXT = "name: two-bars\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: prismatic, alpha: pi/2}]\n"
+
+
+def test_octave_is_found_by_its_variable_or_its_names(tmp_path: Path) -> None:
+    (tmp_path / "octave").write_text("#!/bin/sh\n")
+    (tmp_path / "octave").chmod(0o755)
+    assert find_octave({"PATH": str(tmp_path)}) == (str(tmp_path / "octave"),)
+    assert find_octave({"PATH": str(tmp_path), "OCTAVE": "octave -W"}) == (str(tmp_path / "octave"), "-W")
+    assert find_octave({"PATH": str(tmp_path), "OCTAVE": "no-such-program"}) is None
+
+
+@needs_octave
+def test_a_wrong_function_fails_the_verification(tmp_path: Path) -> None:
+    robot = Robot.from_text(TEXT)
+    write_package(tmp_path, robot)
+    assert {row.target for row in verify(robot, tmp_path, samples=3).rows} == {"octave"}
+    file = tmp_path / "+two_bars" / "jacobian.m"
+    right = file.read_text()
+    file.write_text(right.replace("J = reshape([\n", "J = 1.5*reshape([\n"))
+    with pytest.raises(VerificationError, match=r"jacobian of \+two_bars differs: entry"):
+        verify(robot, tmp_path, samples=3)
+    file.write_text("function J = jacobian(q\n")
+    with pytest.raises(VerificationError, match=r"jacobian of \+two_bars raises VerificationError: .*parse error"):
+        verify(robot, tmp_path, samples=3)
+
+
+@needs_octave
+def test_an_octave_that_ends_is_one_message(tmp_path: Path) -> None:
+    write_package(tmp_path, Robot.from_text(TEXT))
+    with running_octave(tmp_path, find_octave()) as (model,):
+        model.process.kill()
+        with pytest.raises(VerificationError, match=r"Octave ended while it ran \+two_bars"):
+            model.call("jacobian", [np.zeros(2)], {"a1": 1.0})
+
+
+def test_without_octave_the_report_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = Robot.from_text(TEXT)
+    write_package(tmp_path, robot)
+    monkeypatch.setattr(module, "find_octave", lambda: None)
+    (tmp_path / "MANIFEST.json").write_text('{"files": {"+two_bars/jacobian.m": ""}}')
+    report = verify(robot, tmp_path, samples=3)
+    assert octave_package(tmp_path) == "+two_bars"
+    assert report.reasons == ("+two_bars: not verified, there is no Octave",)
+    with running_octave(tmp_path, None) as found:
+        assert found == ()
+
+
+def test_names_and_numbers_are_those_of_the_header() -> None:
+    robot = Robot.from_text("name: one\nconvention: standard\njoints: [{type: revolute, a: a1, d: d1}]\n")
+    program = build_program(robot, Effort.QUICK)
+    model = CModel(ctypes.CDLL(None), render_c(Source(robot, program, "0.0.0"))["model.h"])
+    shapes = {function.name: function.shape for function in program}
+    assert model.constants == {**shapes, "DOF": 1, "PARAMETERS": program.parameters, "GIVEN": ()}
+    assert set(program.parameters) == {"a1", "d1"}
+
+
+@needs_compiler
+def test_code_that_does_not_compile_is_one_message(tmp_path: Path) -> None:
+    (tmp_path / "model.c").write_text("this is no C\n", encoding="utf-8")
+    with pytest.raises(VerificationError, match=r"model\.c cannot be compiled"):
+        load_c_model(tmp_path / "model.c", require_compiler())

@@ -262,26 +262,24 @@ class Evidence:
 
     def number(self, name: str, constants: Mapping[str, Expression]) -> Array:
         """A generator at the poses."""
-        if name not in self._numbers:
-            self._numbers[name] = self._number(name, constants) % self.prime
-        return self._numbers[name]
-
-    def _number(self, name: str, constants: Mapping[str, Expression]) -> Array:
+        if name in self._numbers:
+            return self._numbers[name]
         if name == "p.p" or name[:2] in ("u[", "m[", "k["):
-            return self._plain(self.pose.entry(name))
-        if name[:2] in ("T[", "W["):
+            found = self._plain(self.pose.entry(name))
+        elif name[:2] in ("T[", "W["):
             frame = self.end if name[0] == "T" else Frame(self.pose.rotation, self.pose.position)
             i, j = int(name[2]) - 1, int(name[4]) - 1
-            return self._plain(frame.position[i] if j == 3 else frame.rotation[i][j])
-        if name in constants:
-            value = self.residues.constant(constants[name]).values
-            return np.broadcast_to(value.reshape(-1)[0], (self.poses,)).copy()
-        unknown = self.domain.owner(name)
-        if unknown is None:
+            found = self._plain(frame.position[i] if j == 3 else frame.rotation[i][j])
+        elif name in constants:
+            found = np.broadcast_to(self.residues.constant(constants[name]).values.reshape(-1)[0], (self.poses,))
+        elif unknown := self.domain.owner(name):
+            is_angle, (joint, *_) = unknown.is_angle, unknown.joints
+            samples = self._difference(*self.domain.ends(unknown)) if is_angle else (self.slides[joint],)
+            found = samples[unknown.generators.index(name)].reshape(self.poses, self._width)[:, 0]
+        else:
             raise KeyError(name)
-        is_angle, (joint, *_) = unknown.is_angle, unknown.joints
-        samples = self._difference(*self.domain.ends(unknown)) if is_angle else (self.slides[joint],)
-        return samples[unknown.generators.index(name)].reshape(self.poses, self._width)[:, 0]
+        self._numbers[name] = found % self.prime
+        return self._numbers[name]
 
     def _plain(self, value: Residue) -> Array:
         plain: Array = np.broadcast_to(value.values, (1, self.poses))[0]

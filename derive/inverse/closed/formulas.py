@@ -31,16 +31,13 @@ from derive.robot.expression import ZERO, substitute
 from derive.robot.options.inverse import ROWS, Task
 from derive.robot.robot import Robot
 
-_CONSTANTS = (
-    GeneratorKind.INVERSE,
-    GeneratorKind.ROOT,
-    GeneratorKind.PRIME_ROOT,
-    GeneratorKind.CONSTANT_SINE,
-    GeneratorKind.CONSTANT_COSINE,
-    GeneratorKind.PARAMETER,
-    GeneratorKind.PI,
-)
-
+_OF_JOINTS = {
+    GeneratorKind.SINE,
+    GeneratorKind.COSINE,
+    GeneratorKind.VARIABLE,
+    GeneratorKind.RATE,
+    GeneratorKind.ACCELERATION,
+}
 _ALTERNATIVES = 3  # formulas besides the chosen one that a node has for poses at which that one fails
 _READ = 60  # short equations with two unknowns that are written out
 _PAIRED = 12  # equations with the same two unknowns that are taken two by two
@@ -67,7 +64,9 @@ class GraphDerivation:
         self.robot, self.shifts = shifted(with_numbers(robot, zeros))
         specimen = with_numbers(self.robot, numbers)
         self.domain = InverseDomain(self.robot)
-        constants = {g.name: substitute(g.expression, numbers) for g in self.domain.generators if g.kind in _CONSTANTS}
+        constants = {
+            g.name: substitute(g.expression, numbers) for g in self.domain.generators if g.kind not in _OF_JOINTS
+        }
         pose_names = {f"{a}{entry}" for a in "TW" for entry in ENTRIES}
         self.constants = {name: e for name, e in constants.items() if name not in pose_names and "[" not in name}
         self.constants.pop("p.p", None)
@@ -77,7 +76,13 @@ class GraphDerivation:
         self._gather(allowed, keep_tool=not all(turned), deep=deep)
         if self.to_end and any(turned) and all(column == 3 for _, column in self.evidence.untold(allowed)):
             self._gather(allowed, keep_tool=False, deep=deep)
-        if self._base_mixes(allowed):
+        untold, rotation = set(self.evidence.untold(allowed)), self.links.base.rotation
+        if any(  # the base turns an entry that is told and one of its column that is not into each other
+            (i, j) in untold and any((k + 1, j + 1) in allowed and rotation[i][m] and rotation[k][m] for k in range(3))
+            for i in range(3)
+            for j in range(4)
+            for m in range(3)
+        ):
             self._gather(allowed, keep_tool=self.to_end, keep_base=True, deep=deep)
         self.pose = Pose(self.domain, self.links, self.evidence, self.constants, allowed, deep=deep)
         self.pool = Pool(self.links, self.pose.atoms)
@@ -98,17 +103,6 @@ class GraphDerivation:
         self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, **kept)
         evidence = partial(Evidence, self.sampled, list(self.links.cuts()), allowed, deep=deep, **kept)
         self.evidence, self._special = evidence(), partial(evidence, special=True)
-
-    def _base_mixes(self, allowed: frozenset[tuple[int, int]]) -> bool:
-        """Whether the base turns an entry that is told and one of its column that is not into each other."""
-        untold = set(self.evidence.untold(allowed))
-        rotation = self.links.base.rotation
-        return any(
-            (i, j) in untold and any((k + 1, j + 1) in allowed and rotation[i][m] and rotation[k][m] for k in range(3))
-            for i in range(3)
-            for j in range(4)
-            for m in range(3)
-        )
 
     @cached_property
     def special(self) -> Evidence:
@@ -188,8 +182,22 @@ class GraphDerivation:
 
     def _follow(self, way: Sequence[SearchStep], state: State) -> State:
         for step in way:
-            formulas, unknown = self._formulas(step, state)
-            self._append((unknown,), formulas)
+            best = step.best
+            # Of equally good choices the one that is shortest in exact polynomials, not only modulo a prime.
+            alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
+            written = [
+                (formula, unknown, choice)
+                for choice, unknown in product(alike, self.domain.between(step.group, step.parts))
+                if (formula := self._formula(choice, state, unknown)) is not None
+            ]
+            if not written:
+                raise CoincidenceError
+            first, unknown, choice = min(written, key=lambda row: self._cost(*row[:2]))
+            found = [first]
+            if first.degenerate:
+                others = islice(self.search.others(step, choice, self.special), _ALTERNATIVES)
+                found += [formula for other in others if (formula := self._formula(other, state, unknown)) is not None]
+            self._append((unknown,), tuple(found))
             state = state.joined(step.group, *step.parts)
         return state
 
@@ -298,27 +306,6 @@ class GraphDerivation:
         sign = self.domain.sense(unknown, forwards=True)
         parts = tuple((part, sign * own) for part, own in sorted(ways[goal], key=lambda pair: -pair[1] * sign))
         return self._append((unknown,), (NodeFormula(NodeKind.SUM, parts=parts),))
-
-    def _formulas(self, step: SearchStep, state: State) -> tuple[tuple[NodeFormula, ...], Unknown]:
-        """The formulas of a step, the best one first, and the unknown in which they are written."""
-        best = step.best
-        # Of equally good choices the one that is shortest in exact polynomials, not only modulo a prime.
-        alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
-        written = [
-            (formula, unknown, choice)
-            for choice, unknown in product(alike, self.domain.between(step.group, step.parts))
-            if (formula := self._formula(choice, state, unknown)) is not None
-        ]
-        if not written:
-            raise CoincidenceError
-        first, unknown, choice = min(written, key=lambda row: self._cost(*row[:2]))
-        found = [first]
-        if first.degenerate:
-            for other in islice(self.search.others(step, choice, self.special), _ALTERNATIVES):
-                formula = self._formula(other, state, unknown)
-                if formula is not None:
-                    found.append(formula)
-        return tuple(found), unknown
 
     def _formula(self, choice: Choice, state: State, unknown: Unknown) -> NodeFormula | None:
         """A choice in exact polynomials; None where it needs what is not known after all."""

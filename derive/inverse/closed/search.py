@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from derive.algebra.residues import Array
-from derive.inverse.closed.evidence import Change, Effect, Evidence
+from derive.inverse.closed.evidence import Change, Evidence
 from derive.inverse.closed.nodes import BRANCHES, NodeKind
 from derive.inverse.closed.unknowns import State
 
@@ -113,14 +113,22 @@ class Search:
         for group, parts, found in self._targets(state, 1):
             effect, order = self.evidence.effects[self.change(group, parts[1])], self._shortest_first(found)
             if group < 0:
-                choices = self._lengths(effect, order)
+                degrees, slopes = effect.degrees, effect.coefficients[:, :, 1]
+                constant = [k for k in order if degrees[k] == 1 and self._constant(slopes[k])][:CONSIDERED]
+                choices = [Choice(NodeKind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
+                for k in order[:CONSIDERED]:
+                    if degrees[k] == 1 and k not in constant:
+                        choices.append(Choice(NodeKind.TYPE_1, (k,), (1, int(self.lengths[k]))))
+                    elif degrees[k] == 2:
+                        cost = RANK[NodeKind.QUADRATIC], int(self.lengths[k])
+                        choices.append(Choice(NodeKind.QUADRATIC, (k,), cost))
             else:
                 linear = [k for k in order if effect.degrees[k] == 1]
                 choices = self._pairs(effect.coefficients, linear) + self._singles(effect.coefficients, linear)
                 if not choices:
                     conics = [k for k in order if effect.degrees[k] == 2][:4]
-                    cost = RANK[NodeKind.CONIC]
-                    choices = [Choice(NodeKind.CONIC, (k,), (cost, int(self.lengths[k]))) for k in conics]
+                    rank = RANK[NodeKind.CONIC]
+                    choices = [Choice(NodeKind.CONIC, (k,), (rank, int(self.lengths[k]))) for k in conics]
             if choices:
                 choices.sort(key=lambda choice: (BRANCHES[choice.kind], *choice.cost))
                 yield SearchStep(group, parts, tuple(choices), tuple(order)), state.joined(group, *parts)
@@ -227,17 +235,6 @@ class Search:
         leading = {NodeKind.TYPE_1: [1], NodeKind.QUADRATIC: [2], NodeKind.TYPE_2: [1, 2]}
         fails: Array = np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1)
         return fails
-
-    def _lengths(self, effect: Effect, order: Sequence[int]) -> list[Choice]:
-        degrees, linear = effect.degrees, effect.coefficients[:, :, 1]
-        constant = [k for k in order if degrees[k] == 1 and self._constant(linear[k])][:CONSIDERED]
-        choices = [Choice(NodeKind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
-        for k in order[:CONSIDERED]:
-            if degrees[k] == 1 and k not in constant:
-                choices.append(Choice(NodeKind.TYPE_1, (k,), (1, int(self.lengths[k]))))
-            elif degrees[k] == 2:
-                choices.append(Choice(NodeKind.QUADRATIC, (k,), (RANK[NodeKind.QUADRATIC], int(self.lengths[k]))))
-        return choices
 
     def _singles(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
         """Equations A c + B s = C by themselves: best C = 0, an atan2 alone; then those that never degenerate."""

@@ -142,15 +142,14 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
     for _, _, option in _ranked(results):
         best.setdefault((option.start, option.hidden), option)
     solution = GeneralSolution(tuple(given), entries, tuple(best.values()))
-    return solution.eliminations if best and _finds_all(solution, chain, q, poses, values) else ()
-
-
-def _finds_all(solution: GeneralSolution, chain: NumericChain, q: Array, poses: Array, values: Array | None) -> bool:
-    """Whether the configurations that poses were made of are among their solutions."""
+    if not best:
+        return ()
+    # The configurations that poses were made of have to be among their solutions.
     with np.errstate(all="ignore"):
         apart = np.abs(solution.solve(chain, poses, values) - q[:, None])
     apart = np.where(chain.revolute, np.abs((apart + math.pi) % (2.0 * math.pi) - math.pi), apart / chain.reach)
-    return bool((np.nan_to_num(apart.max(axis=-1), nan=np.inf).min(axis=1, initial=np.inf) < _FOUND).all())
+    found_all = (np.nan_to_num(apart.max(axis=-1), nan=np.inf).min(axis=1, initial=np.inf) < _FOUND).all()
+    return solution.eliminations if found_all else ()
 
 
 def _ranked(results: Sequence[Result]) -> list[Result]:

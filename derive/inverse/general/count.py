@@ -228,19 +228,16 @@ class _System:
                 for j in range(1, len(line)):
                     yield line[0] * other[j] - line[j] * other[0]
             for line in lines:
-                yield from self._line_relations(line, joint)
-
-    def _line_relations(self, line: list[Any], joint: int) -> Iterator[Any]:
-        if not self.loop.revolute[joint]:
-            for (a, b), (c, d) in pairwise(pairwise(line)):
-                yield a * d - b * c
-            if len(line) > 3:
-                yield line[0] * line[3] - line[1] * line[2]
-        elif len(line) > 3:  # cosine and sine of 3/2 and of 1/2 of the angle
-            a, b, c, d = line
-            yield a * c + b * d - c * c + d * d
-            yield b * c - a * d - 2 * c * d
-            yield a * a + b * b - c * c - d * d
-        else:
-            a, b, c = line
-            yield b * b + c * c - a * a
+                if not self.loop.revolute[joint]:
+                    for (a, b), (c, d) in pairwise(pairwise(line)):
+                        yield a * d - b * c
+                    if len(line) > 3:
+                        yield line[0] * line[3] - line[1] * line[2]
+                elif len(line) > 3:  # cosine and sine of 3/2 and of 1/2 of the angle
+                    a, b, c, d = line
+                    yield a * c + b * d - c * c + d * d
+                    yield b * c - a * d - 2 * c * d
+                    yield a * a + b * b - c * c - d * d
+                else:
+                    a, b, c = line
+                    yield b * b + c * c - a * a

@@ -84,7 +84,7 @@ class PrintedDerivation:
         self._scribe = Scribe(self._write, taken, lambda p: not self._is_geometry(p))
         within = self._names_within_arm()
         zero = dict(zip(variables, graph.shifts, strict=True))  # sums of angles have the sums of their shifts
-        constants = (substitute(g.expression, zero) for g in graph.domain.generators if g.kind in _CONSTANTS)
+        constants = (substitute(g.expression, zero) for g in graph.domain.generators if g.kind not in _SYMBOLS)
         extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts, *constants]
         self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
         self._form = LectureForm(self._domain, style=style)
@@ -166,7 +166,14 @@ class PrintedDerivation:
                 printed = [self._equation(unknown, equation) for equation in formula.equations]
                 printed.sort(key=lambda pair: [origin.entries for origin in pair[0].origins])
                 equations = tuple(equation for equation, _ in printed)
-                solved = self._solved(formula.kind, symbol, self._label(unknown), [values for _, values in printed])
+                label, values = self._label(unknown), [own for _, own in printed]
+                match formula.kind:
+                    case NodeKind.TYPE_2:
+                        solved = self._scribe.one_equation(label, values[0])
+                    case NodeKind.TYPE_3:
+                        solved = Solved(self._scribe.two_equations(symbol, label, values[0], values[1]))
+                    case NodeKind.TYPE_1 | NodeKind.QUADRATIC:
+                        solved = self._scribe.length(label, values[0])
             if solved is not None:
                 self._scribe.lines.append(PrintedLine(symbol, solved.value))
                 self._scribe.sums.update({total: name for total, name in self.sums.items() if name == symbol})
@@ -177,16 +184,6 @@ class PrintedDerivation:
             exists = solved.exists if solved else sympy.true
             own = symbol, formula.kind, equations, lines, node.branches, exists
             yield PrintedStep(*own, fails, instead, free, unknown.joints)
-
-    def _solved(self, kind: NodeKind, symbol: Expr, label: str, values: list[Linear]) -> Solved | None:
-        match kind:
-            case NodeKind.TYPE_2:
-                return self._scribe.one_equation(label, values[0])
-            case NodeKind.TYPE_3:
-                return Solved(self._scribe.two_equations(symbol, label, values[0], values[1]))
-            case NodeKind.TYPE_1 | NodeKind.QUADRATIC:
-                return self._scribe.length(label, values[0])
-        return None
 
     def _free(self, formulas: Sequence[NodeFormula]) -> tuple[Expr, ...]:
         """What vanishes where no formula determines its unknown; nothing where one always does."""
@@ -327,15 +324,7 @@ class PrintedDerivation:
         return PrintedEquation(left, right, self._origins(equation.source))
 
 
-_CONSTANTS = (
-    Generator.INVERSE,
-    Generator.ROOT,
-    Generator.PRIME_ROOT,
-    Generator.CONSTANT_SINE,
-    Generator.CONSTANT_COSINE,
-    Generator.COSINE,
-    Generator.SINE,
-)
+_SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
 _OF_POSE = re.compile(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]")  # entries and invariants of the pose within the arm
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 _SHORTHAND = ("c", "s")

@@ -126,7 +126,14 @@ class Scribe:
             known = self.named(self.ratio(c, a or -minus_b), ("D", "E", "F"), label, longest=1)
             root = sign * sympy.sqrt(1 - known**2)
             return Solved(_atan2(root, known) if a else _atan2(known, root), sympy.Abs(known) <= 1)
-        a, minus_b, common = self._common(a, minus_b)
+        # Both without their common factor; one that moves is kept: with its sign the two solutions would change places.
+        ring, raw = a.ring, a.raw.gcd(minus_b.raw)
+        if self.moves(ring.wrap(raw)):
+            raw = ring.one.raw
+        a, minus_b = ring.wrap(a.raw / raw), ring.wrap(minus_b.raw / raw)
+        sizes = {abs(coefficient) for p in (a, minus_b) for _, coefficient in p.terms()}
+        size = sizes.pop() if len(sizes) == 1 else Fraction(1)
+        a, minus_b, common = a * (1 / size), minus_b * (1 / size), ring.wrap(raw) * size
         # A cos + B sin = K: the angle of (-B, A) less atan2(K, +-sqrt(A^2 + B^2 - K^2)) (Craig, section 4.7).
         along = self.named(self.ratio(c, common), ("K", "k", "L"), label)
         square, (y, x) = self.write(a * a + minus_b * minus_b), (self.write(a), self.write(minus_b))
@@ -138,19 +145,6 @@ class Scribe:
         if is_negative(along):
             apart = -_atan2(-along, root)
         return Solved(towards - apart, square >= along**2)
-
-    def _common(self, a: Polynomial, b: Polynomial) -> tuple[Polynomial, Polynomial, Polynomial]:
-        """Two coefficients without their common factor, and that.
-
-        One that moves is kept: with its sign the two solutions would change places.
-        """
-        ring, raw = a.ring, a.raw.gcd(b.raw)
-        if self.moves(ring.wrap(raw)):
-            raw = ring.one.raw
-        a, b = ring.wrap(a.raw / raw), ring.wrap(b.raw / raw)
-        sizes = [abs(c) for p in (a, b) for _, c in p.terms()]
-        size = sizes[0] if len(set(sizes)) == 1 else Fraction(1)
-        return a * (1 / size), b * (1 / size), ring.wrap(raw) * size
 
     def two_equations(self, unknown: Expr, label: str, first: Linear, second: Linear) -> Expr:
         """A cos + B sin = C twice (type 3): one angle.

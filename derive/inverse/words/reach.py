@@ -153,7 +153,11 @@ class _Reading:
                     others.append(step.unknown)  # a condition on more than the geometry
             if formula.kind is NodeKind.TYPE_2 and len(node.unknown.joints) == 1:
                 self._remember(node.unknown.joints[0], a, b, right, node.unknown.generators)
-        bounds = self._outwards(bounds)
+        for u in self._signed:  # distances along the turned arm, counted so that its offset is positive: (rho - a1)^2
+            parts = [term for bound in bounds for term in sympy.Add.make_args(bound.quantity) if term.has(u)]
+            if parts and all(t.is_Pow and t.exp == 2 and self._number(t.base.subs(u, 0)) > 0 for t in parts):
+                turned = {term: (u - term.base.subs(u, 0)) ** 2 for term in parts}
+                bounds = [replace(bound, quantity=bound.quantity.xreplace(turned)) for bound in bounds]
         used = set[Expr]().union(*(bound.quantity.free_symbols for bound in bounds))
         for line in reversed(self._names):
             used |= line.value.free_symbols if line.symbol in used else set()
@@ -225,15 +229,6 @@ class _Reading:
             return None
         radii = (self._root(least), self._root(most)) if self._is_sum_of_squares(quantity) else None
         return Bound(unknown, quantity, least, most, radii)
-
-    def _outwards(self, bounds: list[Bound]) -> list[Bound]:
-        """Distances along the turned arm counted so that its offset is positive: ``(rho - a1)**2``."""
-        for u in self._signed:
-            parts = [term for bound in bounds for term in sympy.Add.make_args(bound.quantity) if term.has(u)]
-            if parts and all(t.is_Pow and t.exp == 2 and self._number(t.base.subs(u, 0)) > 0 for t in parts):
-                turned = {term: (u - term.base.subs(u, 0)) ** 2 for term in parts}
-                bounds = [replace(bound, quantity=bound.quantity.xreplace(turned)) for bound in bounds]
-        return bounds
 
     def _squares(self, e: Expr) -> tuple[Expr, Expr, Expr]:
         """(quantity, rest, scale) of an expression scale*(quantity + rest); squares are completed."""

@@ -59,7 +59,17 @@ class Improvement:
 
     def result(self) -> tuple[Graph, tuple[Ref, ...]]:
         """The cheapest program found so far, its hoisted work improved too."""
-        return _hoisted_improved(*_cheaper((self._graph, self._outputs), graph_of(self._network, self._graph)))
+        graph, outputs = _cheaper((self._graph, self._outputs), graph_of(self._network, self._graph))
+        order = reachable(graph, outputs)
+        used = {node_of(ref) for ref in outputs}
+        used.update(k for i in order if graph.layer[i] is Layer.BODY for k in graph.operands[i])
+        results = sorted(i for i in used if graph.layer[i] is Layer.HOISTED and graph.op[i] not in LEAVES)
+        if not results:
+            return graph, outputs
+        network = network_of(graph, [ref_to(i) for i in results], Layer.HOISTED)
+        Search(network).run(POLICY.hoisted_work)
+        fresh, moved = graph_of(network, graph)
+        return _cheaper((graph, outputs), (fresh, copy(graph, outputs, fresh, dict(zip(results, moved, strict=True)))))
 
     def close(self) -> None:
         """Cut the network's reference to what watches it: without this circle its memory is free at once."""
@@ -68,18 +78,3 @@ class Improvement:
 
 def _cheaper(old: tuple[Graph, tuple[Ref, ...]], new: tuple[Graph, tuple[Ref, ...]]) -> tuple[Graph, tuple[Ref, ...]]:
     return new if program_cost(*new) < program_cost(*old) else old
-
-
-def _hoisted_improved(graph: Graph, outputs: tuple[Ref, ...]) -> tuple[Graph, tuple[Ref, ...]]:
-    """The same program with cheaper hoisted work, where a search finds any."""
-    order = reachable(graph, outputs)
-    used = {node_of(ref) for ref in outputs}
-    used.update(k for i in order if graph.layer[i] is Layer.BODY for k in graph.operands[i])
-    results = sorted(i for i in used if graph.layer[i] is Layer.HOISTED and graph.op[i] not in LEAVES)
-    if not results:
-        return graph, outputs
-    network = network_of(graph, [ref_to(i) for i in results], Layer.HOISTED)
-    Search(network).run(POLICY.hoisted_work)
-    fresh, moved = graph_of(network, graph)
-    found = copy(graph, outputs, fresh, dict(zip(results, moved, strict=True)))
-    return _cheaper((graph, outputs), (fresh, found))

@@ -101,7 +101,17 @@ class Search:
             if cost < self._rewritten_at:
                 self._rewrite_squares()
                 self._rewritten_at = network.cost
-            self._try_all(self._used_often())
+            # Then sums in sums, and products that serve two.
+            trials: list[Trial] = []
+            for variable, polynomial in network.polynomials():
+                users = network.users[variable]
+                # A sum pays where it stands alone in a sum, whose terms it may meet; a product, where few repeat it.
+                if len(polynomial) > 1:
+                    pays = len(users) > 1 and any((variable,) in (network.polynomial(user) or ()) for user in users)
+                else:
+                    pays = len(users) == 2
+                trials += [(variable, None), *((variable, user) for user in users)] if pays else []
+            self._try_all(trials)
             if network.cost == cost or network.work > self._limit:
                 return
 
@@ -153,23 +163,6 @@ class Search:
                 self._settle(cost - 1, mark)
             else:
                 self._undo(mark)
-
-    def _used_often(self) -> list[Trial]:
-        """Sums in sums, and products that serve two."""
-        network = self._network
-        trials: list[Trial] = []
-        for variable, polynomial in network.polynomials():
-            users = network.users[variable]
-            if len(users) < 2:
-                continue
-            # A sum pays where it stands alone in a sum, whose terms it may meet; a product, where few would repeat it.
-            if len(polynomial) > 1:
-                pays = any((variable,) in (network.polynomial(user) or ()) for user in users)
-            else:
-                pays = len(users) == 2
-            if pays:
-                trials += [(variable, None), *((variable, user) for user in users)]
-        return trials
 
     def _try_all(self, trials: list[Trial]) -> None:
         """Write variables out in one definition or in all, each by itself, and share anew."""

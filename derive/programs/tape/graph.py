@@ -163,29 +163,25 @@ class Graph:
 
     def sine(self, a: Ref) -> Ref:
         """The sine."""
-        value = self.constant_of(a)
-        if value is not None:
+        if (value := self.constant_of(a)) is not None:
             return self.number(constants.sine(value))
         return signed(self.intern(Op.SINE, a >> 1), is_negative(a))
 
     def cosine(self, a: Ref) -> Ref:
         """The cosine."""
-        value = self.constant_of(a)
-        if value is not None:
+        if (value := self.constant_of(a)) is not None:
             return self.number(constants.cosine(value))
         return self.intern(Op.COSINE, a >> 1)
 
     def root(self, a: Ref) -> Ref:
         """The square root, which needs a change of sign of its own under it."""
-        value = self.constant_of(a)
-        if value is not None:
+        if (value := self.constant_of(a)) is not None:
             return self.number(constants.square_root(value))
         return self.intern(Op.ROOT, self.plain(a))
 
     def sign(self, a: Ref) -> Ref:
         """The sign of a value."""
-        value = self.constant_of(a)
-        if value is not None:
+        if (value := self.constant_of(a)) is not None:
             return self.number(Fraction((value > 0) - (value < 0)))
         return signed(self.intern(Op.SIGN, a >> 1), is_negative(a))
 
@@ -198,8 +194,7 @@ class Graph:
 
     def absolute(self, a: Ref) -> Ref:
         """The absolute value."""
-        value = self.constant_of(a)
-        if value is not None:
+        if (value := self.constant_of(a)) is not None:
             return self.number(abs(value))
         index = a >> 1
         return ref_to(index) if self.op[index] in (Op.ABSOLUTE, Op.ROOT) else self.intern(Op.ABSOLUTE, index)

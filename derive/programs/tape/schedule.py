@@ -29,8 +29,12 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
     for k, taken in enumerate(operands):
         for operand in dict.fromkeys(taken) if work[k] is not None else ():
             users[operand].append(k)
-    # Sethi and Ullman: the operand that needs more registers comes first, since its result occupies but one.
-    needs = _values_needed(operands, work)
+    # Sethi and Ullman (1970): the operand that needs more registers comes first, since its result occupies but one.
+    needs: list[int] = []  # how many live values each node would need if it were a tree
+    for taken, own in zip(operands, work, strict=True):
+        # Operand k is computed while k results are held already, the neediest first.
+        parts = sorted([needs[k] for k in taken], reverse=True)
+        needs.append(max([*(need + k for k, need in enumerate(parts)), int(own is not None)]))
     highest_first = [sorted(taken, key=needs.__getitem__, reverse=True) for taken in operands]
     orders = [list(range(len(nodes))), *(_depth_first(some, highest_first) for some in (roots, roots[::-1]))]
     # Each order also with harmless operations moved forward; the least peak wins, then the least sum.
@@ -87,18 +91,6 @@ def _depth_first(roots: Iterable[int], operands: Operands) -> list[int]:
             else:
                 done[stack.pop()] = None
     return list(done)
-
-
-def _values_needed(operands: Operands, work: Work) -> list[int]:
-    """How many live values each node needs if it were a tree (Sethi and Ullman 1970)."""
-    needs: list[int] = []
-    for taken, own in zip(operands, work, strict=True):
-        # Operand k is computed while k results are held already, the neediest first.
-        parts = sorted([needs[k] for k in taken], reverse=True)
-        needs.append(max([need + k for k, need in enumerate(parts)], default=0))
-        if own is not None:
-            needs[-1] = max(needs[-1], 1)
-    return needs
 
 
 def _eager(order: Sequence[int], work: Work, users: Operands) -> list[int]:

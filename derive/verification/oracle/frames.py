@@ -9,7 +9,7 @@ so nothing here conjugates. Inside, everything is in frame 0; the base transform
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.robot.description import Convention, Link, Motor
-from derive.robot.evaluate import Values, parameter_values, to_float
+from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
 
@@ -65,37 +65,35 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
     values = parameter_values(robot, chosen)
     joints, links = robot.joints, robot.links or (Link(),) * robot.n
     motors = [link.motor or Motor() for link in links]
-    tensors = [link.inertia for link in links]
+
+    def numbers(cells: Iterable[Expression]) -> Array:
+        return np.array([to_float(cell, values) for cell in cells])
+
+    def tensor(link: Link) -> Array:
+        t = link.inertia
+        return numbers((t.xx, t.xy, t.xz, t.xy, t.yy, t.yz, t.xz, t.yz, t.zz)).reshape(3, 3)
+
     return NumericArm(
         standard=robot.convention is Convention.STANDARD,
         revolute=np.array([joint.is_revolute for joint in joints]),
         sign=np.array([float(joint.sign) for joint in joints]),
-        theta=_numbers([joint.theta for joint in joints], values),
-        d=_numbers([joint.d for joint in joints], values),
-        a=_numbers([joint.a for joint in joints], values),
-        alpha=_numbers([joint.alpha for joint in joints], values),
-        base=np.array([_numbers(row, values) for row in robot.base]),
-        tool=np.array([_numbers(row, values) for row in robot.tool]),
-        gravity=_numbers(robot.gravity or (ZERO, ZERO, ZERO), values),
-        mass=_numbers([link.mass for link in links], values),
-        com=np.array([_numbers(link.com, values) for link in links]),
-        inertia=np.array(
-            [
-                [_numbers(row, values) for row in ((t.xx, t.xy, t.xz), (t.xy, t.yy, t.yz), (t.xz, t.yz, t.zz))]
-                for t in tensors
-            ]
-        ),
-        rotor_mass=_numbers([motor.mass for motor in motors], values),
-        rotor_inertia=_numbers([motor.inertia for motor in motors], values),
-        ratio=_numbers([motor.ratio for motor in motors], values),
-        armature=_numbers([link.armature for link in links], values),
-        viscous=_numbers([link.viscous for link in links], values),
-        coulomb=_numbers([link.coulomb for link in links], values),
+        theta=numbers(joint.theta for joint in joints),
+        d=numbers(joint.d for joint in joints),
+        a=numbers(joint.a for joint in joints),
+        alpha=numbers(joint.alpha for joint in joints),
+        base=np.array([numbers(row) for row in robot.base]),
+        tool=np.array([numbers(row) for row in robot.tool]),
+        gravity=numbers(robot.gravity or (ZERO, ZERO, ZERO)),
+        mass=numbers(link.mass for link in links),
+        com=np.array([numbers(link.com) for link in links]),
+        inertia=np.array([tensor(link) for link in links]),
+        rotor_mass=numbers(motor.mass for motor in motors),
+        rotor_inertia=numbers(motor.inertia for motor in motors),
+        ratio=numbers(motor.ratio for motor in motors),
+        armature=numbers(link.armature for link in links),
+        viscous=numbers(link.viscous for link in links),
+        coulomb=numbers(link.coulomb for link in links),
     )
-
-
-def _numbers(cells: Sequence[Expression], values: Values) -> Array:
-    return np.array([to_float(cell, values) for cell in cells])
 
 
 def row_transform(arm: NumericArm, i: int, q: Array) -> Array:

@@ -60,8 +60,13 @@ def inverse_dynamics(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
         carried = dot(z, moment) if arm.revolute[i] else dot(z, wrench.force)  # what the joint's actuator carries
         # In the sense of q; the motor turns ratio times as fast, so its torque counts ratio times.
         torques.append(arm.sign[i] * carried + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
-        # The rotor itself is carried by link i-1, so it counts from here inward.
-        wrench = wrench + _rotor_wrench(arm, i, z, places[..., i, :], carrier, qd[..., i], spin_rate)
+        # The rotor itself is carried by link i-1, so it counts from here inward: m (a - g0) at its place.
+        place = places[..., i, :]
+        force = arm.rotor_mass[i] * (carrier.acceleration_at(place) - arm.gravity_in_frame_0)
+        # d/dt (I spin z) = I (spin' z + spin omega x z), z turning with link i-1
+        spin = arm.ratio[i] * qd[..., i] + dot(z, carrier.omega)
+        turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
+        wrench = wrench + Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)
     rigid = np.stack(torques[::-1], axis=-1)
     resisting: Array = arm.armature * qdd + arm.viscous * qd + arm.coulomb * np.sign(qd)
     return rigid + resisting
@@ -105,14 +110,3 @@ def _link_wrench(arm: NumericArm, i: int, frame: Array, motion: Motion) -> Wrenc
     momentum = np.einsum("...ab,...b->...a", inertia, motion.omega)
     moment = np.einsum("...ab,...b->...a", inertia, motion.alpha) + cross(motion.omega, momentum)
     return Wrench(force, cross(com, force) + moment)
-
-
-def _rotor_wrench(
-    arm: NumericArm, i: int, z: Array, place: Array, carrier: Motion, rate: Array, spin_rate: Array
-) -> Wrench:
-    """What moves the rotor of joint i: m (a - g0) at its place and d/dt (I spin z), z turning with link i-1."""
-    force = arm.rotor_mass[i] * (carrier.acceleration_at(place) - arm.gravity_in_frame_0)
-    # d/dt (I spin z) = I (spin' z + spin omega x z)
-    spin = arm.ratio[i] * rate + dot(z, carrier.omega)
-    turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
-    return Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)

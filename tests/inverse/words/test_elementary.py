@@ -45,7 +45,6 @@ def scribe() -> Scribe:
 
 
 def values(by: Scribe, solved: Solved) -> list[mpmath.mpf]:
-    """The unknown for all choices of signs."""
     signs = sorted({s for e in (solved.value, *(line.value for line in by.lines)) for s in e.free_symbols}, key=str)
     signs = [sign for sign in signs if isinstance(sign, Sign)]
     found = []

@@ -27,7 +27,7 @@ from derive.targets.compiler import find_compiler
 from tests.cli.command import derive
 from tests.motion.plans import PICK_AND_PLACE
 from tests.places import ROOT
-from tests.targets.c_models import needs_compiler
+from tests.targets.generated_models import needs_compiler
 
 HEAD = "robot: scara-matlab\n"
 POINTS = HEAD + "points: {a: [0, 0, 1, 0], b: [1, pi/2, 1.5, 0], c: [pi/3, 0, 2, 1]}\n"

@@ -19,7 +19,7 @@ from derive.motion.torques.functions import Functions
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE, PUMA_FALLS
-from tests.targets.c_models import needs_compiler
+from tests.targets.generated_models import needs_compiler
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
-"""Laws that the traced recursions obey on any robot: both conventions, R and P, motors, base, tool, any gravity."""
+"""Traced recursions and closed forms on any robot, and the functions generated for identification."""
 
+import cmath
 import random
 from dataclasses import dataclass, replace
 from functools import cache
@@ -7,18 +8,68 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 import pytest
+import sympy
 
-from derive.errors import QuantityError, RobotFileError
+from derive.algebra.constants import to_float
+from derive.errors import Location, QuantityError, RobotFileError
+from derive.mechanics.forward_dynamics import articulated_accelerations
+from derive.mechanics.regrouping import regroup
+from derive.model.model import Model
 from derive.programs.build import build_program
+from derive.programs.formulations.trace import Trace
 from derive.programs.program import Program
-from derive.programs.tape.tape import Op, Operations
+from derive.programs.tape.build import bake, cut
+from derive.programs.tape.tape import PARAMETER, Op, Operations, evaluate
+from derive.robot.evaluate import parameter_values
+from derive.robot.evaluate import to_float as number_at
 from derive.robot.expression import ZERO
+from derive.robot.inertial_parameters import REGRESSOR_JOINTS, has_regressor, standard_parameters
+from derive.robot.names import free_symbols, robot_symbols
+from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
-from tests.programs.recursion_values import STEP, State, derivative, random_state, value
-from tests.random_robots import RandomRobot, random_robot, seeds
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
+from derive.verification.oracle.rates import distance_from_singularity
+from tests.evaluate import evaluate as evaluated
+from tests.random_robots import RandomRobot, catalogue, random_robot, robot_text, seeds
+
+ARITHMETIC = {
+    "number": to_float,
+    "sin": cmath.sin,
+    "cos": cmath.cos,
+    "sqrt": cmath.sqrt,
+    "sign": lambda x: float(np.sign(x.real)),
+}
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class State:
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    tau: Floats
+    parameters: tuple[float, ...]  # numbers of the free ones
+
+
+def random_state(program: Program, n: int, values: dict[str, float], seed: int) -> State:
+    """A state at random, away from zero velocities."""
+    rng = random.Random(seed)
+    draw = lambda: np.array([rng.choice((-1, 1)) * rng.uniform(0.1, 1.5) for _ in range(n)])  # noqa: E731
+    return State(draw(), draw(), draw(), draw(), tuple(values.get(name, 0.7) for name in program.parameters))
+
+
+def inputs_of(state: State, **changed: Floats) -> dict[str, list[float]]:
+    inputs = {kind: list(changed.get(kind, getattr(state, kind))) for kind in ("q", "qd", "qdd", "tau")}
+    return {**inputs, PARAMETER: list(state.parameters)}
+
+
+def value(program: Program, name: str, state: State, **changed: Floats) -> Floats:
+    """A function at a state, with some arguments changed."""
+    function = program[name]
+    return np.array(evaluate(function.tape, inputs_of(state, **changed), ARITHMETIC)).reshape(function.shape).real
+
 
 TOLERANCE = 1e-11
-SEEDS = seeds(14, usual=3)
 
 
 @dataclass(frozen=True)
@@ -30,98 +81,75 @@ class Case:
 
 @cache
 def case_of(seed: int) -> Case:
-    """The case of a seed: one to six joints."""
     robot = random_robot(random.Random(seed), 1 + seed % 6)
     program = build_program(Robot.from_text(robot.text))
     return Case(robot, program, random_state(program, robot.n, robot.values, seed))
 
 
-@pytest.fixture(params=SEEDS, ids=lambda seed: f"seed{seed}")
+@pytest.fixture(params=seeds(14, usual=3), ids=lambda seed: f"seed{seed}")
 def case(request: pytest.FixtureRequest) -> Case:
     return case_of(request.param)
 
 
 def assert_close(found: npt.NDArray[np.float64], wanted: npt.NDArray[np.float64]) -> None:
     scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))
+    assert found.shape == wanted.shape
     assert np.abs(found - wanted).max(initial=0.0) <= TOLERANCE * scale
 
 
-def units(n: int) -> list[npt.NDArray[np.float64]]:
-    return list(np.eye(n))
-
-
-def test_poses_are_rigid_and_the_last_link_carries_the_tool(case: Case) -> None:
+def test_functions_are_those_of_the_oracle(case: Case) -> None:
+    """Regressors and accelerations, which have yardsticks of their own, elsewhere."""
     program, state = case.program, case.state
-    pose = value(program, "forward_kinematics", state)
-    links = value(program, "link_transforms", state)
-    for frame in (pose, *links):
-        assert_close(frame[:3, :3].T @ frame[:3, :3], np.eye(3))
-        assert frame[3].tolist() == [0, 0, 0, 1]
-        assert np.linalg.det(frame[:3, :3]) == pytest.approx(1)
-    assert_close(links[-1] @ case.robot.tool, pose)
-
-
-def test_jacobian_is_the_derivative_of_the_pose(case: Case) -> None:
-    program, state, n = case.program, case.state, case.robot.n
-    rotation = value(program, "forward_kinematics", state)[:3, :3]
-    columns = []
-    for direction in units(n):
-        rate = derivative(program, "forward_kinematics", state, direction)
-        spin = rate[:3, :3] @ rotation.T
-        columns.append([*rate[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]])
-    assert_close(value(program, "jacobian", state), np.array(columns).T)
-
-
-def test_inertia_matrix_is_symmetric_and_positive_definite(case: Case) -> None:
-    program, state = case.program, case.state
+    chosen = dict(zip(program.parameters, state.parameters, strict=True))
+    oracle = Oracle.of(Robot.from_text(case.robot.text), chosen)
+    for name in set(oracle.functions) - {"forward_dynamics"}:
+        if name not in ANGLES or distance_from_singularity(oracle.arm, ANGLES[name], state.q) > 1e-3:
+            arguments = [getattr(state, argument) for argument in FUNCTIONS[name].arguments]
+            assert_close(value(program, name, state), oracle.evaluate(name, *arguments))
     inertia = value(program, "inertia_matrix", state)
     assert np.array_equal(inertia, inertia.T)
-    assert np.linalg.eigvalsh(inertia).min() > 0
 
 
-def test_coriolis_matrix_is_the_christoffel_matrix(case: Case) -> None:
-    program, state, n = case.program, case.state, case.robot.n
-    gradient = np.array([derivative(program, "inertia_matrix", state, unit) for unit in units(n)])
-    by_k = np.einsum("kij->ijk", gradient)
-    symbols = (by_k + by_k.transpose(0, 2, 1) - by_k.transpose(2, 1, 0)) / 2
-    assert_close(value(program, "coriolis_matrix", state), symbols @ state.qd)
-
-
-def test_torque_is_made_of_its_parts(case: Case) -> None:
-    program, state = case.program, case.state
-    friction = value(program, "inverse_dynamics", state) - value(program, "inverse_dynamics", state, qd=-state.qd)
-    parts = (
-        value(program, "inertia_matrix", state) @ state.qdd
-        + value(program, "coriolis_matrix", state) @ state.qd
-        + value(program, "gravity_vector", state)
-    )
-    assert_close(value(program, "inverse_dynamics", state), parts + friction / 2)
-
-
-def test_forward_dynamics_undoes_inverse_dynamics(case: Case) -> None:
+def test_accelerations_have_the_torques_that_make_them(case: Case) -> None:
+    """Those of the program, and by articulated bodies in base parameters, whatever the program has chosen."""
     program, state = case.program, case.state
     inertia = value(program, "inertia_matrix", state)
     if np.linalg.cond(inertia) > 1e8:
         return
-    found = value(program, "forward_dynamics", state, tau=value(program, "inverse_dynamics", state))
-    assert np.abs(inertia @ (found - state.qdd)).max() <= 1e-9 * max(1, np.abs(inertia).max())
+    trace = Trace(Robot.from_text(case.robot.text))
+    torques = [tau - loss for tau, loss in zip(trace.arguments("tau"), trace.with_friction(trace.zeros()), strict=True)]
+    values = articulated_accelerations(regroup(trace.chain), trace.arguments("qd"), torques)
+    tape = cut(*bake(trace.graph, [v.ref for v in values], trace.choice.numbers))
+    articulated = np.array(evaluate(tape, inputs_of(state), ARITHMETIC)).real
+    for found in (value(program, "forward_dynamics", state), articulated):
+        left = value(program, "inverse_dynamics", state, qdd=found) - state.tau
+        assert np.abs(left).max() <= 1e-9 * max(1, np.abs(inertia).max(), np.abs(state.tau).max())
 
 
-def test_the_rate_of_the_energies_is_the_work_of_the_torques_less_friction(case: Case) -> None:
-    program, state = case.program, case.state
-    moved = {"q": state.q + 1j * STEP * state.qd, "qd": state.qd + 1j * STEP * state.qdd}
-    rate = (
-        value(program, "kinetic_energy", state, **moved) + value(program, "potential_energy", state, q=moved["q"])
-    ).imag
-    torque = value(program, "inverse_dynamics", state)
-    friction = torque - value(program, "inverse_dynamics", state, qd=-state.qd)
-    assert_close(rate / STEP, state.qd @ (torque - friction / 2))
+PLANAR = "name: planar\nconvention: standard\njoints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}]\n"
 
 
-def test_the_jacobian_of_the_end_effector_is_the_other_turned(case: Case) -> None:
-    program, state = case.program, case.state
-    back = value(program, "forward_kinematics", state)[:3, :3].T
-    assert_close(value(program, "jacobian_end", state), np.kron(np.eye(2), back) @ value(program, "jacobian", state))
+def test_angles_that_are_singular_everywhere_have_no_jacobian() -> None:
+    program = build_program(Robot.from_text(PLANAR))
+    assert "analytic_jacobian_rpy" in program
+    assert "analytic_jacobian_zyz" not in program
+
+
+def test_a_fixed_axis_has_no_rate() -> None:
+    program = build_program(Robot.from_text("name: one\nconvention: standard\njoints: [{type: prismatic}]\n"))
+    assert program["jacobian_dot"].operations == Operations()
+
+
+def test_closed_forms_of_rates_are_the_generated_ones() -> None:
+    robot = Robot.load("scara-perugia")
+    model, oracle = Model(robot), Oracle.of(robot, dict.fromkeys(free_symbols(robot), 0.7))
+    q, qd = np.random.default_rng(0).uniform(-1, 1, (2, robot.n))
+    numbers = {symbol: 0.7 for symbol in model.J_dot.free_symbols | model.coriolis_vector.free_symbols}
+    numbers |= {sympy.Symbol(name): float(value) for name, value in parameter_values(robot).items()}
+    numbers |= dict(zip((*model.q, *model.qd), (*q, *qd), strict=True))
+    for matrix, name in ((model.J_dot, "jacobian_dot"), (model.coriolis_vector, "coriolis_vector")):
+        found = np.array(matrix.subs(numbers).tolist(), dtype=float)
+        assert_close(found.reshape(-1), oracle.evaluate(name, q, qd).reshape(-1))
 
 
 SINGULAR = """
@@ -159,3 +187,74 @@ def test_many_joints_are_traced_in_time_and_without_recursion() -> None:
     program = build_program(Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n"))
     assert program["link_transforms"].operations.total < 4000
     assert len(program["jacobian"].tape.outputs) == 6 * 64
+
+
+SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]
+RANDOM = [Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)) for seed in range(9)]
+
+
+def numbers_for(model: Model) -> dict[str, float]:
+    rng = random.Random(1)
+    known = {name: float(number) for name, number in parameter_values(model.robot).items()}
+    symbols = [*robot_symbols(model.robot), *map(str, (*model.q, *model.qd, *model.qdd))]
+    return {**{name: rng.uniform(0.3, 1.5) for name in symbols}, **known}
+
+
+@pytest.mark.parametrize("robot", SMALL + RANDOM, ids=lambda robot: robot.name)
+def test_closed_forms_give_the_torques(robot: Robot) -> None:
+    model = Model(robot)
+    values = numbers_for(model)
+
+    def at(name: str) -> npt.NDArray[np.float64]:
+        result: npt.NDArray[np.float64] = evaluated(getattr(model, name), values)
+        return result
+
+    torques = at("tau")
+    tolerance = 1e-10 * np.abs(torques).max()
+    np.testing.assert_allclose(at("regressor") @ at("standard_parameters"), torques, atol=tolerance)
+    np.testing.assert_allclose(at("regressor_base") @ at("base_parameters"), torques, atol=tolerance)
+    assert model.regressor.shape == (robot.n, len(model.standard_parameter_names))
+    assert model.base_parameters.shape == (len(model.base_parameter_names), 1)
+
+
+def test_a_planar_arm_has_the_base_parameters_of_the_books() -> None:
+    """Siciliano et al., Robotics, section 7.2.2, with masses of rotors and the first one's inertia."""
+    model = Model(Robot.load("planar-2r-perugia"))
+    found = dict(zip(model.base_parameter_names, map(str, model.base_parameters), strict=True))
+    assert found["mx1"] == "a1*(ml2 + mm2) + l1*ml1"
+    assert found["Izz1"] == "Il1 + Im1*kr1**2 + a1**2*(ml2 + mm2) + l1**2*ml1"
+    assert found["mx2"] == "l2*ml2"
+    assert found["Izz2"] == "Il2 + l2**2*ml2"
+    assert found["Im2"] == "Im2"
+
+
+def identification_program(robot: Robot) -> Program:
+    return build_program(robot, names=("regressor", "base_regressor", "base_parameters"))
+
+
+@pytest.mark.parametrize("seed", seeds(10, usual=4))
+def test_generated_functions_give_the_torques_and_what_the_formulas_say(seed: int) -> None:
+    drawn = random_robot(random.Random(seed), 1 + seed % 6)
+    robot = Robot.from_text(drawn.text)
+    program = identification_program(robot)
+    state = random_state(program, robot.n, drawn.values, seed)
+    chosen = dict(zip(program.parameters, state.parameters, strict=True))
+    oracle = Oracle.of(robot, chosen)
+    torques = oracle.evaluate("inverse_dynamics", state.q, state.qd, state.qdd)
+    parameters = value(program, "base_parameters", state)
+    base = value(program, "base_regressor", state) @ parameters
+    np.testing.assert_allclose(base, torques, atol=1e-12 * np.abs(torques).max(), rtol=0)
+    assert program["regressor"].shape == (robot.n, len(standard_parameters(robot)))
+    values = parameter_values(robot, chosen)
+    for column, number in zip(program["base_parameters"].columns, parameters, strict=True):
+        if column.formula:
+            formula = number_at(parse_expression(column.formula, Location("formula", 1, 1)), values)
+            assert formula == pytest.approx(number, rel=1e-9, abs=1e-12)
+
+
+def test_long_arms_have_no_generated_regressor() -> None:
+    rows = "\n".join("  - {type: revolute, a: 0.1, alpha: pi/2}" for _ in range(REGRESSOR_JOINTS + 1))
+    links = "\n".join("  - {mass: 1}" for _ in range(REGRESSOR_JOINTS + 1))
+    robot = Robot.from_text(f"name: long\ntitle: long\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n")
+    assert not has_regressor(robot)
+    assert identification_program(robot).functions == ()

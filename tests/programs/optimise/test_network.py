@@ -1,23 +1,33 @@
-"""Networks of polynomials: what is shared, written out and redefined keeps its value; the cost kept is the cost."""
+"""Networks of polynomials keep their value however they are written; every threshold of the search counts."""
 
+import inspect
+import re
+from dataclasses import fields, replace
 from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings
 
+from derive.errors import DeriveError
+from derive.programs.build import build_program
+from derive.programs.optimise.coefficients import PRIME, Coefficients, residue_of, scatter
 from derive.programs.optimise.convert import graph_of, network_of
 from derive.programs.optimise.improve import improve
 from derive.programs.optimise.network import Network, Opaque
 from derive.programs.optimise.resubstitute import Resubstitution
 from derive.programs.optimise.search import Search
+from derive.programs.optimise.search_policy import POLICY, Effort, Policy, effort_named
+from derive.programs.optimise.sharing import Extractor
 from derive.programs.tape.build import cut
 from derive.programs.tape.cost import polynomial_cost, program_cost
-from derive.programs.tape.graph import Graph
+from derive.programs.tape.graph import ZERO, Graph, negated
 from derive.programs.tape.schedule import live, schedule
-from derive.programs.tape.tape import OPERATION_COST, PARAMETER, Operations, evaluate
+from derive.programs.tape.tape import OPERATION_COST, PARAMETER, Op, Operations, evaluate
 from derive.programs.tape.value import Value
+from derive.robot.robot import Robot
 from tests.programs.tape.test_tape import points, rational_functions
 from tests.programs.tape_programs import INPUTS, RATIONAL, RandomProgram, programs
+from tests.programs.thresholds import measured, values_tried
 
 
 def names(count: int = 6) -> tuple[Graph, list[Value], list[Value]]:
@@ -170,3 +180,77 @@ def test_few_values_are_alive_where_an_order_allows_it() -> None:
     assert live(graph, order)[0] <= 2
     places = {i: step for step, i in enumerate(order)}
     assert all(places[k] < places[i] for i in order for k in graph.operands[i])
+
+
+def test_a_sum_in_two_products_is_shared_until_nothing_saves() -> None:
+    graph, (a, b, c, d, *_), _ = names()
+    outputs = [value.ref for value in (a * c + b * c, a * d + b * d)]
+    network = network_of(graph, outputs)
+    before = network.cost
+    Extractor(network).run()
+    assert network.cost < before
+    assert cut(*graph_of(network, graph)).operations.arithmetic == 3  # (a + b), times c, times d
+    settled = network.cost
+    Extractor(network).run()
+    assert network.cost == settled
+
+
+def test_what_occurs_once_is_left_alone() -> None:
+    graph, (a, b, *_), _ = names()
+    network = network_of(graph, [(a * b).ref])
+    before = network.cost
+    Extractor(network).run()
+    assert network.cost == before
+
+
+def test_the_modulus_is_prime() -> None:
+    """By Fermat, for enough bases to leave no doubt about 2^61 - 1."""
+    assert all(pow(base, PRIME - 1, PRIME) == 1 for base in (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37))
+
+
+def test_residues_are_fixed_and_scattered() -> None:
+    found = [scatter("parameter", k) for k in range(1000)]
+    assert found == [scatter("parameter", k) for k in range(1000)]
+    assert len(set(found)) == 1000
+    assert all(0 <= residue < PRIME for residue in found)
+
+
+def test_residues_follow_the_operations() -> None:
+    a, b = scatter("a"), scatter("b")
+    assert residue_of(Op.ADD, [a, b]) == (a + b) % PRIME
+    assert residue_of(Op.MULTIPLY, [a, b]) == a * b % PRIME
+    assert residue_of(Op.NEGATE, [a]) == -a % PRIME
+
+
+def test_equal_values_are_one_coefficient_however_they_are_computed() -> None:
+    graph = Graph()
+    a, b = (graph.input(PARAMETER, k) for k in range(2))
+    known = Coefficients(graph)
+    product = known.multiply(known.same(a), known.same(b))
+    assert known.multiply(known.same(b), known.same(a)) == product
+    assert known.add(product, negated(product)) == ZERO
+    assert known.residue(product) == known.residue(known.same(a)) * known.residue(known.same(b)) % PRIME
+
+
+@pytest.mark.parametrize("name", [field.name for field in fields(Policy)])
+def test_every_threshold_has_a_reason_and_is_tried_below_and_above(name: str) -> None:
+    below, above = values_tried(name)
+    assert below < getattr(POLICY, name) < above
+    assert re.search(rf"# .*\n    {name}: |    {name}: .*  # ", inspect.getsource(Policy))
+
+
+def test_one_of_both_ways_to_accelerations_is_left_for_every_number_of_joints() -> None:
+    assert POLICY.fewest_articulated <= POLICY.most_factorised + 1
+
+
+def test_a_search_without_work_finds_less() -> None:
+    idle = replace(POLICY, search_work=0, draft_work=0, hoisted_work=0, frame_choice_work=0)
+    costs, _ = measured(idle, ["puma560-corke"], ["inertia_matrix"])
+    usual = build_program(Robot.load("puma560-corke"), names=["inertia_matrix"])["inertia_matrix"]
+    assert usual.tape.operations.cost < costs["puma560-corke", "inertia_matrix"]
+
+
+def test_an_effort_has_a_name() -> None:
+    assert effort_named("quick") is Effort.QUICK
+    with pytest.raises(DeriveError, match="unknown effort 'most'"):
+        effort_named("most")

@@ -18,123 +18,88 @@ from tests.random_robots import JointNumbers, LinkNumbers, RandomRobot
 Array = npt.NDArray[np.float64]
 
 
-def about_z(angle: float) -> Any:
-    """Rot(z, angle)."""
-    return pin.SE3(pin.utils.rotate("z", angle), np.zeros(3))
-
-
-def about_x(angle: float) -> Any:
-    """Rot(x, angle)."""
-    return pin.SE3(pin.utils.rotate("x", angle), np.zeros(3))
+def about(axis: str, angle: float) -> Any:
+    return pin.SE3(pin.utils.rotate(axis, angle), np.zeros(3))
 
 
 def along(x: float, y: float, z: float) -> Any:
-    """Trans(x, y, z)."""
     return pin.SE3(np.eye(3), np.array([x, y, z]))
 
 
 @dataclass(frozen=True)
 class Reference:
-    """A robot in Pinocchio.
-
-    Attributes:
-        model: The model; the world is Pinocchio's universe.
-        ends: From Pinocchio's joint i to DH frame i.
-        tool: From DH frame n to the end effector.
-        joints: Pinocchio's joint indices of the n joints.
-        map: (nv, n) constant velocity map G.
-        viscous: (n,) joint-side friction.
-        coulomb: (n,) joint-side friction.
-    """
+    """A robot in Pinocchio, whose universe is the world; its functions are those of the generated interface."""
 
     model: Any
-    ends: tuple[Any, ...]
-    tool: Any
-    joints: tuple[int, ...]
-    map: Array
-    viscous: Array
+    ends: tuple[Any, ...]  # from Pinocchio's joint i to DH frame i
+    tool: Any  # from DH frame n to the end effector
+    joints: tuple[int, ...]  # Pinocchio's indices of the n joints
+    map: Array  # (nv, n) the constant map G of velocities
+    viscous: Array  # (n,) joint-side friction
     coulomb: Array
 
+    @property
+    def data(self) -> Any:
+        """New; results may lie in it as long as it lives."""
+        return self.model.createData()
+
     def link_transforms(self, q: Array) -> Array:
-        """World to DH frames 1..n, (n, 4, 4)."""
-        data = self.model.createData()
+        data = self.data
         pin.forwardKinematics(self.model, data, self.map @ q)
         return np.array([(data.oMi[j] * end).homogeneous for j, end in zip(self.joints, self.ends, strict=True)])
 
     def forward_kinematics(self, q: Array) -> Array:
-        """World to end effector, (4, 4)."""
         return np.array(self.link_transforms(q)[-1] @ self.tool.homogeneous)
 
     def jacobian(self, q: Array) -> Array:
-        """Geometric Jacobian of the end effector, world axes, linear rows first, (6, n)."""
-        data = self.model.createData()
+        data = self.data
         pin.computeJointJacobians(self.model, data, self.map @ q)
         turn = data.oMi[self.joints[-1]].rotation @ (self.ends[-1] * self.tool).rotation
         return np.array(np.kron(np.eye(2), turn) @ self.jacobian_end(q))
 
     def jacobian_end(self, q: Array) -> Array:
-        """The same in the axes of the end effector, (6, n)."""
-        data = self.model.createData()
+        data = self.data
         pin.computeJointJacobians(self.model, data, self.map @ q)
         local = np.reshape(pin.getJointJacobian(self.model, data, self.joints[-1], pin.LOCAL), (6, -1))
         return np.array((self.ends[-1] * self.tool).toActionMatrixInverse() @ local @ self.map)
 
     def kinetic_energy(self, q: Array, qd: Array) -> Array:
-        """That of links, rotors and armatures, ()."""
         rates, bare = self.map @ qd, self.model.copy()
         bare.armature = np.zeros_like(rates)  # not every version of Pinocchio counts it
         links = pin.computeKineticEnergy(bare, bare.createData(), self.map @ q, rates)
         return np.array(links + rates @ (self.model.armature * rates) / 2)
 
     def potential_energy(self, q: Array) -> Array:
-        """That of links and rotors, ()."""
-        data = self.model.createData()
-        return np.array(pin.computePotentialEnergy(self.model, data, self.map @ q))
+        return np.array(pin.computePotentialEnergy(self.model, self.data, self.map @ q))
 
     def inertia_matrix(self, q: Array) -> Array:
-        """B = G' B_ext G, (n, n)."""
-        data = self.model.createData()
+        data = self.data
         upper = np.triu(pin.crba(self.model, data, self.map @ q))
         return np.array(self.map.T @ (upper + np.triu(upper, 1).T) @ self.map)
 
     def bias(self, q: Array, qd: Array) -> Array:
-        """C qd + g, (n,)."""
         return self.rigid_torque(q, qd, np.zeros_like(q))
 
     def rigid_torque(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """B qdd + C qd + g, (n,)."""
-        data = self.model.createData()
-        torque = pin.rnea(self.model, data, self.map @ q, self.map @ qd, self.map @ qdd)
-        return np.array(self.map.T @ torque)
+        data = self.data
+        return np.array(self.map.T @ pin.rnea(self.model, data, self.map @ q, self.map @ qd, self.map @ qdd))
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """Joint torques with friction, (n,)."""
         return self.rigid_torque(q, qd, qdd) + self.viscous * qd + self.coulomb * np.sign(qd)
 
     def gravity_vector(self, q: Array) -> Array:
-        """G, (n,)."""
-        data = self.model.createData()
+        data = self.data
         return np.array(self.map.T @ pin.computeGeneralizedGravity(self.model, data, self.map @ q))
 
     def coriolis_matrix(self, q: Array, qd: Array) -> Array:
         """The Christoffel C: column j is Gamma(qd, e_j), by polarisation of the quadratic velocity torque."""
         g, identity = self.bias(q, np.zeros_like(q)), np.eye(len(q))
-
-        def velocity_torque(v: Array) -> Array:
-            return self.bias(q, v) - g
-
-        columns = [velocity_torque(qd + e) - velocity_torque(qd - e) for e in identity]
+        columns = [(self.bias(q, qd + e) - g) - (self.bias(q, qd - e) - g) for e in identity]
         return np.array(columns).T / 4
-
-    def pinocchio_coriolis(self, q: Array, qd: Array) -> Array:
-        """Pinocchio's own Coriolis matrix, reduced, (n, n)."""
-        data = self.model.createData()
-        full = pin.computeCoriolisMatrix(self.model, data, self.map @ q, self.map @ qd)
-        return np.array(self.map.T @ full @ self.map)
 
     def jacobian_dot(self, q: Array, qd: Array) -> Array:
         """Rate of the geometric Jacobian, (6, n), from that of Pinocchio's Jacobian at the world's origin."""
-        data = self.model.createData()
+        data = self.data
         pin.computeJointJacobiansTimeVariation(self.model, data, self.map @ q, self.map @ qd)
         full = pin.getJointJacobianTimeVariation(self.model, data, self.joints[-1], pin.WORLD)
         rate = np.reshape(full, (6, -1)) @ self.map
@@ -143,14 +108,12 @@ class Reference:
         return np.vstack([linear, rate[3:]])
 
     def analytic_jacobian_rpy(self, q: Array) -> Array:
-        """Rows of velocity, then of roll, pitch, yaw, (6, n)."""
         _, pitch, yaw = pin.rpy.matrixToRpy(self.forward_kinematics(q)[:3, :3])
         turned = pin.utils.rotate("z", yaw)
         tilted = turned @ pin.utils.rotate("y", pitch)
         return self.with_angles(q, np.column_stack([tilted[:, 0], turned[:, 1], np.eye(3)[2]]))
 
     def analytic_jacobian_zyz(self, q: Array) -> Array:
-        """Rows of velocity, then of phi, theta, psi, (6, n)."""
         rotation = self.forward_kinematics(q)[:3, :3]
         turned = pin.utils.rotate("z", np.arctan2(rotation[1, 2], rotation[0, 2]))
         return self.with_angles(q, np.column_stack([np.eye(3)[2], turned[:, 1], rotation[:, 2]]))
@@ -161,31 +124,26 @@ class Reference:
         return np.vstack([jacobian[:3], np.linalg.solve(axes, jacobian[3:])])
 
     def coriolis_vector(self, q: Array, qd: Array) -> Array:
-        """C qd, (n,)."""
         return self.bias(q, qd) - self.gravity_vector(q)
 
     def inverse_dynamics_dq(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """d tau / d q, (n, n)."""
         return self.torque_derivatives(q, qd, qdd)[0]
 
     def inverse_dynamics_dqd(self, q: Array, qd: Array) -> Array:
-        """d tau / d qd, (n, n)."""
         return self.torque_derivatives(q, qd, np.zeros_like(q))[1] + np.diag(self.viscous)
 
     def torque_derivatives(self, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]:
         """Of the torques without friction, by Pinocchio's analytic recursion."""
-        data = self.model.createData()
+        data = self.data
         pin.computeRNEADerivatives(self.model, data, self.map @ q, self.map @ qd, self.map @ qdd)
         return self.map.T @ data.dtau_dq @ self.map, self.map.T @ data.dtau_dv @ self.map
 
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
-        """Accelerations, (n,)."""
         bias = self.inverse_dynamics(q, qd, np.zeros_like(q))
         return np.array(np.linalg.solve(self.inertia_matrix(q), tau - bias))
 
 
 def reference(robot: RandomRobot) -> Reference:
-    """The robot in Pinocchio."""
     return _Builder(robot).build()
 
 
@@ -200,13 +158,14 @@ class _Builder:
         robot, joints = self.robot, []
         for i in range(robot.n):
             joints.append(self.add_joint(i, joints[-1] if joints else 0))
-        n = robot.n
-        mapping = np.zeros((self.model.nv, n))
+        mapping, armature = np.zeros((self.model.nv, robot.n)), np.zeros(self.model.nv)
         for i, joint in enumerate(joints):
             mapping[self.model.joints[joint].idx_v, i] = 1.0
         for i, joint in self.rotors:
             mapping[self.model.joints[joint].idx_v, i] = robot.links[i].ratio
-        self.set_armature(joints)
+        for link, joint in zip(robot.links, joints, strict=False):
+            armature[self.model.joints[joint].idx_v] = link.armature
+        self.model.armature = armature
         return Reference(
             model=self.model,
             ends=tuple(self.end(row) for row in robot.joints),
@@ -219,18 +178,18 @@ class _Builder:
 
     def end(self, row: JointNumbers) -> Any:
         """From the joint to DH frame i."""
-        return along(row.a, 0, 0) * about_x(row.alpha) if self.robot.standard else pin.SE3.Identity()
+        return along(row.a, 0, 0) * about("x", row.alpha) if self.robot.standard else pin.SE3.Identity()
 
     def axis(self, i: int) -> Any:
         """From the Pinocchio joint before to a frame whose z axis is the axis of joint i."""
         row, before = self.robot.joints[i], pin.SE3(self.robot.base) if i == 0 else pin.SE3.Identity()
         if not self.robot.standard:
-            return before * about_x(row.alpha) * along(row.a, 0, 0)
+            return before * about("x", row.alpha) * along(row.a, 0, 0)
         return before * self.end(self.robot.joints[i - 1]) if i else before
 
     def add_joint(self, i: int, parent: int) -> int:
         row = self.robot.joints[i]
-        placement = self.axis(i) * about_z(row.theta) * along(0, 0, row.d)
+        placement = self.axis(i) * about("z", row.theta) * along(0, 0, row.d)
         direction = np.array([0.0, 0.0, row.sign])
         kind = pin.JointModelRevoluteUnaligned if row.revolute else pin.JointModelPrismaticUnaligned
         if self.robot.links and self.robot.links[i].rotor_inertia + self.robot.links[i].rotor_mass:
@@ -246,15 +205,8 @@ class _Builder:
         """A body on the link before, spinning about z of the joint's axis."""
         link: LinkNumbers = self.robot.links[i]
         lift = 0.0 if self.robot.standard else self.robot.joints[i].d
-        placement = self.axis(i) * along(0, 0, lift)
         spinning = pin.JointModelRevoluteUnaligned(np.array([0.0, 0.0, 1.0]))
-        joint = int(self.model.addJoint(parent, spinning, placement, f"rotor{i}"))
+        joint = int(self.model.addJoint(parent, spinning, self.axis(i) * along(0, 0, lift), f"rotor{i}"))
         body = pin.Inertia(link.rotor_mass, np.zeros(3), np.diag([0.0, 0.0, link.rotor_inertia]))
         self.model.appendBodyToJoint(joint, body, pin.SE3.Identity())
         self.rotors.append((i, joint))
-
-    def set_armature(self, joints: list[int]) -> None:
-        armature = np.zeros(self.model.nv)
-        for link, joint in zip(self.robot.links, joints, strict=False):
-            armature[self.model.joints[joint].idx_v] = link.armature
-        self.model.armature = armature

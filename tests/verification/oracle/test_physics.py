@@ -1,4 +1,4 @@
-"""The independent recursion obeys mechanics: identities that no other engine is needed for."""
+"""The oracle against Pinocchio and against what any arm obeys."""
 
 import random
 
@@ -6,18 +6,98 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
+from derive.model.identification.base_parameters import base_set
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.functions import Oracle
-from derive.verification.oracle.lagrange import (
-    com_jacobians,
-    inertia_derivatives,
-    kinetic_energy,
-    potential_energy,
-    rotor_jacobians,
-)
-from tests.random_robots import Array, RandomRobot, configurations, robots
+from derive.verification.oracle import frames, newton
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
+from derive.verification.oracle.identification import Identification
+from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
+from derive.verification.oracle.rates import distance_from_singularity
+from tests.random_robots import RandomRobot, configurations, random_robot, robots
+from tests.verification.oracle.pinocchio_reference import Array, Reference, reference
 
-STEP = 1e-6
+TOLERANCE = 1e-10
+
+
+def motion(n: int, seed: int = 0) -> dict[str, Array]:
+    q, qd, qdd, tau = configurations(random.Random(seed), n, 4)
+    return {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau}
+
+
+def relative_error(got: Array, wanted: Array) -> float:
+    assert got.shape == wanted.shape
+    return float(np.abs(got - wanted).max() / max(1.0, np.abs(wanted).max()))
+
+
+def check(oracle: Oracle, outside: Reference, arguments: dict[str, Array]) -> None:
+    for name in oracle.functions:
+        q, *rates = (arguments[argument] for argument in FUNCTIONS[name].arguments)
+        distance = distance_from_singularity(oracle.arm, ANGLES[name], q) if name in ANGLES else 1.0
+        got, wanted = oracle.evaluate(name, q, *rates), getattr(outside, name)(q, *rates)
+        assert relative_error(got, wanted) * distance < TOLERANCE, name
+
+
+@given(robots())
+@settings(max_examples=80, deadline=None)
+def test_every_function_agrees_with_pinocchio(robot: RandomRobot) -> None:
+    oracle, outside = Oracle.of(Robot.from_text(robot.text), robot.values), reference(robot)
+    check(oracle, outside, motion(robot.n))
+
+
+@given(robots(dynamics=False))
+@settings(max_examples=30, deadline=None)
+def test_kinematics_agrees_without_dynamics(robot: RandomRobot) -> None:
+    oracle, outside = Oracle.of(Robot.from_text(robot.text), robot.values), reference(robot)
+    assert set(oracle.functions) <= {name for name, definition in FUNCTIONS.items() if not definition.dynamic}
+    check(oracle, outside, motion(robot.n))
+
+
+@pytest.mark.parametrize("standard", [True, False])
+def test_kinematics_agrees_for_64_joints(standard: bool) -> None:
+    robot = random_robot(random.Random(64), 64, standard=standard, dynamics=False)
+    check(Oracle.of(Robot.from_text(robot.text), robot.values), reference(robot), motion(64))
+
+
+def test_the_sample_of_robots_covers_the_format() -> None:
+    """Else agreement would mean little: every feature occurs often among the first 200 seeds."""
+    sample = [random_robot(random.Random(seed)) for seed in range(200)]
+    joints = [joint for robot in sample for joint in robot.joints]
+    links = [link for robot in sample for link in robot.links]
+    text = "\n".join(robot.text for robot in sample)
+    assert sum(robot.standard for robot in sample) in range(60, 140)
+    assert {robot.n for robot in sample} == set(range(1, 8))
+    for feature in (
+        [joint for joint in joints if not joint.revolute],
+        [joint for joint in joints if joint.sign < 0 and joint.revolute],
+        [joint for joint in joints if joint.sign < 0 and not joint.revolute],
+        [joint for joint in joints if joint.revolute and joint.theta],
+        [link for link in links if link.rotor_inertia],
+        [link for link in links if link.ratio < 0],
+        [link for link in links if link.armature],
+        [link for link in links if link.coulomb],
+        [robot for robot in sample if (robot.base != np.eye(4)).any()],
+        [robot for robot in sample if (robot.tool != np.eye(4)).any()],
+        [robot for robot in sample if robot.gravity[0]],
+        [robot for robot in sample if robot.values],
+    ):
+        assert len(feature) >= 20
+    for word in ("deg", "mm", "runtime", "sqrt(", "sin(", "limits", "armature", "viscous"):
+        assert text.count(word) >= 20, word
+
+
+@given(robots())
+@settings(max_examples=25, deadline=None)
+def test_a_batch_is_its_configurations_one_by_one(robot: RandomRobot) -> None:
+    oracle = Oracle.of(Robot.from_text(robot.text), robot.values)
+    rng = random.Random(1)
+    q, qd, last = (configurations(rng, robot.n, 6).reshape(2, 3, robot.n) for _ in range(3))
+    for name in oracle.functions:
+        arguments = [q, qd, last][: len(FUNCTIONS[name].arguments)]
+        together = oracle.evaluate(name, *arguments)
+        alone = oracle.evaluate(name, *(argument[1, 2] for argument in arguments))
+        assert relative_error(together[1, 2], alone) < 1e-12
+
 
 PENDULUM = """
 name: pendulum
@@ -38,33 +118,6 @@ def state(n: int, seed: int = 3) -> Array:
     return configurations(random.Random(seed), n, 3)
 
 
-def central_difference(function, q: Array) -> Array:  # type: ignore[no-untyped-def]
-    steps = np.eye(len(q)) * STEP
-    return np.stack([(function(q + step) - function(q - step)) / (2 * STEP) for step in steps], axis=-1)
-
-
-@given(robots())
-@settings(max_examples=30, deadline=None)
-def test_the_jacobian_is_the_derivative_of_the_pose(robot: RandomRobot) -> None:
-    oracle, (q, *_) = oracle_of(robot), state(robot.n)
-    pose = oracle.evaluate("forward_kinematics", q)
-    slope = central_difference(lambda x: oracle.evaluate("forward_kinematics", x), q)
-    spin = np.einsum("abk,cb->ack", slope[:3, :3], pose[:3, :3])
-    angular = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
-    wanted = np.vstack([slope[:3, 3], angular])
-    assert np.allclose(oracle.evaluate("jacobian", q), wanted, atol=1e-7)
-
-
-@given(robots())
-@settings(max_examples=30, deadline=None)
-def test_transforms_are_rigid_motions(robot: RandomRobot) -> None:
-    oracle, (q, *_) = oracle_of(robot), state(robot.n)
-    for pose in (*oracle.evaluate("link_transforms", q), oracle.evaluate("forward_kinematics", q)):
-        assert np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-12)
-        assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
-        assert (pose[3] == [0, 0, 0, 1]).all()
-
-
 @given(robots())
 @settings(max_examples=30, deadline=None)
 def test_inertia_from_com_and_rotor_jacobians_is_symmetric_and_positive_definite(robot: RandomRobot) -> None:
@@ -78,44 +131,6 @@ def test_inertia_from_com_and_rotor_jacobians_is_symmetric_and_positive_definite
     translation += np.einsum("k,kai,kaj->ij", oracle.arm.rotor_mass, rotor, rotor)
     rotation = np.linalg.eigvalsh(matrix - translation)  # zero for a slider
     assert rotation.min() > -1e-13 * np.abs(matrix).max()
-
-
-@given(robots())
-@settings(max_examples=30, deadline=None)
-def test_gravity_vector_is_the_gradient_of_potential_energy(robot: RandomRobot) -> None:
-    oracle, (q, *_) = oracle_of(robot), state(robot.n)
-    gradient = central_difference(lambda x: potential_energy(oracle.arm, x), q)
-    assert np.allclose(oracle.evaluate("gravity_vector", q), gradient, atol=1e-6)
-
-
-@given(robots())
-@settings(max_examples=30, deadline=None)
-def test_bdot_minus_2c_is_skew(robot: RandomRobot) -> None:
-    oracle, (q, qd, _) = oracle_of(robot), state(robot.n)
-    change = np.einsum("kij,k->ij", inertia_derivatives(oracle.arm, q), qd)
-    skew = change - 2 * oracle.evaluate("coriolis_matrix", q, qd)
-    assert np.allclose(skew, -skew.T, atol=1e-11 * max(1.0, np.abs(skew).max()))
-
-
-@given(robots())
-@settings(max_examples=30, deadline=None)
-def test_derivatives_of_inertia_are_those_of_differences(robot: RandomRobot) -> None:
-    oracle, (q, *_) = oracle_of(robot), state(robot.n)
-    slope = central_difference(lambda x: oracle.evaluate("inertia_matrix", x), q)
-    exact = np.moveaxis(inertia_derivatives(oracle.arm, q), 0, -1)
-    assert np.allclose(exact, slope, atol=1e-7 * max(1.0, np.abs(exact).max()))
-
-
-@given(robots())
-@settings(max_examples=40, deadline=None)
-def test_newton_euler_is_lagrange(robot: RandomRobot) -> None:
-    oracle, (q, qd, qdd) = oracle_of(robot), state(robot.n)
-    inertial = oracle.evaluate("inertia_matrix", q) @ qdd + oracle.evaluate("coriolis_matrix", q, qd) @ qd
-    friction = oracle.arm.viscous * qd + oracle.arm.coulomb * np.sign(qd)
-    lagrange = inertial + oracle.evaluate("gravity_vector", q) + friction
-    newton = oracle.evaluate("inverse_dynamics", q, qd, qdd)
-    assert np.allclose(newton, lagrange, rtol=1e-11, atol=1e-11 * max(1.0, np.abs(lagrange).max()))
-    assert np.allclose(oracle.evaluate("forward_dynamics", q, qd, newton), qdd, atol=1e-8)
 
 
 @given(robots(max_joints=4))
@@ -136,20 +151,16 @@ def test_energy_changes_by_the_work_of_torques_minus_friction(robot: RandomRobot
         return float(kinetic_energy(arm, position, velocity) + potential_energy(arm, position))
 
     start = np.concatenate([q, qd, [0.0]])
-    end = start
+    end, h = start, 2e-4
     for _ in range(100):
-        end = runge_kutta(rate, end, 2e-4)
+        k1 = rate(end)
+        k2 = rate(end + h / 2 * k1)
+        k3 = rate(end + h / 2 * k2)
+        k4 = rate(end + h * k3)
+        end = end + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     scale = max(1.0, abs(energy(start)), float(kinetic_energy(oracle.arm, q, qd)))
     crossed = (np.sign(start[robot.n : -1]) != np.sign(end[robot.n : -1])) & (oracle.arm.coulomb != 0)
     assert abs(energy(end) - energy(start) - end[-1]) < (1e-3 if crossed.any() else 1e-7) * scale
-
-
-def runge_kutta(rate, x: Array, h: float) -> Array:  # type: ignore[no-untyped-def]
-    k1 = rate(x)
-    k2 = rate(x + h / 2 * k1)
-    k3 = rate(x + h / 2 * k2)
-    k4 = rate(x + h * k3)
-    return np.asarray(x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4))
 
 
 def test_a_hanging_pendulum_needs_torque_against_gravity_when_lifted() -> None:
@@ -184,3 +195,29 @@ links:
     matrix = Oracle.of(Robot.from_text(text)).evaluate("inertia_matrix", [0.3, 0.8])
     wanted = [[100**2 * 0.02 + 0.03, 50 * 0.03], [50 * 0.03, 50**2 * 0.03]]
     assert matrix == pytest.approx(np.array(wanted))
+
+
+@given(robots())
+@settings(max_examples=30, deadline=None)
+def test_accelerations_of_the_last_link_are_second_differences_of_its_frame(robot: RandomRobot) -> None:
+    arm, (q, qd, qdd) = oracle_of(robot).arm, state(robot.n)
+    places = [frames.chain_frames(arm, q + qd * t + 0.5 * qdd * t * t)[-1, :3, 3] for t in (-1e-4, 0.0, 1e-4)]
+    chain = frames.chain_frames(arm, q)
+    axis, _ = frames.joint_axes(arm, chain)
+    last = newton.link_motions(arm, chain, axis, qd, qdd)[-1]
+    measured = (places[0] - 2 * places[1] + places[2]) / 1e-8
+    assert np.allclose(last.acceleration_at(places[1]), measured, rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "planar-2r-perugia"])
+def test_regressors_give_the_torques_and_values_have_the_axes_of_their_definitions(name: str) -> None:
+    robot = Robot.load(name)
+    numbers = {symbol: 0.3 + 0.1 * place for place, symbol in enumerate(free_symbols(robot))}
+    oracle = Oracle.of(robot, numbers, base_set(robot).parameters)
+    q, qd, qdd = np.random.default_rng(4).uniform(-1.0, 1.0, (3, 5, robot.n))
+    assert isinstance(oracle.identification, Identification)
+    base = oracle.evaluate("base_regressor", q, qd, qdd) @ oracle.evaluate("base_parameters")
+    assert np.allclose(base, oracle.evaluate("inverse_dynamics", q, qd, qdd), rtol=1e-9, atol=1e-9)
+    for function in oracle.functions:
+        definition = FUNCTIONS[function]
+        assert oracle.evaluate(function, *(q[0] for _ in definition.arguments)).ndim == definition.axes, function
