@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from derive.checking.latex.typography import blank, without_comments
 from derive.errors import CheckError, Location, near_miss, quoted
 
 KINDS = {".tex": "LaTeX", ".md": "Markdown", ".markdown": "Markdown", ".ipynb": "a notebook", ".txt": "text"}
@@ -71,7 +72,7 @@ class Manuscript:
             text = "".join(c if keep or c == "\n" else " " for c, keep in zip(text, kept, strict=True))
         if section:
             begin, end = self._section(section)
-            text = _blank(text[:begin]) + text[begin:end] + _blank(text[end:])
+            text = blank(text[:begin]) + text[begin:end] + blank(text[end:])
         return replace(self, text=text)
 
     @cached_property
@@ -85,7 +86,11 @@ class Manuscript:
 
     def _section(self, title: str) -> tuple[int, int]:
         """Where a section begins and ends: at the next heading of its level or above."""
-        found = [(m.start(), _level(m), _title(m)) for m in _HEADING.finditer(self.text)]
+        found = []
+        for match in _HEADING.finditer(self.text):
+            level = len(match["marks"]) if match["marks"] else _COMMANDS.index(match["command"])
+            heading = " ".join((match["plain"] if match["marks"] else match["title"]).strip(" #").split())
+            found.append((match.start(), level, heading))
         wanted = " ".join(title.split()).casefold()
         for index, (begin, level, heading) in enumerate(found):
             if wanted in heading.casefold():
@@ -103,14 +108,6 @@ _HEADING = re.compile(
     re.MULTILINE,
 )
 _COMMANDS = ("chapter", "section", "subsection", "subsubsection", "paragraph")
-
-
-def _level(heading: re.Match[str]) -> int:
-    return len(heading["marks"]) if heading["marks"] else _COMMANDS.index(heading["command"])
-
-
-def _title(heading: re.Match[str]) -> str:
-    return " ".join((heading["plain"] if heading["marks"] else heading["title"]).strip(" #").split())
 
 
 def read_document(path: str) -> Manuscript:
@@ -157,7 +154,7 @@ def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
         suffix = suffix or (".tex" if re.search(r"\\(?:documentclass|begin\{document\}|section)", text) else ".md")
     typed, starts = _cells(text, name) if suffix == ".ipynb" else (text, ((0, ""),))
     plain = typed if suffix == ".tex" else _markdown(typed)
-    plain = _balanced(_COMMENT.sub(_kept_or_blank, plain) if suffix == ".tex" else plain)
+    plain = _balanced(without_comments(plain) if suffix == ".tex" else plain)
     plain, origins = expanded(plain)
     return Manuscript(plain, name, origins, starts, typed)
 
@@ -183,21 +180,12 @@ def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
 # -- what is no mathematics
 
 
-_COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
 _CODE = re.compile(
     r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>[A-Za-z]*)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
     r"|<!--.*?-->|\$`(?P<math>[^`\n]+)`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
     r"|<(?:br|/?(?:p|div|span|center|sup|sub|b|i|em|strong|table|tr|td|th|img|a|h[1-6]|li|ul|ol))\b[^<>\n]*>",
     re.DOTALL | re.MULTILINE | re.IGNORECASE,
 )
-
-
-def _blank(text: str) -> str:
-    return re.sub(r"[^\n]", " ", text)
-
-
-def _kept_or_blank(match: re.Match[str]) -> str:
-    return match[0] if match[0].startswith("\\") else _blank(match[0])
 
 
 def _markdown(text: str) -> str:
@@ -209,7 +197,7 @@ def _markdown(text: str) -> str:
         if (match["language"] or "").casefold() == "math":
             begin, end = match.start("body") - match.start(), match.end("body") - match.start()
             return _marked(match[0][:begin]) + match["body"] + _marked(match[0][end:])
-        return _blank(match[0])
+        return blank(match[0])
 
     text = _CODE.sub(without_code, text)
     return re.sub(r"\\\\(?=[\[\]()](?!\s*-?[0-9.]+\s*(?:pt|em|ex|mm|cm)\s*\]))", " \\\\", text)
@@ -217,9 +205,9 @@ def _markdown(text: str) -> str:
 
 def _marked(text: str) -> str:
     """``$$`` in place of a line."""
-    blank = _blank(text)
+    blanks = blank(text)
     at = len(text) - len(text.lstrip("\n"))
-    return blank[:at] + "$$" + blank[at + 2 :]
+    return blanks[:at] + "$$" + blanks[at + 2 :]
 
 
 _DOLLAR = re.compile(r"(?<!\\)\$\$?")
@@ -282,7 +270,7 @@ def expanded(text: str) -> tuple[str, Sequence[int]]:
         end = closing_brace(letters, match.end())
         body = letters[match.end() + 1 : end]
         macros |= _defined(match, body)
-        letters = letters[: match.start()] + _blank(letters[match.start() : end + 1]) + letters[end + 1 :]
+        letters = letters[: match.start()] + blank(letters[match.start() : end + 1]) + letters[end + 1 :]
         position = end
     if not macros:
         return letters, range(len(letters))

@@ -40,7 +40,7 @@ class Points(Enum):
     JOINT = "the joints where links begin"
 
 
-class Group(Enum):
+class NameKind(Enum):
     """What is settled for itself, one after the other."""
 
     PLACE = "positions"
@@ -58,9 +58,9 @@ class PoseReading:
     usual: bool  # whether it is the pose of the end effector in the base
     points: Points = Points.END  # what points with the number of a link are
 
-    def shown(self, group: Group) -> str:
+    def shown(self, kind: NameKind) -> str:
         """The reading of one kind of names in words."""
-        if group is Group.POINT:
+        if kind is NameKind.POINT:
             return f"points are read as {self.points.value}"
         return f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
 
@@ -99,12 +99,10 @@ class Poses:
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
         pose = self._names
-        known = name in pose.entries or name in pose.wrist or name.removesuffix("'") in self._points
-        return Name(MARK + name) if known else self._angle(name)
-
-    def _angle(self, name: str) -> Expression | None:
-        """The orientation of a planar arm, the angle in the first entry of its rotation."""
-        meaning = self._names.angles.get(name)
+        if name in pose.entries or name in pose.wrist or self.is_point(name):
+            return Name(MARK + name)
+        # the orientation of a planar arm is the angle in the first entry of its rotation
+        meaning = pose.angles.get(name)
         first = expression_from_sympy(self._model.quantity("T")[0, 0])
         if meaning is None or not (isinstance(first, Call) and first.function == "cos"):
             return None
@@ -114,14 +112,14 @@ class Poses:
         """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain."""
         findings: dict[int, Finding | None] = {}
         chosen = self.readings[0]
-        for group in Group:
+        for group in NameKind:
             own = {i: claim for i, claim in enumerate(claims) if self._group(claim) is group}
             if not own:
                 continue
             # positions say which origin is meant, then rotations which frame they are seen from
             readings = (
-                [r for r in self.readings if group is Group.TURN or not r.reference]
-                if group is not Group.POINT
+                [r for r in self.readings if group is NameKind.TURN or not r.reference]
+                if group is not NameKind.POINT
                 else [replace(chosen, values={**chosen.values, **self._values(kind)}, points=kind) for kind in Points]
             )
             found = [(r, [claim.read(self._model.robot, r.values) for claim in own.values()]) for r in readings]
@@ -131,48 +129,46 @@ class Poses:
                 told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
             # what no reading explains is wrong only where others of its kind say which one is meant
             is_certain = (right >= CERTAIN and 2 * right >= len(verdicts)) or (
-                known and group is Group.PLACE and chosen.usual
+                known and group is NameKind.PLACE and chosen.usual
             )
             for (i, claim), finding in zip(own.items(), verdicts, strict=True):
                 # labels of branches, and names with two meanings, may explain what is wrong
-                may_differ = claim.is_branch or (claim.is_open and group is not Group.POINT)
+                may_differ = claim.is_branch or (claim.is_open and group is not NameKind.POINT)
                 findings[i] = finding if finding.verdict.equal or (is_certain and not may_differ) else None
         return [findings[i] for i in range(len(claims))]
 
-    def _group(self, claim: Claim) -> Group:
+    def _group(self, claim: Claim) -> NameKind:
         """What the names in a claim say: a point of a link, a rotation, or a position."""
         known = names_of_pose(claim.first, claim.other)
         if any(map(self.is_point, known)):
-            return Group.POINT
+            return NameKind.POINT
         is_turn = any(self._names.entries.get(name, (0, 4))[1] < 4 for name in known)
-        return Group.TURN if is_turn else Group.PLACE
+        return NameKind.TURN if is_turn else NameKind.PLACE
 
     @cached_property
     def readings(self) -> tuple[PoseReading, ...]:
         """The readings that are tried, the usual one first."""
-        n = self._model.n
-        origins = {k: self._model.quantity(f"T[0,{k}]")[:3, 3] for k in range(n - 1, max(n - 1 - WRIST, 0), -1)}
-        whole = self._model.quantity("T")
+        n, quantity = self._model.n, self._model.quantity
+        origins = {k: quantity(f"T[0,{k}]")[:3, 3] for k in range(n - 1, max(n - 1 - WRIST, 0), -1)}
+        whole = quantity("T")
         distinct = [k for k, p in origins.items() if p != whole[:3, 3] and p != origins.get(k + 1)]
         places = [(n, 0), *((k, 0) for k in distinct)]
         # rotations of a wrist of three joints, or of what follows the three joints of the arm
         places += [
             (k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) for k, _ in places[: len(places)] if 0 < frame < n
         ]
-        return tuple(self._reading(position, reference) for position, reference in places)
-
-    def _reading(self, position: int, reference: int) -> PoseReading:
-        n, quantity = self._model.n, self._model.quantity
-        place = quantity("T") if position == n else quantity(f"T[0,{position}]")
-        turn = quantity(f"T[{reference},{n}]") if reference else quantity("T")
         wrist = quantity(f"T[0,{max(n - 2, 1)}]")  # the origin of the last frame but two is that of a wrist
-        entries = {
-            name: (place if column == 4 else turn)[row - 1, column - 1]
-            for name, (row, column) in self._names.entries.items()
-        }
-        entries |= {name: wrist[k, 3] for name, k in self._names.wrist.items()}
-        values = _placed(entries) | self._values(Points.END)
-        return PoseReading(position, reference, values, position == n and not reference)
+        same = _placed({name: wrist[k, 3] for name, k in self._names.wrist.items()}) | self._values(Points.END)
+        readings = []
+        for position, reference in places:
+            place = quantity(f"T[0,{position}]") if position < n else whole
+            turn = quantity(f"T[{reference},{n}]") if reference else whole
+            entries = {
+                name: (place if column == 4 else turn)[row - 1, column - 1]
+                for name, (row, column) in self._names.entries.items()
+            }
+            readings.append(PoseReading(position, reference, _placed(entries) | same, position == n and not reference))
+        return tuple(readings)
 
     def is_point(self, name: str) -> bool:
         """Whether a name is that of a coordinate of a point of a link, its velocity or its speed."""
