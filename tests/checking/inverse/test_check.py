@@ -47,12 +47,6 @@ def change(findings: tuple[Finding, ...]) -> str:
     return verdict.repair.text
 
 
-def assert_right(text: str, robot: str = "planar-2r-perugia", *, latex: bool = False) -> None:
-    found = checked(robot, text, latex=latex)
-    assert all(finding.verdict.equal for finding in found)
-    assert found[-1].text == "all 2 solutions"
-
-
 def test_all_branches_are_right_and_in_our_form() -> None:
     found = checked("planar-2r-perugia", PLANAR)
     assert outcomes(found) == {"q2": Outcome.SAME_FORM, "q1": Outcome.SAME_FORM, "inverse": Outcome.EQUAL}
