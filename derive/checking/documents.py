@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -269,21 +269,18 @@ def expanded(text: str) -> tuple[str, Sequence[int]]:
     while match := _DEFINITION.search(letters, position):
         end = closing_brace(letters, match.end())
         body = letters[match.end() + 1 : end]
-        macros |= _defined(match, body)
+        if match["operator"]:
+            macros[match["operator"]] = Macro(0, None, f"\\operatorname{{{body}}}")
+        elif match["def"]:
+            macros[match["def"]] = Macro(len(match["arguments"]) // 2, None, body)
+        else:
+            name, count = match["braced"] or match["bare"] or match["provided"], match["count"] or match["number"]
+            macros[name] = Macro(int(count or 0), match["default"], body)
         letters = letters[: match.start()] + blank(letters[match.start() : end + 1]) + letters[end + 1 :]
         position = end
     if not macros:
         return letters, range(len(letters))
-    return _Expansion(macros).of(letters)
-
-
-def _defined(match: re.Match[str], body: str) -> Mapping[str, Macro]:
-    if match["operator"]:
-        return {match["operator"]: Macro(0, None, f"\\operatorname{{{body}}}")}
-    if match["def"]:
-        return {match["def"]: Macro(len(match["arguments"]) // 2, None, body)}
-    name = match["braced"] or match["bare"] or match["provided"]
-    return {name: Macro(int(match["count"] or match["number"] or 0), match["default"], body)}
+    return _Expansion(macros).written(letters, list(range(len(letters))))
 
 
 class _Expansion:
@@ -292,14 +289,12 @@ class _Expansion:
     def __init__(self, macros: Mapping[str, Macro]) -> None:
         self._macros, self._left, self._room = macros, MAX_EXPANSIONS, MAX_GROWTH
 
-    def of(self, text: str) -> tuple[str, list[int]]:
-        return self._written(text, list(range(len(text))), 0)
-
-    def _written(self, text: str, origins: list[int], depth: int) -> tuple[str, list[int]]:
+    def written(self, text: str, origins: list[int], depth: int = 0) -> tuple[str, list[int]]:
+        """The text written out, and the place in the file of each of its characters, as they are given for the text."""
         pieces, places, last = [], [], 0
-        for match in self._calls(text):
+        for match in _CALL.finditer(text):
             begin, name = match.start(), match[1]
-            if begin < last:
+            if name not in self._macros or begin < last:
                 continue  # inside an argument, which is written out with its macro
             found = self._arguments(self._macros[name], text, match.end())
             if found is None or depth >= MAX_DEPTH or self._left <= 0 or self._room <= 0:
@@ -308,16 +303,13 @@ class _Expansion:
             self._left -= 1
             body, inner = self._filled(self._macros[name], text, origins, spans, origins[begin])
             self._room -= len(body)
-            body, inner = self._written(body, inner, depth + 1)
+            body, inner = self.written(body, inner, depth + 1)
             # a letter behind the call must not lengthen the name of a macro that ends the text written out
             gap = " " if re.search(r"\\[A-Za-z]+$", body) and text[end : end + 1].isalpha() else ""
             pieces += [text[last:begin], body, gap]
             places += [*origins[last:begin], *inner, *([origins[begin]] if gap else [])]
             last = end
         return "".join([*pieces, text[last:]]), [*places, *origins[last:]]
-
-    def _calls(self, text: str) -> Iterator[re.Match[str]]:
-        return (match for match in _CALL.finditer(text) if match[1] in self._macros)
 
     def _arguments(self, macro: Macro, text: str, end: int) -> tuple[list[tuple[int, int] | None], int] | None:
         """Where the arguments of a call stand, and where it ends; None where they are not all there."""

@@ -22,11 +22,21 @@ LONGEST = 4_000  # characters of a formula that is rendered; longer ones are not
 
 def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
     """One HTML file that needs no network: the verdicts for each robot."""
-    sections = [
-        section
-        for number, (printout, robot) in enumerate(zip(printouts, robots, strict=True))
-        for section in _sections(printout, robot, number if len(robots) > 1 else None)
-    ]
+    sections: list[Section] = []
+    for number, (printout, robot) in enumerate(zip(printouts, robots, strict=True)):
+        report = printout.report
+        ending, title = (f"-{number}", f"{robot.name}: ") if len(robots) > 1 else ("", "")
+        right = [
+            (_code(f.location), _code(what(f)), judge(f).outcome.value) for f in report.findings if f.verdict.equal
+        ]
+        readings = tuple(Paragraph(_code(reading)) for reading in report.readings)
+        unread = _table(("reason", "places"), _unread(report.unread))
+        sections += (
+            Section(f"reading{ending}", f"{title}How it is read", readings),
+            Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot))),
+            Section(f"unread{ending}", f"{title}Not compared", unread),
+            Section(f"right{ending}", f"{title}Right", _table(("place", "formula", "verdict"), right)),
+        )
     counts = (summary(replace(printout.report, unread=())) for printout in printouts)
     document = Document(
         title=printouts[0].report.source.removesuffix(f" ({robots[0].name})"),
@@ -39,18 +49,6 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
         sections=tuple(section for section in sections if section.blocks),
     )
     return page(document, Text())
-
-
-def _sections(printout: Printout, robot: Robot, number: int | None) -> Iterator[Section]:
-    report, ending, title = printout.report, "", ""
-    if number is not None:
-        ending, title = f"-{number}", f"{robot.name}: "
-    right = [(_code(f.location), _code(what(f)), judge(f).outcome.value) for f in report.findings if f.verdict.equal]
-    readings = tuple(Paragraph(_code(reading)) for reading in report.readings)
-    yield Section(f"reading{ending}", f"{title}How it is read", readings)
-    yield Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot)))
-    yield Section(f"unread{ending}", f"{title}Not compared", _table(("reason", "places"), _unread(report.unread)))
-    yield Section(f"right{ending}", f"{title}Right", _table(("place", "formula", "verdict"), right))
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> tuple[Table, ...]:

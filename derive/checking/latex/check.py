@@ -27,7 +27,7 @@ from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Claim, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import chained, factors, other_factorisation
+from derive.checking.latex.whole import chained, factors, frames_of, other_factorisation
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
@@ -222,7 +222,9 @@ class _Check(Comparing):
         named = [side for side in sides if side.targets and (side.value is None or (side is first and others))]
         named = [side for side in named if side.left is not None and side.left.head not in ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
-        chains = [side for side in others if side.frames and self._leads_there(side, named)]
+        # products of transforms that lead from the one to the other frame of what is named
+        frames = {frames_of(target, self.robot.n) for side in named for target in side.targets}
+        chains = [side for side in others if side.frames and side.frames in frames]
         for side in chains if not said else ():
             text, where = self._typed(side.piece), self.plain.location(side.piece.start)
             quantity = named[0].targets[0].quantity

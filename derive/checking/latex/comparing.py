@@ -23,7 +23,7 @@ from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Claim, Poses, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target
-from derive.checking.latex.whole import frames_of, one_cause
+from derive.checking.latex.whole import one_cause
 from derive.errors import CheckError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -231,10 +231,6 @@ class Comparing:
                     return
         what = f"which points {', '.join(sorted(known))} mean is not certain"
         raise CheckError(what, location=self.plain.location(offset))
-
-    def _leads_there(self, side: Side, named: list[Side]) -> bool:
-        """Whether a product of transforms leads from the one to the other frame of what is named."""
-        return any(side.frames == frames_of(t, self.robot.n) for name in named for t in name.targets)
 
     def _exchanged(self, name: Side, table: Table) -> Right | None:
         """What a matrix is that is right with the two frames of its left side exchanged."""
