@@ -9,11 +9,12 @@ from __future__ import annotations
 import json
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from derive.checking.latex.typography import blank, without_comments
 from derive.checking.spelling import from_plain_text, spelled
 from derive.errors import CheckError, Location, near_miss, quoted
 
@@ -72,7 +73,7 @@ class Manuscript:
             text = "".join(c if keep or c == "\n" else " " for c, keep in zip(text, kept, strict=True))
         if section:
             begin, end = self._section(section)
-            text = _blank(text[:begin]) + text[begin:end] + _blank(text[end:])
+            text = blank(text[:begin]) + text[begin:end] + blank(text[end:])
         return replace(self, text=text)
 
     @cached_property
@@ -86,7 +87,11 @@ class Manuscript:
 
     def _section(self, title: str) -> tuple[int, int]:
         """Where a section begins and ends: at the next heading of its level or above."""
-        found = [(m.start(), _level(m), _title(m)) for m in _HEADING.finditer(self.text)]
+        found = []
+        for match in _HEADING.finditer(self.text):
+            level = len(match["marks"]) if match["marks"] else _COMMANDS.index(match["command"])
+            heading = " ".join((match["plain"] if match["marks"] else match["title"]).strip(" #").split())
+            found.append((match.start(), level, heading))
         wanted = " ".join(title.split()).casefold()
         for index, (begin, level, heading) in enumerate(found):
             if wanted in heading.casefold():
@@ -104,14 +109,6 @@ _HEADING = re.compile(
     re.MULTILINE,
 )
 _COMMANDS = ("chapter", "section", "subsection", "subsubsection", "paragraph")
-
-
-def _level(heading: re.Match[str]) -> int:
-    return len(heading["marks"]) if heading["marks"] else _COMMANDS.index(heading["command"])
-
-
-def _title(heading: re.Match[str]) -> str:
-    return " ".join((heading["plain"] if heading["marks"] else heading["title"]).strip(" #").split())
 
 
 def read_document(path: str) -> Manuscript:
@@ -157,8 +154,8 @@ def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
         suffix = ".ipynb" if text.lstrip().startswith("{") and '"cells"' in text else ""
         suffix = suffix or (".tex" if re.search(r"\\(?:documentclass|begin\{document\}|section)", text) else ".md")
     typed, starts = _cells(text, name) if suffix == ".ipynb" else (text, ((0, ""),))
-    plain = _COMMENT.sub(_kept_or_blank, typed) if suffix == ".tex" else _markdown(typed)
-    plain = _UNREAD.sub(lambda match: _blank(match[0]), plain)
+    plain = without_comments(typed) if suffix == ".tex" else _markdown(typed)
+    plain = _UNREAD.sub(lambda match: blank(match[0]), plain)
     origins: Sequence[int] = range(len(plain))
     for step in (from_plain_text, lambda written: (_balanced(written), range(len(written))), expanded, spelled):
         plain, places = step(plain)
@@ -187,7 +184,6 @@ def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
 # -- what is no mathematics
 
 
-_COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
 _CODE = re.compile(
     r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>\{?[A-Za-z-]*\}?)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
     r"|<!--.*?-->|\$`(?P<math>[^`\n]+)`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
@@ -205,14 +201,6 @@ _DISPLAYED = re.compile(r"\$|\\\[|\\\(|\\begin\{(?:equation|align|gather|display
 _OPTION = re.compile(r"^:[a-z-]+:[^\n]*$", re.MULTILINE)
 
 
-def _blank(text: str) -> str:
-    return re.sub(r"[^\n]", " ", text)
-
-
-def _kept_or_blank(match: re.Match[str]) -> str:
-    return match[0] if match[0].startswith("\\") else _blank(match[0])
-
-
 def _markdown(text: str) -> str:
     r"""Markdown with blanks for code and HTML; ``\\(`` and ``\\[`` are how it writes ``\(`` and ``\[``."""
 
@@ -222,13 +210,13 @@ def _markdown(text: str) -> str:
         language = (match["language"] or "").casefold()
         begin, end = match.start("body") - match.start(), match.end("body") - match.start()
         if language.strip("{}") == "math" or (language in ("latex", "tex") and not _DISPLAYED.search(match["body"])):
-            body = _OPTION.sub(lambda option: _blank(option[0]), match["body"])
+            body = _OPTION.sub(lambda option: blank(option[0]), match["body"])
             return _marked(match[0][:begin]) + body + _marked(match[0][end:])
         if language in ("latex", "tex") or (
             language.startswith("{") and not language.startswith(_OF_CODE)
         ):  # a box of prose, as MyST has them
-            return _blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + _blank(match[0][end:])
-        return _blank(match[0])
+            return blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + blank(match[0][end:])
+        return blank(match[0])
 
     text = _CODE.sub(without_code, text)
     doubled = len(re.findall(r"(?<!\\)\\\\[A-Za-z]{2}", text))
@@ -239,9 +227,9 @@ def _markdown(text: str) -> str:
 
 def _marked(text: str) -> str:
     """``$$`` in place of a line."""
-    blank = _blank(text)
+    blanks = blank(text)
     at = len(text) - len(text.lstrip("\n"))
-    return blank[:at] + "$$" + blank[at + 2 :]
+    return blanks[:at] + "$$" + blanks[at + 2 :]
 
 
 _DOLLAR = re.compile(r"(?<!\\)\$\$?")
@@ -303,21 +291,18 @@ def expanded(text: str) -> tuple[str, Sequence[int]]:
     while match := _DEFINITION.search(letters, position):
         end = closing_brace(letters, match.end())
         body = letters[match.end() + 1 : end]
-        macros |= _defined(match, body)
-        letters = letters[: match.start()] + _blank(letters[match.start() : end + 1]) + letters[end + 1 :]
+        if match["operator"]:
+            macros[match["operator"]] = Macro(0, None, f"\\operatorname{{{body}}}")
+        elif match["def"]:
+            macros[match["def"]] = Macro(len(match["arguments"]) // 2, None, body)
+        else:
+            name, count = match["braced"] or match["bare"] or match["provided"], match["count"] or match["number"]
+            macros[name] = Macro(int(count or 0), match["default"], body)
+        letters = letters[: match.start()] + blank(letters[match.start() : end + 1]) + letters[end + 1 :]
         position = end
     if not macros:
         return letters, range(len(letters))
-    return _Expansion(macros).of(letters)
-
-
-def _defined(match: re.Match[str], body: str) -> Mapping[str, Macro]:
-    if match["operator"]:
-        return {match["operator"]: Macro(0, None, f"\\operatorname{{{body}}}")}
-    if match["def"]:
-        return {match["def"]: Macro(len(match["arguments"]) // 2, None, body)}
-    name = match["braced"] or match["bare"] or match["provided"]
-    return {name: Macro(int(match["count"] or match["number"] or 0), match["default"], body)}
+    return _Expansion(macros).written(letters, list(range(len(letters))))
 
 
 class _Expansion:
@@ -326,14 +311,12 @@ class _Expansion:
     def __init__(self, macros: Mapping[str, Macro]) -> None:
         self._macros, self._left, self._room = macros, MAX_EXPANSIONS, MAX_GROWTH
 
-    def of(self, text: str) -> tuple[str, list[int]]:
-        return self._written(text, list(range(len(text))), 0)
-
-    def _written(self, text: str, origins: list[int], depth: int) -> tuple[str, list[int]]:
+    def written(self, text: str, origins: list[int], depth: int = 0) -> tuple[str, list[int]]:
+        """The text written out, and the place in the file of each of its characters, as they are given for the text."""
         pieces, places, last = [], [], 0
-        for match in self._calls(text):
+        for match in _CALL.finditer(text):
             begin, name = match.start(), match[1]
-            if begin < last:
+            if name not in self._macros or begin < last:
                 continue  # inside an argument, which is written out with its macro
             found = self._arguments(self._macros[name], text, match.end())
             if found is None or depth >= MAX_DEPTH or self._left <= 0 or self._room <= 0:
@@ -342,16 +325,13 @@ class _Expansion:
             self._left -= 1
             body, inner = self._filled(self._macros[name], text, origins, spans, origins[begin])
             self._room -= len(body)
-            body, inner = self._written(body, inner, depth + 1)
+            body, inner = self.written(body, inner, depth + 1)
             # a letter behind the call must not lengthen the name of a macro that ends the text written out
             gap = " " if re.search(r"\\[A-Za-z]+$", body) and text[end : end + 1].isalpha() else ""
             pieces += [text[last:begin], body, gap]
             places += [*origins[last:begin], *inner, *([origins[begin]] if gap else [])]
             last = end
         return "".join([*pieces, text[last:]]), [*places, *origins[last:]]
-
-    def _calls(self, text: str) -> Iterator[re.Match[str]]:
-        return (match for match in _CALL.finditer(text) if match[1] in self._macros)
 
     def _arguments(self, macro: Macro, text: str, end: int) -> tuple[list[tuple[int, int] | None], int] | None:
         """Where the arguments of a call stand, and where it ends; None where they are not all there."""

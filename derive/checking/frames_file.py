@@ -41,11 +41,7 @@ _FIRST_ROW = {"x": 1, "y": 2, "z": 0}
 
 
 def rotation(axis: str, angle: Expr) -> Matrix:
-    """Rot(axis, angle), 4x4: the turn about a coordinate axis, counter-clockwise seen from its tip.
-
-    Args:
-        angle: Expr [rad], a number or a SymPy expression.
-    """
+    """Rot(axis, angle), 4x4: the turn by an angle [rad] about an axis, counter-clockwise seen from its tip."""
     if axis not in _FIRST_ROW:
         raise ExpressionError(f"axis {axis!r}", allowed="allowed: x, y or z")
     turn = _scalar(angle)
@@ -59,22 +55,14 @@ def rotation(axis: str, angle: Expr) -> Matrix:
 
 
 def translation(x: Expr, y: Expr, z: Expr) -> Matrix:
-    """Trans(x, y, z), 4x4.
-
-    Args:
-        x: Displacement along x [m], a number or a SymPy expression.
-    """
+    """Trans(x, y, z), 4x4, of displacements [m]."""
     matrix = sympy.eye(4)
     matrix[:3, 3] = sympy.Matrix([_scalar(x), _scalar(y), _scalar(z)])
     return sympy.ImmutableMatrix(matrix)
 
 
 def point(x: Expr, y: Expr, z: Expr) -> Matrix:
-    """The homogeneous coordinates (x, y, z, 1) of a point, 4x1.
-
-    Args:
-        x: Coordinate [m], a number or a SymPy expression.
-    """
+    """The homogeneous coordinates (x, y, z, 1) of a point [m], 4x1."""
     return translation(x, y, z)[:, 3]
 
 

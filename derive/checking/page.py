@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby
 
 from derive import version
-from derive.checking.formulas.findings import FileReport, Finding, Judgement, judge
+from derive.checking.formulas.findings import judge
 from derive.checking.report import Printout, difference_text, numbers, summary, what
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import LatexPrinter
@@ -22,11 +22,21 @@ LONGEST = 4_000  # characters of a formula that is rendered; longer ones are not
 
 def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
     """One HTML file that needs no network: the verdicts for each robot."""
-    sections = [
-        section
-        for number, (printout, robot) in enumerate(zip(printouts, robots, strict=True))
-        for section in _sections(printout, robot, number if len(robots) > 1 else None)
-    ]
+    sections: list[Section] = []
+    for number, (printout, robot) in enumerate(zip(printouts, robots, strict=True)):
+        report = printout.report
+        ending, title = (f"-{number}", f"{robot.name}: ") if len(robots) > 1 else ("", "")
+        right = [
+            (_code(f.location), _code(what(f)), judge(f).outcome.value) for f in report.findings if f.verdict.equal
+        ]
+        readings = tuple(Paragraph(_code(reading)) for reading in report.readings)
+        unread = _table(("reason", "places"), _unread(report.unread))
+        sections += (
+            Section(f"reading{ending}", f"{title}How it is read", readings),
+            Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot))),
+            Section(f"unread{ending}", f"{title}Not compared", unread),
+            Section(f"right{ending}", f"{title}Right", _table(("place", "formula", "verdict"), right)),
+        )
     counts = (summary(replace(printout.report, unread=())) for printout in printouts)
     document = Document(
         title=printouts[0].report.source.removesuffix(f" ({robots[0].name})"),
@@ -41,18 +51,10 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
     return page(document, Text())
 
 
-def _sections(printout: Printout, robot: Robot, number: int | None) -> Iterator[Section]:
-    report, ending, title = printout.report, "", ""
-    if number is not None:
-        ending, title = f"-{number}", f"{robot.name}: "
-    yield Section(f"reading{ending}", f"{title}How it is read", tuple(_reading(report)))
-    yield Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot)))
-    yield Section(f"unread{ending}", f"{title}Not compared", tuple(_unread(report.unread)))
-    yield Section(f"right{ending}", f"{title}Right", tuple(_right(report)))
-
-
-def _reading(report: FileReport) -> Iterator[Block]:
-    yield from (Paragraph(_code(reading)) for reading in report.readings)
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> tuple[Table, ...]:
+    """A table, where it has rows."""
+    found = tuple(rows)
+    return (Table(head, found),) if found else ()
 
 
 def _slips(printout: Printout, robot: Robot) -> Iterator[Block]:
@@ -66,35 +68,24 @@ def _slips(printout: Printout, robot: Robot) -> Iterator[Block]:
         for finding in findings:
             if not cause:
                 yield Paragraph(f"{_code(finding.location)} {_code(what(finding))}")
-            yield from _slip(finding, judge(finding), printout, printer)
+            verdict = judge(finding)
+            right = "" if isinstance(finding.right, str) else printer.latex(finding.right)
+            lines = [rf"{MARKED}{{$\displaystyle {finding.text}$}}"] if len(finding.text) <= LONGEST else []
+            lines += [rf"\text{{right:}}\quad {right}"] if right and len(right) <= LONGEST else []
+            yield Rows(tuple(lines))
+            if verdict.repair is not None:
+                yield Paragraph(f"Change: {_code(verdict.repair.text)}")
+            elif terms := difference_text(verdict, printout.printer):
+                yield Paragraph(f"Printed minus right: {_code(terms)}")
+            if finding.verdict.counter_example is not None:
+                yield Paragraph(_code(numbers(finding.verdict.counter_example)))
 
 
-def _slip(finding: Finding, verdict: Judgement, printout: Printout, printer: LatexPrinter) -> Iterator[Block]:
-    right = "" if isinstance(finding.right, str) else printer.latex(finding.right)
-    lines = [rf"{MARKED}{{$\displaystyle {finding.text}$}}"] if len(finding.text) <= LONGEST else []
-    lines += [rf"\text{{right:}}\quad {right}"] if right and len(right) <= LONGEST else []
-    yield Rows(tuple(lines))
-    if verdict.repair is not None:
-        yield Paragraph(f"Change: {_code(verdict.repair.text)}")
-    elif terms := difference_text(verdict, printout.printer):
-        yield Paragraph(f"Printed minus right: {_code(terms)}")
-    if finding.verdict.counter_example is not None:
-        yield Paragraph(_code(numbers(finding.verdict.counter_example)))
-
-
-def _unread(unread: Sequence[str]) -> Iterator[Block]:
+def _unread(unread: Sequence[str]) -> Iterator[tuple[str, str]]:
     """What was not compared, by its reason."""
     pairs = sorted((reason, place) for place, _, reason in (note.partition(": ") for note in unread))
-    grouped = ((reason, [place for _, place in group]) for reason, group in groupby(pairs, key=lambda pair: pair[0]))
-    rows = tuple((_code(reason), ", ".join(map(_code, places))) for reason, places in grouped)
-    if rows:
-        yield Table(("reason", "places"), rows)
-
-
-def _right(report: FileReport) -> Iterator[Block]:
-    rows = [(_code(f.location), _code(what(f)), judge(f).outcome.value) for f in report.findings if f.verdict.equal]
-    if rows:
-        yield Table(("place", "formula", "verdict"), tuple(rows))
+    for reason, group in groupby(pairs, key=lambda pair: pair[0]):
+        yield _code(reason), ", ".join(_code(place) for _, place in group)
 
 
 def _code(text: object) -> str:

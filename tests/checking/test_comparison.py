@@ -25,8 +25,6 @@ from derive.robot.robot import Robot
 from tests.checking.test_files import ARM
 from tests.lectures.results import corpus_file
 
-P = 'p, entries: {"1": "a1*c1 + a2*c12"}'
-
 
 def report(tail: str) -> FileReport:
     return check_file(corpus_from_bytes((ARM + tail).encode(), "notes.yaml"))

@@ -16,7 +16,6 @@ from derive.checking.formulas.findings import FileReport, Finding, Role, judge
 from derive.checking.formulas.printed import CorpusFile
 from derive.checking.formulas.vector_formula import read_vector, value_of
 from derive.checking.frames_file import compose, point, rotation, translation
-from derive.checking.inverse.block import POSE_NAMES
 from derive.checking.methods_file import ARMS, SETS, cases
 from derive.errors import CheckError, DeriveError, ExpressionError, Location
 from derive.model.model import Model
@@ -179,6 +178,7 @@ def test_the_change_that_repairs_an_equation_is_named(tmp_path: Path, printed: s
         ("m*", "vector equation"),
         ("__import__(w)", "vector equation"),
         ("cross(w)", "vector equation"),
+        ("w & p", "vector equation"),
         ("(" * 300 + "w", "vector equation"),
         ("+".join(["w"] * 300), "too long"),
     ],
@@ -313,9 +313,3 @@ def test_a_printed_plus_minus_is_the_sign_of_the_unknown_and_a_name_that_is_no_e
     assert found.verdict.equal
     (found,) = findings('unknown: q2, value: q2, printed: "oo + ox"')
     assert found.unknown is not None
-
-
-def test_a_block_without_formulas_is_refused() -> None:
-    assert len(POSE_NAMES) == 13
-    with pytest.raises(CheckError, match="either 'lines', 'latex' or 'formulas'"):
-        corpus_from_bytes((SOLVED.rsplit("  formulas", 1)[0] + "  note: none\n").encode(), "notes.yaml")

@@ -12,7 +12,10 @@ from derive.checking.formulas.findings import FileReport, Outcome, judge
 from derive.errors import CheckError
 from derive.robot.robot import Robot
 
-FILE = yaml.safe_load((Path(__file__).parent / "pages.yaml").read_text(encoding="utf-8"))
+FOLDER = Path(__file__).parent
+FILE = yaml.safe_load((FOLDER / "pages.yaml").read_text(encoding="utf-8"))
+FILES = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(FOLDER.glob("published/*.yaml"))]
+PUBLISHED = [(file, page) for file in FILES for page in file["pages"]]
 ANT = Robot.from_text(FILE["robots"]["min-ant"])
 
 
@@ -21,12 +24,23 @@ def checked(robot: Robot, text: str, kind: str = ".md") -> FileReport:
     return formula_printout(robot, "", formula, latex=True).report
 
 
+def assert_true(file: dict[str, Any], page: dict[str, Any]) -> None:
+    text = file["robots"].get(page["robot"])
+    robot = Robot.from_text(text) if text else Robot.load(page["robot"])
+    report = checked(robot, page["text"], page.get("kind", ".md"))
+    assert [finding.entry for finding in report.wrong] == page["wrong"]
+    assert (report.equal, len(report.unread)) == (page["equal"], page["unread"]), report.unread
+
+
 @pytest.mark.parametrize("page", FILE["pages"], ids=lambda page: page["id"])
 def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
-    text = FILE["robots"].get(page["robot"])
-    report = checked(Robot.from_text(text) if text else Robot.load(page["robot"]), page["text"], page["kind"])
-    assert [finding.entry for finding in report.wrong] == page["wrong"]
-    assert (report.equal, len(report.unread)) == (page["equal"], page["unread"])
+    assert_true(FILE, page)
+
+
+@pytest.mark.first(40)
+@pytest.mark.parametrize(("file", "page"), PUBLISHED, ids=[page["id"] for _, page in PUBLISHED])
+def test_a_page_that_other_people_published_gets_them_too(file: dict[str, Any], page: dict[str, Any]) -> None:
+    assert_true(file, page)
 
 
 def test_a_solution_with_one_sign_is_right_for_some_branches() -> None:

@@ -275,8 +275,7 @@ class _InverseCheck:
         text = shown(changes_text(repair.edits, robot))
         whole = shown(notation_text(repair.expression, robot))
         said = Repair(tuple(edit.kind for edit in repair.edits), text, Name(whole))
-        ours = self._ours.text(line) if line.target is not None else ""
-        right = ours or whole
+        right = (self._ours.text(line) if line.target is not None else "") or whole
         return self._finding(line.quantity, repair.formula, verdict, right=right, repair=said)
 
     def _repair(
@@ -381,7 +380,12 @@ class _InverseCheck:
                 slides = listed(joint.variable for joint in robot.joints if not joint.is_revolute)
                 what = f"all solutions with positive {slides}"
         else:
-            met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], self._is_met_or_twin)
+            has_twins = self._places[0].twin is not None
+
+            def is_met(place: Place) -> bool:  # a configuration that is none of those that are tried, or its twin
+                return self._printed.met(replace(place, twin=self._printed.second(place)) if has_twins else place)
+
+            met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], is_met)
             what = f"{met} of {ours.count} solutions" if met else "some solutions"
         needed = {part for line in self._printed.given for part in self._printed.named_before(line)}
         pose = self._vocabulary.pose.entries
@@ -390,11 +394,6 @@ class _InverseCheck:
         text, where = f"{what}{of}{unused}{self._note}", self._asked.location
         verdict = RIGHT if is_whole else WRONG
         return Finding("inverse", 0, 0, Role.BRANCHES, text, verdict, "", where, some=not is_whole, missing=missing)
-
-    def _is_met_or_twin(self, place: Place) -> bool:
-        """Whether a configuration that is none of those that are tried is given."""
-        has_twins = self._places[0].twin is not None
-        return self._printed.met(replace(place, twin=self._printed.second(place)) if has_twins else place)
 
 
 def shown(text: str) -> str:

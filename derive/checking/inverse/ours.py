@@ -41,7 +41,11 @@ class OurSolution:
         """The solution; None where there is none."""
         model, robot = self._model, self._model.robot
         with suppress(DeriveError):
-            task = self._task
+            task = self._asked or robot.inverse.task
+            # the task that the names in the text say, if it determines the joints: a planar pose is the whole pose
+            rows = self._pose.rows
+            if self._asked is None and rows and "phi" not in rows and Freedom(robot, rows).rank == robot.n:
+                task = rows
             rank = Freedom(robot, task).rank
             free = free_joints(self._printed)
             # a task that leaves joints free needs those to be given which the printed solution takes as known
@@ -50,16 +54,6 @@ class OurSolution:
                 return model.inverse
             return inverse_kinematics(robot, model.style, task, tuple(given) if rank < robot.n else None)
         return None
-
-    @property
-    def _task(self) -> Task:
-        """The task that the names in the text say, if it determines the joints; else that of the robot file."""
-        robot, rows = self._model.robot, self._pose.rows
-        if self._asked is not None:
-            return self._asked
-        if rows and "phi" not in rows and Freedom(robot, rows).rank == robot.n:  # a planar pose is the whole pose
-            return rows
-        return robot.inverse.task
 
     @property
     def count(self) -> int:

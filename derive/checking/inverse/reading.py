@@ -140,25 +140,20 @@ def assembled(
     lines = [_without_itself(line) for line in lines]
     found = PrintedInverse(robot, lines, vocabulary.sums, closeness(lines))
     found.check_size()
-    _refuse_unknown(found, vocabulary)
+    # a name that stands alone on a side and that no line defines
+    unknown = vocabulary.new.difference(found.named, vocabulary.pose.meanings)
+    for formula in (formula for line in found.lines for formula in line.formulas):
+        for name in (name for name in names(formula.expression) if name in unknown):
+            known = listed(dict.fromkeys((*found.named, *(joint.variable for joint in robot.joints))))
+            remedy = near_miss(name, found.named) or f"write a line {name} = ..."
+            what, known = f"unknown name {quoted(name)}", f"known: {known}"
+            raise UnknownNameError(what, allowed=known, remedy=remedy, location=formula.location)
     if not found.given:
         where = equations[0][0].parts[0].location if equations else None
         variables = ", ".join(joint.variable for joint in robot.joints)
         remedy = "write left sides such as theta1 = or q1 ="
         raise CheckError("no line gives a joint variable", allowed=f"of {variables}", remedy=remedy, location=where)
     return found, vocabulary
-
-
-def _refuse_unknown(printed: PrintedInverse, vocabulary: Vocabulary) -> None:
-    """Refuse a name that stands alone on a side and that no line defines."""
-    for line in printed.lines:
-        for formula in line.formulas:
-            for name in names(formula.expression):
-                if name in vocabulary.new and name not in printed.named and name not in vocabulary.pose.meanings:
-                    known = listed(dict.fromkeys((*printed.named, *(j.variable for j in vocabulary.robot.joints))))
-                    remedy = near_miss(name, printed.named) or f"write a line {name} = ..."
-                    found, where = f"unknown name {quoted(name)}", formula.location
-                    raise UnknownNameError(found, allowed=f"known: {known}", remedy=remedy, location=where)
 
 
 def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLine]:

@@ -31,7 +31,7 @@ from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import chained, factors, other_factorisation
+from derive.checking.latex.whole import chained, factors, frames_of, other_factorisation
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
@@ -260,8 +260,9 @@ class _Check(Comparing):
     def _names_a_quantity(self, side: LatexPiece) -> bool:
         """Whether a piece is the left side of an equation about the robot."""
         left = taken_apart(side.text)
-        is_named = left is not None and "=" in self.text[side.end :].lstrip()[:2] and not self.scope.is_own(left)
-        return is_named and left is not None and bool(self.meanings.targets(left))
+        if left is None or "=" not in self.text[side.end :].lstrip()[:2] or self.scope.is_own(left):
+            return False
+        return bool(self.meanings.targets(left))
 
     # -- one equation
 
@@ -310,7 +311,9 @@ class _Check(Comparing):
         if said and said[-1].value == ZERO and any(t.quantity == "g" for side in named for t in side.targets):
             weightless = {name: ZERO for cell in self.robot.gravity or () for name in names(cell)}
             self._states(first.piece, f"{self._typed(first.piece)} = 0", (weightless,))
-        chains = [side for side in others if side.frames and self._leads_there(side, named)]
+        # products of transforms that lead from the one to the other frame of what is named
+        frames = {frames_of(target, self.robot.n) for side in named for target in side.targets}
+        chains = [side for side in others if side.frames and side.frames in frames]
         for side in chains if not said else ():
             text, where = self._typed(side.piece), self.plain.location(side.piece.start)
             quantity = named[0].targets[0].quantity
@@ -333,7 +336,9 @@ class _Check(Comparing):
         for side in (
             moving if self.document and moving and any(not isinstance(s.value, Table) for s in moving) else said
         ):
-            table = side.value if isinstance(side.value, Table) else Table(((self._whole(side),),))
+            assert side.value is not None
+            text, start = self._typed(side.piece), side.piece.start
+            table = side.value if isinstance(side.value, Table) else Table(((Entry(side.value, text, start),),))
             for name in named or [Side(first.piece)]:
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if not all(finding.verdict.equal for finding in findings):
@@ -389,13 +394,12 @@ class _Check(Comparing):
             return Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
         if may_name and left is not None and (joint := self._branch_of(left)) is not None:
             return Side(piece, left, (), joint, is_branch=True)
-        is_point = (
-            has_points and left is not None and left.is_point and not left.dots and self._stands_for(left) is not None
-        )
-        if may_name and left is not None and targets and not self.scope.is_own(left) and not is_point:
-            return Side(piece, left, targets)
-        if may_name and left is not None and is_point:
-            return Side(piece, left, (), self._stands_for(left))
+        if may_name and left is not None:
+            point = self._stands_for(left) if has_points and left.is_point and not left.dots else None
+            if point is not None:
+                return Side(piece, left, (), point)
+            if targets and not self.scope.is_own(left):
+                return Side(piece, left, targets)
         try:
             return Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
@@ -408,8 +412,8 @@ class _Check(Comparing):
 
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""
-        is_own = self.scope.is_own(left) or self.scope.poses is None
-        return None if is_own or self.scope.poses is None else self.scope.poses.placeholder(left.flat)
+        poses = self.scope.poses
+        return None if poses is None or self.scope.is_own(left) else poses.placeholder(left.flat)
 
     def _names_new_entries(self, piece: LatexPiece) -> bool:
         """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""
@@ -445,11 +449,6 @@ class _Check(Comparing):
         rows = value.tolist()
         table = Table(tuple(tuple(Entry(expression_from_sympy(entry)) for entry in row) for row in rows))
         return Side(side.piece, value=table)
-
-    def _whole(self, side: Side) -> Entry:
-        assert side.value is not None
-        assert not isinstance(side.value, Table)
-        return Entry(side.value, self._typed(side.piece), side.piece.start)
 
     def _unread(self, side: Side, named: list[Side], is_last: bool) -> Iterator[Finding]:
         """What becomes of a side that cannot be read: one between others is passed over, the last one is refused."""

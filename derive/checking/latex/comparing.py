@@ -24,7 +24,7 @@ from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Claim, Poses, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target
-from derive.checking.latex.whole import frames_of, one_cause
+from derive.checking.latex.whole import one_cause
 from derive.errors import CheckError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -204,12 +204,11 @@ class Comparing:
             where = self.plain.location(name.piece.start)
             raise CheckError(f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}", location=where)
         for right, fitting in fits:
-            if fitting is not None:
-                found = tuple(self._entries(right, fitting, offset))
-                if all(finding.unknown or finding.verdict.equal for finding in found):
-                    chosen = found
-                    break
-                chosen = chosen or found
+            found = tuple(self._entries(right, fitting, offset))
+            if all(finding.unknown or finding.verdict.equal for finding in found):
+                chosen = found
+                break
+            chosen = chosen or found
         is_right = bool(chosen) and all(finding.verdict.equal for finding in chosen)
         if chosen and not is_right and (exchanged := self._exchanged(name, table)) is not None:
             text, where = self._typed(name.piece), self.plain.location(name.piece.start)
@@ -218,14 +217,17 @@ class Comparing:
             yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
             return
         wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
-        if len(wrong) > 1 and (cause := self._one_cause(fits, chosen)):
+        if len(wrong) > 1 and (
+            cause := next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
+        ):
             chosen = (*(replace(f, cause=cause) for f in wrong), *(f for f in chosen if f not in wrong))
         if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
             (entry,) = table.rows[0]
             side = Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
             identity = tuple(one for one in self._identities([name, side]) if isinstance(one, Finding))
             # but an entry of C has velocities
-            is_token = name.left is not None and name.left.head in ("c", "s") and not self._moves(entry.formula)
+            rates = {velocity_name(joint.variable) for joint in self.robot.joints}
+            is_token = name.left is not None and name.left.head in ("c", "s") and rates.isdisjoint(names(entry.formula))
             chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
         if not chosen and not rights:
             where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
@@ -249,17 +251,6 @@ class Comparing:
                     return
         what = f"which points {', '.join(sorted(known))} mean is not certain"
         raise CheckError(what, location=self.plain.location(offset))
-
-    def _moves(self, formula: Expression) -> bool:
-        return not {velocity_name(joint.variable) for joint in self.robot.joints}.isdisjoint(names(formula))
-
-    def _leads_there(self, side: Side, named: list[Side]) -> bool:
-        """Whether a product of transforms leads from the one to the other frame of what is named."""
-        return any(side.frames == frames_of(t, self.robot.n) for name in named for t in name.targets)
-
-    def _one_cause(self, fits: list[tuple[Right, Table]], chosen: tuple[Finding, ...]) -> str:
-        """What makes the matrix right that was compared, where one change does."""
-        return next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
 
     def _exchanged(self, name: Side, table: Table) -> Right | None:
         """What a matrix is that is right with the two frames of its left side exchanged."""

@@ -70,8 +70,14 @@ class Table:
             raise CheckError(
                 f"product of matrices {_size(self)} and {_size(other)}", allowed="allowed: shapes that fit"
             )
-        columns = tuple(zip(*other.rows, strict=True))
-        return Table(tuple(tuple(_inner(row, column) for column in columns) for row in self.rows))
+        rows = []
+        for row in self.rows:
+            products = []
+            for column in zip(*other.rows, strict=True):
+                terms = (multiply(a.formula, b.formula) for a, b in zip(row, column, strict=True))
+                products.append(_computed(add(*terms), *row, *column))
+            rows.append(tuple(products))
+        return Table(tuple(rows))
 
     @property
     def determinant(self) -> Entry:
@@ -87,11 +93,6 @@ class Table:
 def _computed(formula: Expression, *parts: Entry) -> Entry:
     """An entry made of others."""
     return Entry(formula, "", parts[0].offset, next((part.unknown for part in parts if part.unknown), None))
-
-
-def _inner(row: tuple[Entry, ...], column: tuple[Entry, ...]) -> Entry:
-    terms = (multiply(a.formula, b.formula) for a, b in zip(row, column, strict=True))
-    return _computed(add(*terms), *row, *column)
 
 
 def _expanded(rows: tuple[tuple[Expression, ...], ...]) -> Expression:

@@ -94,21 +94,16 @@ class Meanings:
 
     def targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
-        found = [
-            self._in_our_order(target)
-            for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None)
-        ]
-        if self.has_o_columns and left.head == "o":
-            found = [target for target in found if target.columns == (2,)] or found
-        names = {target: target.quantity.partition("[")[0] for target in found}
-        return tuple(t for t, name in names.items() if name in _VELOCITIES or REGISTRY[name].is_of(self._robot))
-
-    def _in_our_order(self, target: Target) -> Target:
-        """A Christoffel symbol with the index of the torque in front."""
-        if not (self.torque and target.quantity.startswith("christoffel[")):
-            return target
-        indices = target.quantity.removesuffix("]").partition("[")[2].split(",")
-        return replace(target, quantity=f"christoffel[{','.join([indices.pop(self.torque), *indices])}]")
+        found: dict[Target, None] = {}
+        for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None):
+            name, _, place = target.quantity.partition("[")
+            if name in _VELOCITIES or REGISTRY[name].is_of(self._robot):
+                if name == "christoffel" and place:  # ours have the index of the torque in front
+                    indices = place.removesuffix("]").split(",")
+                    target = replace(target, quantity=f"{name}[{','.join([indices.pop(self.torque), *indices])}]")
+                found[target] = None
+        columns = [target for target in found if target.columns == (2,)]
+        return tuple(columns if self.has_o_columns and left.head == "o" and columns else found)
 
     def right(self, target: Target) -> Right | None:
         """What a target stands for, derived once; None where the robot has no such quantity or entry."""

@@ -118,12 +118,10 @@ class Poses:
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
         pose = self._names
-        known = name in pose.entries or name in pose.wrist or name.removesuffix("'") in self._points
-        return Name(MARK + name) if known else self._angle(name)
-
-    def _angle(self, name: str) -> Expression | None:
-        """The orientation of a planar arm, the angle in the first entry of its rotation."""
-        meaning = self._names.angles.get(name)
+        if name in pose.entries or name in pose.wrist or self.is_point(name):
+            return Name(MARK + name)
+        # the orientation of a planar arm is the angle in the first entry of its rotation
+        meaning = pose.angles.get(name)
         first = expression_from_sympy(self._model.quantity("T")[0, 0])
         if meaning is None or not (isinstance(first, Call) and first.function == "cos"):
             return None

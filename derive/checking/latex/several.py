@@ -32,7 +32,12 @@ def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequ
     right = [[robot for robot, part in enumerate(row) if part.is_right] for row in rows]
     sure = {index: robots[0] for index, robots in enumerate(right) if len(robots) == 1}
     said = [_said(names, row, right[index], _beside(index, sure, sections)) for index, row in enumerate(rows)]
-    return [_of_robot(number, report, said) for number, report in enumerate(reports)]
+    found = []
+    for number, report in enumerate(reports):
+        own = [part for robot, part in said if robot == number]
+        findings = tuple(finding for part in own for finding in part.findings)
+        found.append(replace(report, findings=findings, skipped=tuple(one for part in own for one in part.skipped)))
+    return found
 
 
 def _said(names: Sequence[str], row: Sequence[_Part], right: Sequence[int], beside: Sequence[int]) -> tuple[int, _Part]:
@@ -80,9 +85,3 @@ def _beside(index: int, sure: Mapping[int, int], sections: Sequence[int]) -> lis
 def _not_compared(part: _Part, reason: str) -> _Part:
     first = part.findings[0]
     return _Part((), (Skipped(first.location, reason, first.text), *part.skipped))
-
-
-def _of_robot(robot: int, report: LatexReport, said: Sequence[tuple[int, _Part]]) -> LatexReport:
-    own = [part for number, part in said if number == robot]
-    findings = tuple(finding for part in own for finding in part.findings)
-    return replace(report, findings=findings, skipped=tuple(one for part in own for one in part.skipped))

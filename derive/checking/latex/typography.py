@@ -62,24 +62,30 @@ _SAME = str.maketrans(
 
 def cleaned(text: str, time: bool = True) -> str:
     r"""The text with blanks for everything that only moves ink; as long as before, line by line."""
-    text = _COMMENT.sub(lambda m: m[0] if m[0].startswith("\\") else _blank(m[0]), text.translate(_SAME))
+    text = without_comments(text.translate(_SAME))
     while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
         text = braced
-    text = _INK.sub(lambda m: m[0] if m["kept"] else _blank(m[0]), text)
+    text = _INK.sub(lambda m: m[0] if m["kept"] else blank(m[0]), text)
     text = _RATE.sub(_rate, text)
     if time:
         text = _OF_TIME.sub(lambda m: PRIMED.get(len(m["primes"]), "").ljust(len(m[0])), text)
-    return _FONT.sub(lambda m: _blank(m[0]), text)
+    return _FONT.sub(lambda m: blank(m[0]), text)
 
 
-def _blank(text: str) -> str:
+def without_comments(text: str) -> str:
+    """The text with blanks for comments."""
+    return _COMMENT.sub(lambda m: m[0] if m[0].startswith("\\") else blank(m[0]), text)
+
+
+def blank(text: str) -> str:
+    """Blanks in place of a text, line by line."""
     return re.sub(r"[^\n]", " ", text)
 
 
 def _within(match: re.Match[str]) -> str:
     """Only what is braced stays."""
     before, kept, after = match.start("kept") - match.start(), match["kept"], match.end() - match.end("kept")
-    return _blank(match[0][:before]) + kept + _blank(match[0][len(match[0]) - after :] if after else "")
+    return blank(match[0][:before]) + kept + blank(match[0][len(match[0]) - after :] if after else "")
 
 
 def _rate(match: re.Match[str]) -> str:

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from derive.checking.formulas import reading
+from derive.checking.formulas.branches import branches, has_branches, needs_branches
 from derive.checking.formulas.diagnosis import Question, diagnose
 from derive.checking.formulas.edits import SlipKind, ordinal
 from derive.checking.formulas.printed import Citation
-from derive.checking.formulas.vector_formula import MAX_LENGTH, Vector, diagnose_vector, names_in, read_vector, value_of
+from derive.checking.formulas.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
 from derive.errors import CheckError, Location, UnknownNameError
 from derive.lecture.shorthand import notation_text, read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -35,6 +36,7 @@ from derive.robot.expression import (
     multiply,
     names,
     negate,
+    number,
     power,
 )
 from derive.robot.names import robot_symbols
@@ -332,11 +334,9 @@ def test_shapes_that_do_not_fit_are_refused(text: str) -> None:
         value_of(read(text), VALUES)
 
 
-@pytest.mark.parametrize("text", ["w +", "cross(w)", "w & p", "w" * (MAX_LENGTH + 1), ""])
-def test_what_is_no_equation_is_refused_at_its_place(text: str) -> None:
-    with pytest.raises(CheckError) as caught:
-        read(text)
-    assert caught.value.location.line == 3
+def test_an_empty_equation_is_refused_at_its_place() -> None:
+    with pytest.raises(CheckError, match=r"notes\.yaml:3:5"):
+        read("")
 
 
 @pytest.mark.parametrize(
@@ -362,3 +362,38 @@ def test_a_slip_is_found(wrong: str, kinds: tuple[SlipKind, ...]) -> None:
     repair = diagnose_vector(read(wrong), list(VALUES), holds)
     assert repair.kinds == kinds
     assert holds(read(repair.formula.name))
+
+
+PLANAR = Robot.load("planar-2r-perugia")
+ANGLE = Name(PLANAR.joints[1].variable)
+COSINE, SINE = Call("cos", (ANGLE,)), Call("sin", (ANGLE,))
+SIGN = Name("±1")
+ROOT = Call("sqrt", (add(number(1), negate(power(COSINE, 2))),))
+
+
+@pytest.mark.parametrize(
+    ("printed", "all_of_them", "some"),
+    [
+        (multiply(SIGN, Call("acos", (COSINE,))), True, False),
+        (Call("acos", (COSINE,)), False, True),
+        (Call("atan2", (multiply(SIGN, ROOT), COSINE)), True, False),
+        (Call("Atan2", (COSINE, SINE)), True, False),  # with the cosine first
+        (Call("asin", (SINE,)), False, True),
+        (Call("atan", (multiply(SINE, power(COSINE, -1)),)), False, True),
+        (Call("acos", (SINE,)), False, False),
+        (multiply(SIGN, Call("acos", (negate(COSINE),))), False, False),
+    ],
+)
+def test_an_angle_is_compared_for_every_choice_of_signs(printed: Call, all_of_them: bool, some: bool) -> None:
+    seen = branches(PLANAR, ANGLE, printed)
+    assert (seen.all, seen.some) == (all_of_them, some)
+    assert has_branches(printed, roots=False)
+
+
+def test_a_root_has_two_signs_only_where_that_is_asked() -> None:
+    assert has_branches(ROOT, roots=True)
+    assert not has_branches(ROOT, roots=False)
+    assert not needs_branches(Call("atan2", (SINE, COSINE)))
+    assert needs_branches(multiply(SIGN, ROOT))
+    assert branches(PLANAR, SINE, multiply(SIGN, ROOT)).all
+    assert branches(PLANAR, SINE, ROOT).some
