@@ -17,6 +17,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -172,25 +173,20 @@ def guarded() -> Iterator[list[str]]:
     for name in OPENERS:
         offered.pop(name, None)
     refused: list[str] = []
-    xacro.safe_eval, substitution_args._eval = (_only_allowed(each, refused) for each in (braces, parentheses))
-    try:
-        yield refused
-    finally:
-        xacro.safe_eval, substitution_args._eval = braces, parentheses
-        offered.update(kept)
 
-
-def _only_allowed(evaluator: Callable[..., Any], refused: list[str]) -> Callable[..., Any]:
-    """An evaluator of xacro that refuses names which lead out of the file, and notes them."""
-
-    def _checked(expression: str, *context: Any) -> Any:
+    def _checked(evaluator: Callable[..., Any], expression: str, *context: Any) -> Any:
         name = forbidden(expression)
         if name is not None:
             refused.append(name)
             raise ValueError(f"an expression uses {name}")
         return evaluator(expression, *context)
 
-    return _checked
+    xacro.safe_eval, substitution_args._eval = (partial(_checked, each) for each in (braces, parentheses))
+    try:
+        yield refused
+    finally:
+        xacro.safe_eval, substitution_args._eval = braces, parentheses
+        offered.update(kept)
 
 
 class _Asked(dict[str, str]):

@@ -114,7 +114,7 @@ class _PlanReader:
 
     def read(self) -> Plan:
         """The whole plan."""
-        document, numbers = self._document, self._numbers
+        document, numbers, period = self._document, self._numbers, ("control", "period")
         points = {name: self._point(name) for name in numbers.keys(("points",))}
         count = document.length(("path",))
         steps = tuple(self._step(index, points) for index in range(1, count))
@@ -139,7 +139,12 @@ class _PlanReader:
             acceleration=self._most("acceleration", (None,) * self._robot.n),
             torque=self._most("torque", tuple(joint.torque for joint in joints)),
             values=numbers.values,
-            control=self._control(),
+            control=Control(
+                law=document.text("control", "law") or "none",
+                kp=self._gains(("control", "kp")),
+                kd=self._gains(("control", "kd")),
+                period=numbers.positive(period, ONE) if document.scalar(period) else None,
+            ),
             friction=document.text("friction") or "smooth",
             plant=plant_numbers(document, self._robot, numbers),
             plant_payload=self._payload(("plant", PAYLOAD)),
@@ -192,12 +197,7 @@ class _PlanReader:
             if branch and not branch.text.strip(" ,"):
                 raise self._document.error((*path, "branch"), "found nothing", remedy="leave it out for the nearest")
             return Point(name, None, self._pose((*path, "pose")), branch.text if branch else "", location)
-        q = self._numbers.of_joints(path)
-        self._check_limits(path, q)
-        return Point(name, q, None, "", location)
-
-    def _check_limits(self, path: KeyPath, q: Vector) -> None:
-        numbers = self._numbers
+        numbers, q = self._numbers, self._numbers.of_joints(path)
         for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
             ends = joint.limits or ()
             if not ends or any(name not in numbers.numbers for limit in ends for name in names(limit)):
@@ -208,6 +208,7 @@ class _PlanReader:
                 unit = "rad" if joint.is_revolute else "m"
                 found = f"{joint.variable} = {at:.6g} {unit} is outside its limits"
                 raise self._document.error((*path, k), found, f"allowed: {low:.6g} to {high:.6g} {unit}")
+        return Point(name, q, None, "", location)
 
     def _pose(self, path: KeyPath) -> Pose:
         def _three(key: str, read: Read) -> Vector:
@@ -291,16 +292,6 @@ class _PlanReader:
             allowed = "allowed: a CSV file, its path relative to the plan"
             raise RobotFileError(f"no file {quoted(str(beside))}", allowed=allowed, location=file.location)
         return beside
-
-    def _control(self) -> Control:
-        path: KeyPath = ("control",)
-        period = (*path, "period")
-        return Control(
-            law=self._document.text(*path, "law") or "none",
-            kp=self._gains((*path, "kp")),
-            kd=self._gains((*path, "kd")),
-            period=self._numbers.positive(period, ONE) if self._document.scalar(period) else None,
-        )
 
     def _gains(self, path: KeyPath) -> Vector:
         n, count = self._robot.n, self._document.length(path)

@@ -34,24 +34,6 @@ def test_pushes_last_for_a_time_and_the_plant_has_numbers_and_a_payload() -> Non
     assert short is not None
 
 
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        ("disturbance: [{joint: q9, torque: 1, end: 2}]", r"plan.yaml:13:23: .*no joint 'q9'; allowed: q1"),
-        ("disturbance: [{joint: q1, torque: 1, start: 3, end: 2}]", r"from 3 to 2 s; allowed: an end after the start"),
-        ("disturbance: [{joint: q1, torque: w, end: 2}]", r"the symbol 'w' has no number"),
-        ("disturbance: [{joint: q1, torque: 1}]", r"plan.yaml:13:.*end"),
-        ("plant: {ms1: 1}", r"plan.yaml:13:\d+: plant, ms1: no symbol 'ms1' in scara-matlab; allowed: .*payload"),
-        ("plant: {payload: {mass: -1}}", r"plant, payload, mass: found '-1'; allowed: zero or more"),
-    ],
-)
-def test_wrong_disturbances_are_refused_with_their_place(line: str, message: str) -> None:
-    with pytest.raises(DeriveError) as caught:
-        plan_from_bytes((PICK_AND_PLACE + line + "\n").encode(), "plan.yaml")
-    assert caught.value.exit_status == 2
-    assert re.search(message, str(caught.value)), str(caught.value)
-
-
 BARE = """\
 robot: {name: bare, convention: standard, joints: [{type: revolute, a: 1}]}
 points: {a: [0], b: [1], c: [2]}
@@ -157,18 +139,3 @@ def test_on_a_base_that_moves_an_arm_has_torques_which_fastest_motions_do_not_kn
     with pytest.raises(DeriveError, match=r"torques of a fastest motion.*base that moves") as caught:
         _ = Motion.from_text(f"robot: scara-matlab\n{points}{limits}base: {{x: t}}\n").trajectory
     assert caught.value.exit_status == 2
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("x: 3*t/10", "x: 3*w/10", r"<text>:3:11: base, x: the symbol 'w' has no number; write values: \{w: ...\}"),
-        ("y: t**2/10", "yy: t", r"<text>:3:\d+: .*unknown key 'yy'; allowed: x, y, z, rpy"),
-        ("[0, 0, t/7]", "[0, 0]", r"rpy"),
-    ],
-)
-def test_wrong_moving_bases_are_refused_with_their_place(old: str, new: str, message: str) -> None:
-    with pytest.raises(DeriveError) as caught:
-        Motion.from_text(REACH.replace(old, new))
-    assert caught.value.exit_status == 2
-    assert re.search(message, str(caught.value)), str(caught.value)

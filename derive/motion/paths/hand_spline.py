@@ -27,7 +27,11 @@ def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
     start = poses[0][:3, :3]
     turns = [np.zeros(3)]
     for pose in poses[1:]:
-        turns.append(_nearest(rotation_vector(pose[:3, :3] @ start.T), turns[-1]))
+        turn = rotation_vector(pose[:3, :3] @ start.T)
+        angle = float(np.linalg.norm(turn))
+        # Of the same rotation the vector that is nearest to the one before.
+        axis = turn / angle if angle >= 1e-12 else np.zeros(3)
+        turns.append(turn + 2 * np.pi * np.round((turns[-1] - turn) @ axis / (2 * np.pi)) * axis)
     rows = np.array([[*pose[:3, 3], *turn] for pose, turn in zip(poses, turns, strict=True)])
     tracks = tuple(spline(times, [Float(value) for value in column]) for column in rows.T)
     trajectory = Trajectory((Segment("", times[0], times[-1] - times[0], tracks),))
@@ -43,33 +47,16 @@ def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
     return Way(_place, _turned)
 
 
-def _nearest(vector: Array, before: Array) -> Array:
-    """The rotation vector of the same rotation that is nearest to another one."""
-    angle = float(np.linalg.norm(vector))
-    if angle < 1e-12:
-        return vector
-    axis = vector / angle
-    return np.asarray(vector + 2 * np.pi * np.round((before - vector) @ axis / (2 * np.pi)) * axis)
-
-
 def angular_motion(w: Array, rate: Array, bend: Array) -> tuple[Array, Array]:
     """Angular velocity omega = V w' and acceleration V w'' + V' w', (3,) each, by the rotation vector w [rad]."""
     # With x = |w|^2: V = 1 + a w^ + b w^ w^ and V' by the product rule, a' = (da/dx) x', x' = 2 w.w'.
     x, slope = float(w @ w), 2 * float(w @ rate)  # the square of the angle, and its rate
     cross, turning = cross_matrix(w), cross_matrix(rate)
     square, squared = cross @ cross, turning @ cross + cross @ turning
-    (a, b), (da, db) = _series(x)
+    # a = sum (-x)^k / (2k + 2)!, b = sum (-x)^k / (2k + 3)!: no division by an angle that is zero.
+    series = [[(-1) ** k / factorial(2 * k + least) for k in range(TERMS)] for least in (2, 3)]
+    a, b = (float(np.polyval(terms[::-1], x)) for terms in series)
+    da, db = (float(np.polyval([k * term for k, term in enumerate(terms)][:0:-1], x)) for terms in series)
     jacobian = np.eye(3) + a * cross + b * square
     drift = da * slope * cross + a * turning + db * slope * square + b * squared
     return jacobian @ rate, jacobian @ bend + drift @ rate
-
-
-def _series(x: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """a and b as functions of the square of the angle, and their derivatives by it."""
-    # a = sum (-x)^k / (2k + 2)!, b = sum (-x)^k / (2k + 3)!: no division by an angle that is zero.
-    values, slopes = [], []
-    for least in (2, 3):
-        terms = [(-1) ** k / factorial(2 * k + least) for k in range(TERMS)]
-        values.append(float(np.polyval(terms[::-1], x)))
-        slopes.append(float(np.polyval([k * term for k, term in enumerate(terms)][:0:-1], x)))
-    return (values[0], values[1]), (slopes[0], slopes[1])
