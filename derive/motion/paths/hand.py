@@ -87,7 +87,20 @@ class Hand:
     @cached_property
     def branches(self) -> Mapping[str, tuple[int, ...]]:
         """The solutions on which the points are that name a branch."""
-        return {name: self._branches(point) for name, point in self._plan.points.items() if point.branch}
+        robot, found = self._plan.robot, {}
+        for name, point in self._plan.points.items():
+            if not point.branch:
+                continue
+            # Those whose names have all words of the point's branch.
+            names, wanted = self._names, _words(point.branch)
+            found[name] = tuple(k for k, own in enumerate(names) if wanted <= _words(own))
+            if not found[name]:
+                allowed = f"allowed: {'; '.join(names)}; or some of these words" if names else ""
+                said = f"point {name}: no branch {quoted(point.branch)} of {robot.name}"
+                said += "" if names else ", whose solutions have no names"
+                remedy = "leave branch out for the nearest"
+                raise RobotFileError(said, allowed=allowed, remedy=remedy, location=point.location)
+        return found
 
     @cached_property
     def _names(self) -> tuple[str, ...]:
@@ -97,20 +110,6 @@ class Hand:
         robot = self._plan.robot
         names = postures(robot, solve(robot)).names if self._functions.branches > 1 else ()
         return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
-
-    def _branches(self, point: Point) -> tuple[int, ...]:
-        """The solutions whose names have all words of a point's branch."""
-        robot, names, wanted = self._plan.robot, self._names, _words(point.branch)
-        found = tuple(k for k, name in enumerate(names) if wanted <= _words(name))
-        if not found:
-            allowed = f"allowed: {'; '.join(names)}; or some of these words"
-            said = f"point {point.name}: no branch {quoted(point.branch)} of {robot.name}"
-            if not names:
-                said, allowed = f"{said}, whose solutions have no names", ""
-            raise RobotFileError(
-                said, allowed=allowed, remedy="leave branch out for the nearest", location=point.location
-            )
-        return found
 
     def _pose(self, point: Point) -> Array:
         if point.pose is None:
@@ -266,7 +265,14 @@ class Hand:
             return [_standing(corners[0], ZERO, ONE)]
         else:
             numbers = np.array(corners, dtype=float)
-            knots = self._knots(run, numbers)
+            speed = self.limits.numbers()[0]
+            # s by the length of the chords, which count each joint by the time at its largest speed, where it has one.
+            chords = np.linalg.norm(np.diff(numbers, axis=0) / np.where(np.isfinite(speed), speed, 1.0), axis=1)
+            if still := next((each for each, chord in zip(run, chords, strict=True) if chord == 0), None):
+                remedy = "leave it out, or write via: stop"
+                raise RobotFileError(f"the arm does not move to {still.to}", remedy=remedy, location=still.location)
+            lengths = np.append(0.0, np.cumsum(chords))
+            knots = lengths / lengths[-1]
             path = smooth_path(knots, numbers)
         grid = grid_of(path, knots)
         # Which step, and so which payload, each interval of the grid belongs to.
@@ -278,18 +284,6 @@ class Hand:
         edges = np.searchsorted(grid, knots).tolist()
         exact = {} if step.in_space else dict(zip(edges, corners, strict=True))
         return [nodes.pieces(a, b, exact) for a, b in pairwise(edges)]
-
-    def _knots(self, run: Sequence[Step], corners: Array) -> Array:
-        """s at each point of a path, by the length of the chords, from 0 to 1."""
-        speed = self.limits.numbers()[0]
-        # Chords count each joint by the time that it needs at its largest speed, where it has one.
-        chords = np.linalg.norm(np.diff(corners, axis=0) / np.where(np.isfinite(speed), speed, 1.0), axis=1)
-        for step, chord in zip(run, chords, strict=True):
-            if chord == 0:
-                remedy = "leave it out, or write via: stop"
-                raise RobotFileError(f"the arm does not move to {step.to}", remedy=remedy, location=step.location)
-        lengths = np.append(0.0, np.cumsum(chords))
-        return np.asarray(lengths / lengths[-1])
 
 
 def _words(branch: str) -> set[str]:
