@@ -13,10 +13,10 @@ from functools import cached_property
 from itertools import chain, pairwise
 
 import numpy as np
-from flint import arb
 
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import Arm
+from derive.exchange.body_chain import angle_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Line, Point, Real, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.description import Convention
@@ -228,10 +228,7 @@ def _row(before: Frame, after: Frame, standard: bool) -> DHRow:
 
 def _angle(a: Point, b: Point, about: Point) -> Real:
     """From one direction to another about a third [rad]."""
-    sine, cosine = dot(cross(a, b), about), dot(a, b)
-    if not abs(sine) > NOTHING:  # the arctangent of a ball around pi would be all angles
-        return arb(0) if cosine > 0 else arb.pi()
-    return arb.atan2(sine, cosine)
+    return angle_of(dot(cross(a, b), about), dot(a, b))
 
 
 def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool, loose: float) -> list[_Candidate]:

@@ -223,9 +223,7 @@ class _UrdfReader:
             return Origin()
         xyz, rpy = (self.numbers(child, key, 3) for key in ("xyz", "rpy"))
         x, y, z = xyz or ZEROS
-        if child.get("quat_xyzw") is not None:
-            return Origin((x, y, z), self._angles(child))
-        roll, pitch, yaw = rpy or ZEROS
+        roll, pitch, yaw = self._angles(child) if child.get("quat_xyzw") is not None else rpy or ZEROS
         return Origin((x, y, z), (roll, pitch, yaw))
 
     def _angles(self, origin: etree._Element) -> Triple:

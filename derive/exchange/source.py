@@ -89,21 +89,16 @@ class Opened:
 def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None) -> Opened:
     """Read a URDF or a xacro file."""
     data, name = file_bytes(path, MOST_BYTES), str(path)
-    if not (path.suffix.lower() == XACRO or _is_xacro(data)):
+    # What stands outside comments may be something to expand.
+    first, *others = data.split(b"<!--") if b"xmlns:xacro" in data else [b""]
+    is_xacro = any(_XACRO.search(part) for part in (first, *(other.partition(b"-->")[2] for other in others)))
+    if not (path.suffix.lower() == XACRO or is_xacro):
         return opened(data, name, arguments)
     missing = next((f for text in packages if not Path(f := text.rpartition("=")[2]).is_dir()), None)
     if missing is not None:
         raise RobotFileError(f"--packages: no folder {quoted(missing, 200)}", remedy="name one that is there")
     urdf = read_urdf(_expanded(path, packages, arguments or {}), name)
     return Opened(urdf, sha256(data).hexdigest(), is_xacro=True)
-
-
-def _is_xacro(data: bytes) -> bool:
-    """Whether a file has something to expand outside comments."""
-    if b"xmlns:xacro" not in data:
-        return False
-    first, *others = data.split(b"<!--")
-    return any(_XACRO.search(part) for part in (first, *(other.partition(b"-->")[2] for other in others)))
 
 
 def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -> Opened:
