@@ -231,11 +231,11 @@ def roll_pitch_yaw(frame: Frame) -> Point:
     flat = length((x[0], x[1], arb(0)))
     if not flat > NOTHING:
         sign = -1 if x[2] > 0 else 1
-        return (_direction(y[0] * sign, y[1]), arb.pi() / 2 * sign, arb(0))
-    return (_direction(y[2], z[2]), _direction(-x[2], flat), _direction(x[1], x[0]))
+        return (angle_of(y[0] * sign, y[1]), arb.pi() / 2 * sign, arb(0))
+    return (angle_of(y[2], z[2]), angle_of(-x[2], flat), angle_of(x[1], x[0]))
 
 
-def _direction(sine: Real, cosine: Real) -> Real:
+def angle_of(sine: Real, cosine: Real) -> Real:
     """The angle of a direction; a ball around the branch cut would be all angles."""
     if not abs(sine) > NOTHING:
         return arb(0) if cosine > 0 else arb.pi()

@@ -16,8 +16,8 @@ from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.numeric import text
 from derive.exchange.urdf import SLIDE, Urdf
 from derive.mechanics.space import WORLD, exactly
-from derive.robot.description import Convention, Description, Joint, Link
-from derive.robot.expression import Expression, number
+from derive.robot.description import Convention, Description, Link
+from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
@@ -61,23 +61,17 @@ def table_text(robot: Robot) -> str:
     )
 
 
-def _limits(joint: Joint, row: Joint) -> tuple[Expression, Expression] | None:
-    """Those of the table, where the URDF has them, or its stand-in for a slide without; else those of the URDF."""
-    written = row.limits or (None if row.is_revolute else (number(-SLIDE), number(SLIDE)))
-    if joint.limits is None or written is None:
-        return joint.limits
-    ours, theirs = ([text(ball(cell)) for cell in ends] for ends in (joint.limits, written))
-    return row.limits if ours == theirs else joint.limits
-
-
 def with_table(robot: Description, table: Robot) -> Description:
     """A robot with the cells of a table to the letter, and with its gravity, armatures and motors."""
     cells = ("variable", "name", "sign", "theta", "d", "a", "alpha")
-    joints = tuple(
-        replace(joint, limits=_limits(joint, row), **{cell: getattr(row, cell) for cell in cells})
-        for joint, row in zip(robot.joints, table.joints, strict=True)
-    )
-    robot = replace(robot, joints=joints, base=table.base, tool=table.tool)
+    joints = []
+    for joint, row in zip(robot.joints, table.joints, strict=True):
+        # Limits of the table, where the URDF has them, or its stand-in for a slide without; else those of the URDF.
+        limits, written = joint.limits, row.limits or (None if row.is_revolute else (number(-SLIDE), number(SLIDE)))
+        if limits and written and [text(ball(cell)) for cell in limits] == [text(ball(cell)) for cell in written]:
+            limits = row.limits
+        joints.append(replace(joint, limits=limits, **{cell: getattr(row, cell) for cell in cells}))
+    robot = replace(robot, joints=tuple(joints), base=table.base, tool=table.tool)
     if not (robot.links and table.links):
         return robot
     links = tuple(

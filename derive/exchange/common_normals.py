@@ -13,10 +13,10 @@ from functools import cached_property
 from itertools import chain, pairwise
 
 import numpy as np
-from flint import arb
 
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import Arm
+from derive.exchange.body_chain import angle_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Line, Point, Real, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.description import Convention
@@ -76,12 +76,16 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     turned = [_sine(line.direction, axis.line.direction) for line, axis in zip(lines, arm.axes, strict=True)]
     standard = convention is Convention.STANDARD
     # Lines for every z of the table: the axes, slides moved beside them, and the z that no joint has.
-    free = _free_lines(arm, lines, standard)
+    frame, axis = (arm.end, lines[-1]) if standard else (WORLD, lines[0])
+    own, free = Line(frame.origin, frame.z), [axis, Line(frame.origin, axis.direction)]
+    if parallel(own.direction, axis.direction, NOTHING) or not _is_far(own, axis, arm.reach):
+        free = [own, *free]
     spots = _spots(arm, lines)
-    options = [
-        [line] if axis.is_revolute else _moved(line, _near(spots, i))
-        for i, (line, axis) in enumerate(zip(lines, arm.axes, strict=True))
-    ]
+    options = [[line] for line in lines]
+    for i, (line, joint) in enumerate(zip(lines, arm.axes, strict=True)):
+        for spot in () if joint.is_revolute else _near(spots, i):  # the axis of a slide may stand anywhere
+            if all(other.distance(spot) > ALIKE for other in options[i]):
+                options[i].append(Line(spot, line.direction))
     columns = [*options, free] if standard else [free, *options]
     candidates = _candidates(arm, columns, spots, standard, snap)
     chosen = _cheapest(arm, candidates, standard, min(max(snap, ROUNDING), ALIKE))
@@ -134,24 +138,6 @@ def _straightened(arm: Arm, snap: float) -> tuple[list[Line], tuple[tuple[int, b
 def _along(line: Line, direction: Point) -> Line:
     """The line through the same point in a direction, or against it."""
     return Line(line.point, direction if dot(direction, line.direction) > 0 else times(direction, -1))
-
-
-def _free_lines(arm: Arm, lines: Sequence[Line], standard: bool) -> list[Line]:
-    """Where z may be that no joint has: before a modified table, behind a standard one."""
-    frame, axis = (arm.end, lines[-1]) if standard else (WORLD, lines[0])
-    own = Line(frame.origin, frame.z)
-    if parallel(own.direction, axis.direction, NOTHING) or not _is_far(own, axis, arm.reach):
-        return [own, axis, Line(frame.origin, axis.direction)]
-    return [axis, Line(frame.origin, axis.direction)]
-
-
-def _moved(line: Line, spots: Sequence[Point]) -> list[Line]:
-    """The axis of a slide, which may stand anywhere."""
-    found: list[Line] = [line]
-    for spot in spots:
-        if all(other.distance(spot) > ALIKE for other in found):
-            found.append(Line(spot, line.direction))
-    return found
 
 
 def _spots(arm: Arm, lines: Sequence[Line]) -> list[tuple[int | None, Point]]:
@@ -242,10 +228,7 @@ def _row(before: Frame, after: Frame, standard: bool) -> DHRow:
 
 def _angle(a: Point, b: Point, about: Point) -> Real:
     """From one direction to another about a third [rad]."""
-    sine, cosine = dot(cross(a, b), about), dot(a, b)
-    if not abs(sine) > NOTHING:  # the arctangent of a ball around pi would be all angles
-        return arb(0) if cosine > 0 else arb.pi()
-    return arb.atan2(sine, cosine)
+    return angle_of(dot(cross(a, b), about), dot(a, b))
 
 
 def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool, loose: float) -> list[_Candidate]:

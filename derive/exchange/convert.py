@@ -62,7 +62,14 @@ def converted(robot: Robot, convention: Convention, name: str | None = None) -> 
     result = conversion.result
     title = result.title if name is None or result.title != robot.name else name
     result = replace(result, name=name or result.name, title=title)
-    text = robot_text(result, _comments(conversion))
+    leaving, row = conversion.leaving, "last" if robot.convention is Convention.STANDARD else "first"
+    comments = [
+        f"{_MADE} from the {robot.convention.value} table of {robot.name} (robot file {robot.digest[:16]}).",
+        f"Back with a = {cell_text(leaving.a)} m, alpha = {cell_text(leaving.alpha)} rad in the {row} row.",
+        *(f"{_MADE}: {note}" for note in conversion.notes),
+        *(line for line in robot.comments if not line.startswith(_MADE) and _BACK.fullmatch(line) is None),
+    ]
+    text = robot_text(result, comments)
     made = Robot.from_text(text, f"{result.name}.yaml")
     return Converted(text, made, replace(conversion, result=made))
 
@@ -84,16 +91,6 @@ def moves(conversion: Conversion) -> list[str]:
 def _factor_text(factor: Factor) -> str:
     cells = (("Trans(x, ", factor.a), ("Rot(x, ", factor.alpha))
     return " ".join(f"{name}{cell_text(cell)})" for name, cell in cells if cell != ZERO)
-
-
-def _comments(conversion: Conversion) -> list[str]:
-    robot, leaving = conversion.source, conversion.leaving
-    own = [line for line in robot.comments if not line.startswith(_MADE) and _BACK.fullmatch(line) is None]
-    row = "last" if robot.convention is Convention.STANDARD else "first"
-    back = f"Back with a = {cell_text(leaving.a)} m, alpha = {cell_text(leaving.alpha)} rad in the {row} row."
-    made = f"{_MADE} from the {robot.convention.value} table of {robot.name} (robot file {robot.digest[:16]})."
-    notes = (f"{_MADE}: {note}" for note in conversion.notes)
-    return [made, back, *notes, *own]
 
 
 def _way_back(robot: Robot) -> Factor | None:

@@ -60,7 +60,13 @@ def derivation_text(conversion: Conversion) -> str:
     if notation.digits and loses_digits(entries, decimals=notation.decimals, digits=notation.digits):
         lines += ["", f"Matrices are printed with {notation.digits} significant digits of each number."]
     lines += ["", *_links(conversion)]
-    lines += _equal_product(conversion, ends, write)
+    if n > FEW_FACTORS:
+        lines.append(f"{n} rows are not multiplied out here; the product is that of the same factors.")
+    else:
+        both = [_around([f"A{prime}_{i}" for i in range(1, n + 1)], prime, ends) for prime in ("", "'")]
+        lines += _grid(f"T = {both[0]} = {both[1]}", models[0][0].T, write)
+        same = "equal" if has_equal_poses(conversion) else "DIFFERENT"
+        lines.append(f"Both products multiplied out are {same}, entry by entry, in exact arithmetic.")
     return "\n".join(lines) + "\n"
 
 
@@ -69,9 +75,12 @@ def _bracket(robot: Robot, i: int) -> str:
 
 
 def _product(robot: Robot, prime: str, ends: tuple[bool, bool]) -> str:
-    """Base, brackets and tool; base and tool where one of the tables has them."""
     rows = [f"({_bracket(robot, i)})" for i in range(1, robot.n + 1)]
-    rows = rows if robot.n <= FEW_FACTORS else [*rows[:2], "...", rows[-1]]
+    return _around(rows if robot.n <= FEW_FACTORS else [*rows[:2], "...", rows[-1]], prime, ends)
+
+
+def _around(rows: Sequence[str], prime: str, ends: tuple[bool, bool]) -> str:
+    """Base, factors of the rows and tool; base and tool where one of the tables has them."""
     return " ".join([*([f"T{prime}_base"] if ends[0] else []), *rows, *([f"T{prime}_tool"] if ends[1] else [])])
 
 
@@ -98,22 +107,6 @@ def _links(conversion: Conversion) -> Iterator[str]:
             yield f"  link {i + 1}: [{ours}] is [{theirs}] in the {result.convention.value} frame {i + 1}"
         yield ""
     yield from (f"{note}." for note in conversion.notes)
-
-
-def _equal_product(conversion: Conversion, ends: tuple[bool, bool], write: Any) -> Iterator[str]:
-    """Both products multiplied out, and that they are equal; those of many rows are too long."""
-    source = conversion.source
-    if source.n > FEW_FACTORS:
-        yield f"{source.n} rows are not multiplied out here; the product is that of the same factors."
-        return
-    rows = [" ".join(f"A{prime}_{i}" for i in range(1, source.n + 1)) for prime in ("", "'")]
-    both = [
-        " ".join([*([f"T{p}_base"] if ends[0] else []), row, *([f"T{p}_tool"] if ends[1] else [])])
-        for p, row in zip(("", "'"), rows, strict=True)
-    ]
-    yield from _grid(f"T = {both[0]} = {both[1]}", Model(source).T, write)
-    same = has_equal_poses(conversion)
-    yield f"Both products multiplied out are {'equal' if same else 'DIFFERENT'}, entry by entry, in exact arithmetic."
 
 
 def _grid(name: str, matrix: Any, write: Any) -> list[str]:

@@ -130,7 +130,11 @@ def import_urdf(
     with exactly():
         written = arm_of(urdf, base, tip, Fraction(0))
         if not wants_possible(options.inertia):
-            _check_masses(written)
+            for axis in written.axes:  # a robot file has no link that weighs less than nothing
+                if (mass := sum(body.mass for body in axis.bodies)) < 0:
+                    found = f"link {quoted(axis.bodies[0].link)} and what it carries weigh {float(mass):g} kg"
+                    remedy = "correct the masses, or write --inertia possible"
+                    raise RobotFileError(found, remedy=remedy, location=axis.joint.location)
         table, remarks = _Chain(urdf, written, convention, options.name).understood(snap)
         notes = [_plain(note) for note in (*remarks, *_notes(urdf, table.arm))]
     robot = Robot.of(table.description)
@@ -276,16 +280,6 @@ def with_named_lengths(robot: Description) -> Description:
     named = {name: Name(name) if name in values else cell for name, cell in cells.items()}
     joints = tuple(replace(joint, d=named[f"d{i}"], a=named[f"a{i}"]) for i, joint in rows)
     return replace(robot, joints=joints, parameters=(*values.items(), *robot.parameters))
-
-
-def _check_masses(arm: Arm) -> None:
-    """Refuse what weighs less than nothing: a robot file has no such link."""
-    for axis in arm.axes:
-        mass = sum(body.mass for body in axis.bodies)
-        if mass < 0:
-            found = f"link {quoted(axis.bodies[0].link)} and what it carries weigh {float(mass):g} kg"
-            remedy = "correct the masses, or write --inertia possible"
-            raise RobotFileError(found, remedy=remedy, location=axis.joint.location)
 
 
 def _plain(text: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
@@ -75,21 +75,17 @@ def read_urdf(data: bytes, source: str) -> Urdf:
     unread: Counter[str] = Counter()
     for element in (root, *elements):
         look(element, unread, reader.note, reader.refused)
-    notes += (*reader.notes, *_roots(bodies, joints.values()))
+    carried = {joint.child for joint in joints.values()}
+    roots = [quoted(link) for link in bodies if link not in carried]
+    some = f"{', '.join(roots[:MOST_ROOTS])}{', ...' if len(roots) > MOST_ROOTS else ''}"
+    said = f"{len(roots)} links hang on no joint: {some}; other programs refuse such a file"
+    notes += (*reader.notes, said) if len(roots) > 1 else tuple(reader.notes)
     notes += tuple(f"{fault} (line {joint.location.line})" for joint in joints.values() if (fault := joint.fault))
     points = [f"{quoted(name)} (line {body.location.line})" for name, body in bodies.items() if body and body.is_point]
     notes += (f"inertial without inertia, a mass at a point: link {', '.join(points)}",) if points else ()
     table = root.findtext("dh_table", "").strip()
     kinds = tuple(name for name, _ in unread.most_common())
     return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, kinds, source, table)
-
-
-def _roots(links: Iterable[str], joints: Iterable[UrdfJoint]) -> tuple[str, ...]:
-    carried = {joint.child for joint in joints}
-    roots = [quoted(link) for link in links if link not in carried]
-    said = f"{len(roots)} links hang on no joint: {', '.join(roots[:MOST_ROOTS])}"
-    more = ", ..." if len(roots) > MOST_ROOTS else ""
-    return (f"{said}{more}; other programs refuse such a file",) if len(roots) > 1 else ()
 
 
 def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
@@ -128,7 +124,13 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
         raise RobotFileError(f"not XML: {found}", remedy="give a well-formed URDF", location=place)
     prefixes = sorted({error.message.split()[2] for error in parser.error_log if error.type == unbound})
     slips += [f"the XML prefix {prefix} is not bound" for prefix in prefixes]
-    return root, (*slips, *(f"the XML namespace {quoted(name)} is passed over" for name in _without_default(root)))
+    # Elements without a prefix lose their namespace, as for other readers of URDF.
+    spaces: dict[str, None] = {}
+    for element in root.iter("{*}*"):
+        if element.prefix is None and element.tag.startswith("{"):
+            name, _, element.tag = element.tag[1:].rpartition("}")
+            spaces[name] = None
+    return root, (*slips, *(f"the XML namespace {quoted(name)} is passed over" for name in spaces))
 
 
 def _mended(data: bytes) -> tuple[bytes, list[str]]:
@@ -150,16 +152,6 @@ def _mended(data: bytes) -> tuple[bytes, list[str]]:
             data = data.decode("latin-1").encode()
             slips.append("not in UTF-8, read as Latin-1")
     return data, slips
-
-
-def _without_default(root: etree._Element) -> list[str]:
-    """Takes the namespaces from the names of elements without a prefix, as other readers of URDF do; their names."""
-    found: dict[str, None] = {}
-    for element in root.iter("{*}*"):
-        if element.prefix is None and element.tag.startswith("{"):
-            name, _, element.tag = element.tag[1:].rpartition("}")
-            found[name] = None
-    return list(found)
 
 
 @dataclass(frozen=True)
@@ -231,9 +223,7 @@ class _UrdfReader:
             return Origin()
         xyz, rpy = (self.numbers(child, key, 3) for key in ("xyz", "rpy"))
         x, y, z = xyz or ZEROS
-        if child.get("quat_xyzw") is not None:
-            return Origin((x, y, z), self._angles(child))
-        roll, pitch, yaw = rpy or ZEROS
+        roll, pitch, yaw = self._angles(child) if child.get("quat_xyzw") is not None else rpy or ZEROS
         return Origin((x, y, z), (roll, pitch, yaw))
 
     def _angles(self, origin: etree._Element) -> Triple:

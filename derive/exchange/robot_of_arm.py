@@ -10,7 +10,7 @@ from flint import arb
 
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass
-from derive.exchange.common_normals import DHRow, Placement
+from derive.exchange.common_normals import Placement
 from derive.exchange.urdf import UNLIMITED
 from derive.mechanics.space import NOTHING, Frame, Point, Real, decimal, plus, real
 from derive.mechanics.vectors import dot
@@ -30,9 +30,15 @@ GRAVITY = Fraction(981, 100)  # where a format says nothing [m/s^2]
 
 def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, title: str) -> Description:
     """What a robot file says of an arm; angles closer to simple fractions of pi than the snap are these [rad]."""
-    joints = tuple(
-        _joint(i, axis, row, snap) for i, (axis, row) in enumerate(zip(arm.axes, placement.rows, strict=True), 1)
-    )
+    joints = []
+    for i, (axis, row) in enumerate(zip(arm.axes, placement.rows, strict=True), 1):
+        variable = f"q{i}"
+        limits = axis.limits and (number(rounded(axis.limits[0])), number(rounded(axis.limits[1])))
+        largest = (axis.joint.velocity, axis.joint.effort)
+        speed, torque = (number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in largest)
+        kind, label = JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC, joint_name(axis.joint.name)
+        cells = (angle(row.theta, snap), distance(row.d, snap), distance(row.a, snap), angle(row.alpha, snap))
+        joints.append(Joint(kind, variable, 1, *cells, limits, speed, torque, "" if label == variable else label))
     links: tuple[Link, ...] = ()
     if any(axis.bodies for axis in arm.axes):
         frames = placement.frames[1:]
@@ -42,34 +48,12 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
         name=name,
         title=title[: FILE_LIMITS.title_length],
         convention=placement.convention,
-        joints=joints,
+        joints=tuple(joints),
         base=_matrix(placement.frames[0], snap),
         tool=_matrix(placement.tool, snap),
         gravity=(next(down), next(down), next(down)) if links else None,
         links=links,
         parameters=(("g", number(GRAVITY)),) if links else (),
-    )
-
-
-def _joint(i: int, axis: Axis, row: DHRow, snap: Fraction) -> Joint:
-    of_file, limits = axis.joint, None
-    if axis.limits is not None:
-        limits = number(rounded(axis.limits[0])), number(rounded(axis.limits[1]))
-    speed, torque = (
-        number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in (of_file.velocity, of_file.effort)
-    )
-    return Joint(
-        JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC,
-        f"q{i}",
-        1,
-        angle(row.theta, snap),
-        distance(row.d, snap),
-        distance(row.a, snap),
-        angle(row.alpha, snap),
-        limits,
-        speed,
-        torque,
-        "" if (name := joint_name(of_file.name)) == f"q{i}" else name,
     )
 
 

@@ -42,7 +42,13 @@ def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted:
     inside = 0.0 if is_said else INSIDE
     chosen: tuple[int, ...] = ()
     found = _chosen(_placed(arm, said, chosen), wanted, inside)
-    for i in [i for i, s in enumerate(arm.segments) if is_said and i not in said and _is_divisible(s)]:
+    for i, segment in enumerate(arm.segments):
+        rotor = segment.rotor
+        if not is_said or i in said or rotor is None or segment.body is None or not segment.joint.is_revolute:
+            continue
+        # It must turn with the joints before its own, in a way that bodies could say.
+        if not (rotor.is_coupled and rotor.reflected > _share(segment)):
+            continue
         try:
             other = _chosen(_placed(arm, said, (*chosen, i)), wanted, inside)
         except NoSuchBodies:
@@ -50,14 +56,6 @@ def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted:
         if all(body.is_possible for k in (i - 1, i) if (body := other[0].segments[k].body)):
             found, chosen = other, (*chosen, i)
     return found
-
-
-def _is_divisible(segment: ChainSegment) -> bool:
-    """Whether its rotor turns with the joints before its own, in a way that bodies could say."""
-    rotor = segment.rotor
-    if rotor is None or segment.body is None or not segment.joint.is_revolute:
-        return False
-    return rotor.is_coupled and bool(rotor.reflected > _share(segment))
 
 
 def _share(segment: ChainSegment) -> Real:

@@ -50,8 +50,16 @@ def _matrix(frame: Frame) -> list[str]:
 
 def _row(arm: BodyChain, i: int) -> dict[str, Any]:
     """A row of the table with what its link weighs, in its own DH frame, and its motor."""
-    segment = arm.segments[i]
-    joint = segment.joint
+    joint, body = arm.segments[i].joint, None
+    if (weighed := arm.segments[i].body) is not None:
+        # rigidBodyTree wants the tensor about the frame
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = weighed.about((arb(0), arb(0), arb(0)))
+        body = {
+            "mass": text(weighed.mass),
+            "com": texts(weighed.com, ", "),
+            "inertia": [texts(row, ", ") for row in weighed.inertia],
+            "origin": texts((xx, yy, zz, yz, xz, xy), ", "),
+        }
     cells = {"theta": angle_text(joint.theta), "alpha": angle_text(joint.alpha)}
     cells |= {"d": text(ball(joint.d)), "a": text(ball(joint.a))}
     moving = "theta" if joint.is_revolute else "d"
@@ -63,23 +71,8 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
         "revolute": joint.is_revolute,
         "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
         "limits": texts(map(ball, joint.limits), ", ") if joint.limits else "",
-        "body": _body(arm, i),
+        "body": body,
         "motor": _motor(arm, i) if arm.robot.links else {},
-    }
-
-
-def _body(arm: BodyChain, i: int) -> dict[str, Any] | None:
-    body = arm.segments[i].body
-    if body is None:
-        return None
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.about(
-        (arb(0), arb(0), arb(0))
-    )  # rigidBodyTree wants it about the frame
-    return {
-        "mass": text(body.mass),
-        "com": texts(body.com, ", "),
-        "inertia": [texts(row, ", ") for row in body.inertia],
-        "origin": texts((xx, yy, zz, yz, xz, xy), ", "),
     }
 
 
@@ -140,24 +133,22 @@ def csv_text(arm: BodyChain, head: list[str]) -> str:
         out.write(f"# {name}: {'; '.join(_matrix(frame)).replace(',', '')}\n")
     if arm.robot.gravity is not None:
         out.write(f"# gravity: {texts(map(ball, arm.robot.gravity))}\n")
-    rows = [_csv_row(arm, i) for i in range(len(arm.segments))]
+    rows = []
+    for segment in arm.segments:
+        joint, link = segment.joint, segment.link
+        cells: dict[str, Any] = {key: getattr(joint, key) for key in ("theta", "d", "a", "alpha")}
+        cells |= dict(zip(("lower", "upper"), joint.limits or (None, None), strict=True))
+        cells |= {"speed": joint.speed, "torque": joint.torque}
+        if arm.robot.links:
+            cells |= {"mass": link.mass, **dict(zip(("x", "y", "z"), link.com, strict=True))}
+            cells |= {f"I{key}": getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
+            cells |= {key: getattr(link, key) for key in ("armature", "viscous", "coulomb")}
+            motor = link.motor
+            cells |= {f"motor_{key}": motor and getattr(motor, key) for key in ("mass", "inertia", "ratio")}
+        row = {"convention": arm.robot.convention.value, "joint": joint.label, "type": joint.type.value}
+        row["sign"] = str(joint.sign)
+        rows.append(row | {key: "" if cell is None else text(ball(cell)) for key, cell in cells.items()})
     table = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
     table.writeheader()
     table.writerows(rows)
     return out.getvalue()
-
-
-def _csv_row(arm: BodyChain, i: int) -> dict[str, str]:
-    joint, link = arm.segments[i].joint, arm.segments[i].link
-    row = {"convention": arm.robot.convention.value, "joint": joint.label, "type": joint.type.value}
-    row["sign"] = str(joint.sign)
-    cells: dict[str, Any] = {key: getattr(joint, key) for key in ("theta", "d", "a", "alpha")}
-    cells |= dict(zip(("lower", "upper"), joint.limits or (None, None), strict=True))
-    cells |= {"speed": joint.speed, "torque": joint.torque}
-    if arm.robot.links:
-        cells |= {"mass": link.mass, **dict(zip(("x", "y", "z"), link.com, strict=True))}
-        cells |= {f"I{key}": getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
-        cells |= {key: getattr(link, key) for key in ("armature", "viscous", "coulomb")}
-        motor = link.motor
-        cells |= {f"motor_{key}": motor and getattr(motor, key) for key in ("mass", "inertia", "ratio")}
-    return row | {key: "" if cell is None else text(ball(cell)) for key, cell in cells.items()}

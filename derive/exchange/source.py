@@ -17,6 +17,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -88,21 +89,16 @@ class Opened:
 def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None) -> Opened:
     """Read a URDF or a xacro file."""
     data, name = file_bytes(path, MOST_BYTES), str(path)
-    if not (path.suffix.lower() == XACRO or _is_xacro(data)):
+    # What stands outside comments may be something to expand.
+    first, *others = data.split(b"<!--") if b"xmlns:xacro" in data else [b""]
+    is_xacro = any(_XACRO.search(part) for part in (first, *(other.partition(b"-->")[2] for other in others)))
+    if not (path.suffix.lower() == XACRO or is_xacro):
         return opened(data, name, arguments)
     missing = next((f for text in packages if not Path(f := text.rpartition("=")[2]).is_dir()), None)
     if missing is not None:
         raise RobotFileError(f"--packages: no folder {quoted(missing, 200)}", remedy="name one that is there")
     urdf = read_urdf(_expanded(path, packages, arguments or {}), name)
     return Opened(urdf, sha256(data).hexdigest(), is_xacro=True)
-
-
-def _is_xacro(data: bytes) -> bool:
-    """Whether a file has something to expand outside comments."""
-    if b"xmlns:xacro" not in data:
-        return False
-    first, *others = data.split(b"<!--")
-    return any(_XACRO.search(part) for part in (first, *(other.partition(b"-->")[2] for other in others)))
 
 
 def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -> Opened:
@@ -172,25 +168,20 @@ def guarded() -> Iterator[list[str]]:
     for name in OPENERS:
         offered.pop(name, None)
     refused: list[str] = []
-    xacro.safe_eval, substitution_args._eval = (_only_allowed(each, refused) for each in (braces, parentheses))
-    try:
-        yield refused
-    finally:
-        xacro.safe_eval, substitution_args._eval = braces, parentheses
-        offered.update(kept)
 
-
-def _only_allowed(evaluator: Callable[..., Any], refused: list[str]) -> Callable[..., Any]:
-    """An evaluator of xacro that refuses names which lead out of the file, and notes them."""
-
-    def _checked(expression: str, *context: Any) -> Any:
+    def _checked(evaluator: Callable[..., Any], expression: str, *context: Any) -> Any:
         name = forbidden(expression)
         if name is not None:
             refused.append(name)
             raise ValueError(f"an expression uses {name}")
         return evaluator(expression, *context)
 
-    return _checked
+    xacro.safe_eval, substitution_args._eval = (partial(_checked, each) for each in (braces, parentheses))
+    try:
+        yield refused
+    finally:
+        xacro.safe_eval, substitution_args._eval = braces, parentheses
+        offered.update(kept)
 
 
 class _Asked(dict[str, str]):

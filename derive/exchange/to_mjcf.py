@@ -39,6 +39,14 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     radius = THICKNESS * arm.size
     bodies = [_body(arm, written, radius) for written in written_bodies(arm)]
     margins = ["  " * (depth + 2) for depth in range(len(bodies))]
+    rotors = []
+    names = [xml_text(segment.joint.label) for segment in arm.segments]
+    for i, rotor in enumerate(segment.rotor for segment in arm.segments):
+        if rotor and coupled_by_tendon(rotor):
+            # The inertia of a rotor along drag[0] qd_1 + ... + ratio qd_i.
+            pairs = zip(names[: i + 1], [*map(repr, rotor.drag or ()), text(rotor.ratio)], strict=True)
+            coefficients = [(name, factor) for name, factor in pairs if abs(float(factor)) > 1e-15]
+            rotors.append({"name": f"rotor_{names[i]}", "armature": text(rotor.inertia), "joints": coefficients})
     return render(
         "exchange/robot.mjcf.jinja",
         name=arm.robot.name,
@@ -50,7 +58,7 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
         joints=[joint for body in bodies for joint in body["joints"]],
         threads=[body["first"] for body in bodies if body["first"] and body["first"]["thread"]],
         tool={"pos": texts(end.origin), "quat": _turn(end)},
-        rotors=[_tendon(arm, i, s.rotor) for i, s in enumerate(arm.segments) if s.rotor and coupled_by_tendon(s.rotor)],
+        rotors=rotors,
         radius=f"{radius:.3g}",
         thick=f"{1.4 * radius:.3g}",
         half=f"{1.5 * radius:.3g}",
@@ -94,7 +102,10 @@ def _weights(arm: BodyChain) -> list[RigidBody]:
         link, beyond = (joint - 1, joint) if onwards else (joint, joint - 1)
         way = arm.segments[joint].origin
         body = bodies[link].moved(WORLD.seen_from(way)) if onwards else bodies[link]
-        if arm.segments[joint].joint.is_revolute and is_too_thin(body) and _is_round(body) and not _is_nothing(body):
+        # Whether it looks the same from all sides around its z axis.
+        xx, yy, _, xy, xz, yz = body.entries
+        is_round = all(bool(abs(part) < LEAST) for part in (*body.com[:2], xx - yy, xy, xz, yz))
+        if arm.segments[joint].joint.is_revolute and is_too_thin(body) and is_round and not _is_nothing(body):
             bodies[beyond] = bodies[beyond] + (body if onwards else body.moved(way))
             bodies[link] = NO_BODY
     return bodies
@@ -104,22 +115,8 @@ def _is_nothing(body: RigidBody) -> bool:
     return body.is_possible and bool(body.mass < LEAST and body.principal[0][2] < LEAST)
 
 
-def _is_round(body: RigidBody) -> bool:
-    """Whether it looks the same from all sides around its z axis."""
-    xx, yy, _, xy, xz, yz = body.entries
-    return all(bool(abs(part) < LEAST) for part in (*body.com[:2], xx - yy, xy, xz, yz))
-
-
 def _turn(frame: Frame) -> str:
     return texts(quaternion(frame))
-
-
-def _tendon(arm: BodyChain, i: int, rotor: Rotor) -> dict[str, Any]:
-    """The inertia of a rotor along drag[0] qd_1 + ... + ratio qd_i."""
-    names = [xml_text(segment.joint.label) for segment in arm.segments[: i + 1]]
-    factors = [*map(repr, rotor.drag or ()), text(rotor.ratio)]
-    coefficients = [(name, factor) for name, factor in zip(names, factors, strict=True) if abs(float(factor)) > 1e-15]
-    return {"name": f"rotor_{names[-1]}", "armature": text(rotor.inertia), "joints": coefficients}
 
 
 def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]:

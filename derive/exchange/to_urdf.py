@@ -37,13 +37,20 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
     frames: list[dict[str, Any]] = [
         {"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root, "flange", TIP))
     ]
-    links = [*frames[:-2], *(_link(arm, i, named[i], radius) for i in range(n)), *frames[-2:]]
+    links: list[dict[str, Any]] = []
+    for name, segment in zip(named, arm.segments, strict=True):
+        inertial = None  # of what moves with a joint, in the joint's frame
+        if segment.body is not None:
+            body = segment.body.moved(segment.dh)
+            entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)
+            inertial = {"mass": text(body.mass), "xyz": texts(body.com), "inertia": dict(entries)}
+        links.append({"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)})
     return render(
         "exchange/robot.urdf.jinja",
         name=arm.robot.name,
         head=head,
         table=escape(table_text(arm.robot)),
-        links=links,
+        links=[*frames[:-2], *links, *frames[-2:]],
         joints=joints,
         radius=f"{radius:.3g}",
         thick=f"{1.4 * radius:.3g}",
@@ -81,17 +88,6 @@ def _joint(segment: ChainSegment, parent: str, child: str) -> dict[str, Any]:
         "limit": bounds,
         "dynamics": dynamics if set(dynamics.values()) != {"0"} else {},
     }
-
-
-def _link(arm: BodyChain, i: int, name: str, radius: float) -> dict[str, Any]:
-    """What moves with a joint, in the joint's frame."""
-    segment, inertial = arm.segments[i], None
-    body = segment.body
-    if body is not None:
-        body = body.moved(segment.dh)
-        entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)
-        inertial = {"mass": text(body.mass), "xyz": texts(body.com), "inertia": dict(entries)}
-    return {"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)}
 
 
 def rod(end: Point, radius: float) -> dict[str, str] | None:

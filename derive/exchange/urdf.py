@@ -8,7 +8,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from types import MappingProxyType
@@ -126,7 +126,13 @@ def look(
     tag, (attributes, elements) = str(element.tag), READ[str(element.tag)]
     if tag == "limit" and element.getparent().get("type", "").strip() == "continuous":
         attributes = ("effort", "velocity")
-    for name, known in _unknown(element, attributes, elements):
+    # Names in an element that nothing reads, and texts, with what might stand in their place.
+    unknown: list[tuple[str, Sequence[str]]] = []
+    unknown += ((str(name), attributes) for name in element.attrib if name not in attributes)
+    unknown += ((str(child.tag), elements) for child in element if child.tag not in elements)
+    texts = (element.text, *(child.tail for child in element))
+    unknown += ((text.strip(), ()) for text in texts if text and text.strip())
+    for name, known in unknown:
         if _shapes(tag, name):
             remedy = near_miss(name, known) or "correct it, or leave it out where it changes nothing"
             found, allowed = f"{tag}: {quoted(name)} is not known, and could change the arm", ", ".join(known)
@@ -137,16 +143,6 @@ def look(
         if within[child] > 1:
             note(element, f"{within[child]} elements {child} in one {tag}: the first is taken")
         look(element.find(child), unread, note, refused)
-
-
-def _unknown(
-    element: etree._Element, attributes: Sequence[str], elements: Sequence[str]
-) -> Iterator[tuple[str, Sequence[str]]]:
-    """Names in an element that nothing reads, and texts, with what might stand in their place."""
-    yield from ((str(name), attributes) for name in element.attrib if name not in attributes)
-    yield from ((str(child.tag), elements) for child in element if child.tag not in elements)
-    texts = (element.text, *(child.tail for child in element))
-    yield from ((text.strip(), ()) for text in texts if text and text.strip())
 
 
 def _shapes(tag: str, name: str) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,17 +14,11 @@ from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.vectors import dot
 from derive.model.kinematic_model import KinematicModel
 from derive.motion.motion import Motion
-from derive.motion.torques.functions import Functions, check_numbers
+from derive.motion.torques.functions import Functions, check_numbers, kinematics_alone
 from derive.plans.hermite import TIME
 from derive.robot.names import free_symbols
-from derive.robot.robot import Robot
 
 AXES = ("x", "y", "z")
-
-
-def kinematics_alone(robot: Robot) -> Robot:
-    """A robot without links: nobody asks what it weighs."""
-    return replace(robot, links=(), gravity=None)
 
 
 class HandCurve:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from textwrap import shorten
@@ -25,7 +25,7 @@ from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import CarriedBody
-from derive.motion.torques.functions import Functions, check_numbers
+from derive.motion.torques.functions import Functions, check_numbers, kinematics_alone
 from derive.motion.torques.loads import LEAST_INTERVALS, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
@@ -219,8 +219,8 @@ class Motion:
             QuantityError: A symbol has no number.
         """
         times = np.asarray(t, dtype=float)
-        robot = replace(self.plan.robot, links=(), gravity=None)
-        arm = Functions(robot, frozenset({"forward_kinematics"}), self.values)("forward_kinematics", self(times)[0])
+        functions = Functions(kinematics_alone(self.plan.robot), frozenset({"forward_kinematics"}), self.values)
+        arm = functions("forward_kinematics", self(times)[0])
         return arm if self.base is None else self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm
 
     @property

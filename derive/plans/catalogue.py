@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from derive.errors import UnknownRobotError, near_miss, quoted
-from derive.robot.description import Joint
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import names, number
 from derive.robot.load import file_bytes, is_there
@@ -81,21 +80,18 @@ def new_plan_text(name: str, robot: Robot, source: str) -> str:
     units = "units of the robot file" if robot.units.parameters else "SI units"
     values = f"values: {{{chosen}}}   # {units}\n" if missing else ""
     known = {**dict.fromkeys(missing, 1.0), **{symbol: float(value) for symbol, value in numbers.items()}}
-    ends = [_stride(robot, joint, known) for joint in robot.joints]
+    ends = []  # where each joint stands and where it goes, within its limits, in the units of the robot file
+    for joint in robot.joints:
+        angle = math.radians(1) if robot.units.degrees else 1.0
+        unit = angle if joint.is_revolute else 0.001 if robot.units.millimetres else 1.0
+        start, end, bounds = 0.0, STRIDE[joint.is_revolute], joint.limits or ()
+        if bounds and all(symbol in known for cell in bounds for symbol in names(cell)):
+            low, high = (evaluate(cell, known) for cell in bounds)
+            start = 0.0 if low <= 0 < high else (low + high) / 2
+            end = min(start + end, (start + high) / 2)
+        ends.append((start / unit, end / unit))
     home, away = (", ".join(f"{value:.6g}" for value in column) for column in zip(*ends, strict=True))
     return _NEW.format(name=name, robot=source, values=values, home=home, away=away)
-
-
-def _stride(robot: Robot, joint: Joint, known: Mapping[str, float]) -> tuple[float, float]:
-    """Where a joint stands and where it goes, within its limits, in the units of the robot file."""
-    angle = math.radians(1) if robot.units.degrees else 1.0
-    unit = angle if joint.is_revolute else 0.001 if robot.units.millimetres else 1.0
-    stride, bounds = STRIDE[joint.is_revolute], joint.limits or ()
-    if not bounds or any(symbol not in known for cell in bounds for symbol in names(cell)):
-        return 0.0, stride / unit
-    low, high = (evaluate(cell, known) for cell in bounds)
-    home = 0.0 if low <= 0 < high else (low + high) / 2
-    return home / unit, min(home + stride, (home + high) / 2) / unit
 
 
 def plan_text(keys: Mapping[str, Any]) -> str:

@@ -30,15 +30,15 @@ class PlanCells:
         self._document = document
         self._robot = robot
         self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))
-        self.values: Mapping[str, Expression] = {name: self._value(name) for name in self.keys(("values",))}
-
-    def _value(self, name: str) -> Expression:
-        path: KeyPath = ("values", name)
-        check_symbol(self._document, path, name)
-        if name == TIME or any(joint.variable == name for joint in self._robot.joints):
-            what = "the time" if name == TIME else "a joint variable"
-            raise self._document.error(path, f"{name} is {what}", "allowed: symbols of the robot and of formulas")
-        return self._with_numbers(path, self.cells.symbol(path, self._robot, name), parameter_values(self._robot))
+        self.values: dict[str, Expression] = {}
+        for name in self.keys(("values",)):
+            path: KeyPath = ("values", name)
+            check_symbol(document, path, name)
+            if name == TIME or any(joint.variable == name for joint in robot.joints):
+                what = "the time" if name == TIME else "a joint variable"
+                raise document.error(path, f"{name} is {what}", "allowed: symbols of the robot and of formulas")
+            value = self.cells.symbol(path, robot, name)
+            self.values[name] = self._with_numbers(path, value, parameter_values(robot))
 
     @cached_property
     def numbers(self) -> Mapping[str, Fraction | float]:

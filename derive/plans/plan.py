@@ -1,30 +1,37 @@
-"""Reads a motion plan: the robot, its points, the way between them and what moves it; exact, in SI units, radians."""
+"""Reads a motion plan: the robot, its points, the way between them and what moves it; exact, in SI units, radians.
+
+Keys without effect are refused, loads and links that no body has are remarked on.
+"""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
-from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
+from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.plans.catalogue import plan_bytes
 from derive.plans.cells import PlanCells, Read
-from derive.plans.checks import check_effects, remarks_on_loads
 from derive.plans.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
 from derive.plans.moving_base import PATHS, MovingBase, read_base
 from derive.plans.points import Payload, Point, Pose, Step, Vector
 from derive.plans.profile import Profile
 from derive.plans.schema import PlanFile
+from derive.robot.body_remarks import REMEDY, impossible_links, lack_of, too_large
 from derive.robot.description import Remark
+from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ONE, ZERO, Expression, names, number, substitute
 from derive.robot.load import catalogue_names
+from derive.robot.options.inverse import FREEDOMS
 from derive.robot.reading.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
 from derive.robot.reading.schema import check_structure
 from derive.robot.robot import Robot
 
+OF_PATHS = ("points", "profile", "via", "spline")  # keys of a plan that are about its path
 Most = tuple[Expression | None, ...]  # the largest value of each joint; None where nothing limits it
+Idle = tuple[KeyPath, str, str]  # a key without effect: its place, what is found, and what to do
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +121,7 @@ class _PlanReader:
 
     def read(self) -> Plan:
         """The whole plan."""
-        document, numbers = self._document, self._numbers
+        document, numbers, period = self._document, self._numbers, ("control", "period")
         points = {name: self._point(name) for name in numbers.keys(("points",))}
         count = document.length(("path",))
         steps = tuple(self._step(index, points) for index in range(1, count))
@@ -139,7 +146,12 @@ class _PlanReader:
             acceleration=self._most("acceleration", (None,) * self._robot.n),
             torque=self._most("torque", tuple(joint.torque for joint in joints)),
             values=numbers.values,
-            control=self._control(),
+            control=Control(
+                law=document.text("control", "law") or "none",
+                kp=self._gains(("control", "kp")),
+                kd=self._gains(("control", "kd")),
+                period=numbers.positive(period, ONE) if document.scalar(period) else None,
+            ),
             friction=document.text("friction") or "smooth",
             plant=plant_numbers(document, self._robot, numbers),
             plant_payload=self._payload(("plant", PAYLOAD)),
@@ -192,12 +204,7 @@ class _PlanReader:
             if branch and not branch.text.strip(" ,"):
                 raise self._document.error((*path, "branch"), "found nothing", remedy="leave it out for the nearest")
             return Point(name, None, self._pose((*path, "pose")), branch.text if branch else "", location)
-        q = self._numbers.of_joints(path)
-        self._check_limits(path, q)
-        return Point(name, q, None, "", location)
-
-    def _check_limits(self, path: KeyPath, q: Vector) -> None:
-        numbers = self._numbers
+        numbers, q = self._numbers, self._numbers.of_joints(path)
         for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
             ends = joint.limits or ()
             if not ends or any(name not in numbers.numbers for limit in ends for name in names(limit)):
@@ -208,6 +215,7 @@ class _PlanReader:
                 unit = "rad" if joint.is_revolute else "m"
                 found = f"{joint.variable} = {at:.6g} {unit} is outside its limits"
                 raise self._document.error((*path, k), found, f"allowed: {low:.6g} to {high:.6g} {unit}")
+        return Point(name, q, None, "", location)
 
     def _pose(self, path: KeyPath) -> Pose:
         def _three(key: str, read: Read) -> Vector:
@@ -292,16 +300,6 @@ class _PlanReader:
             raise RobotFileError(f"no file {quoted(str(beside))}", allowed=allowed, location=file.location)
         return beside
 
-    def _control(self) -> Control:
-        path: KeyPath = ("control",)
-        period = (*path, "period")
-        return Control(
-            law=self._document.text(*path, "law") or "none",
-            kp=self._gains((*path, "kp")),
-            kd=self._gains((*path, "kd")),
-            period=self._numbers.positive(period, ONE) if self._document.scalar(period) else None,
-        )
-
     def _gains(self, path: KeyPath) -> Vector:
         n, count = self._robot.n, self._document.length(path)
         if count and count != n:
@@ -325,3 +323,74 @@ class _PlanReader:
         if found and self._document.scalar(("time",)) is None:
             raise self._document.error(("curves",), "no time", remedy="write time: 10 beside curves [s]")
         return {name: found.get(name, ZERO) for name in variables} if found else {}
+
+
+def check_effects(document: Document, robot: Robot, given: str, points: Iterable[str], steps: Sequence[Step]) -> None:
+    """Refuse the first key of a plan without effect; ``given`` is which of path, curves and recorded it has."""
+    for path, found, remedy in _idle(document, robot, given, points, steps):
+        if document.find(path) is not None:
+            raise document.error(path, found, remedy=remedy)
+
+
+def _idle(document: Document, robot: Robot, given: str, points: Iterable[str], steps: Sequence[Step]) -> Iterator[Idle]:
+    if given != "path":
+        yield from (((key,), f"{key} beside {given}, and there is no path", f"leave {key} out") for key in OF_PATHS)
+    if not any(step.profile is Profile.SPLINE for step in steps):
+        found = f"{document.text('spline')}, and no profile is spline"
+        yield ("spline",), found, "write profile: spline, or leave spline: out"
+    if FREEDOMS.keys().isdisjoint(robot.inverse.task):
+        found = f"an orientation, and the task of {robot.name} has none"
+        poses: list[KeyPath] = [("points", name, "pose") for name in points]
+        yield from (((*path, key), found, "leave it out") for path in poses for key in ("rpy", "zyz"))
+    if document.text("control", "law") == "none":
+        remedy = "name another law, or leave it out"
+        yield from ((("control", key), f"{key} of no control law", remedy) for key in ("kp", "kd", "period"))
+    if not robot.has_dynamics:
+        remedy = "leave it out, or write links into the robot file"
+        bodies: list[KeyPath] = [("path", k, "payload") for k in range(1, len(steps) + 1)]
+        yield from ((path, f"{robot.name} has no dynamics", remedy) for path in (*bodies, ("plant",), ("disturbance",)))
+    yield from _stopped(document, steps)
+
+
+def _stopped(document: Document, steps: Sequence[Step]) -> Iterator[Idle]:
+    """Points that shall be passed where the arm stops; the end of a path only where its own segment says so."""
+    for k, (step, after) in enumerate(zip(steps, [*steps, None][1:], strict=True), 1):
+        path: KeyPath = ("path", k, "via")
+        own = document.text(*path)
+        if (own or document.text("via")) != "pass" or not (after or own):
+            continue
+        if after is None:
+            why = "where the path ends"
+        elif step.in_space or after.in_space:
+            why = "between a line or an arc and another segment"
+        elif step.profile is not after.profile:
+            why = f"between {step.profile} and {after.profile}"
+        else:
+            continue
+        remedy = "leave via out" if after is None else f"write {{to: {step.to}, via: stop, ...}}"
+        yield path if own else ("via",), f"{step.to} is not passed: the arm stops {why}", remedy
+
+
+def remarks_on_loads(
+    document: Document,
+    robot: Robot,
+    numbers: tuple[Mapping[str, Expression], Mapping[str, Expression]],
+    payloads: Mapping[KeyPath, Payload],
+) -> Iterator[Remark]:
+    """Of a plan with numbers of its own and such of the plant for the symbols of its robot."""
+    values = dict(parameter_values(robot))
+    told = impossible_links(robot, values) if robot.remarks else {}
+    for key, given in zip(("values", "plant"), numbers, strict=True):
+        values |= {name: evaluate(value, values) for name, value in given.items()}
+        lacks = impossible_links(robot, values)
+        if given and lacks and lacks != told:
+            links = ", ".join(str(index + 1) for index in lacks)
+            found = f"with these {key} links {links}, inertia: {too_large(lacks.values())}"
+            yield Remark(document.location((key,)), found, REMEDY, is_of_bodies=True)
+            told = lacks
+    for path, payload in payloads.items():
+        xx, yy, zz = (Fraction(evaluate(cell, values)) for cell in payload.inertia)
+        if lack := lack_of((xx, yy, zz, Fraction(0), Fraction(0), Fraction(0))):
+            found = f"{path_text(path)}, inertia: {too_large([lack])}"
+            remedy = "write the moments of a body about its centre of mass"
+            yield Remark(document.location((*path, "inertia")), found, remedy, is_of_bodies=True)

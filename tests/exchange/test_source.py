@@ -84,24 +84,22 @@ def test_what_xacro_does_not_find_is_one_message(tmp_path: Path) -> None:
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("by_name", [False, True])
-def test_packages_are_found_by_folder_or_by_name(tmp_path: Path, by_name: bool) -> None:
-    folder = tmp_path / "src" / ("other" if by_name else "bars")
-    folder.mkdir(parents=True)
-    (folder / "arm.xacro").write_text(XACRO)
-    path = tmp_path / "cell.xacro"
-    include = '<xacro:include filename="$(find bars)/arm.xacro"/>'
+@pytest.mark.parametrize(
+    ("folder", "included", "packages"),
+    [
+        ("src/bars", "$(find bars)/arm.xacro", ["{}/src"]),
+        ("src/other", "$(find bars)/arm.xacro", ["bars={}/src/other"]),
+        (".", "arm.xacro", []),
+    ],
+)
+def test_includes_are_found_in_packages_by_folder_or_name_and_beside_the_file(
+    folder: str, included: str, packages: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / folder).mkdir(parents=True, exist_ok=True)
+    (tmp_path / folder / "arm.xacro").write_text(XACRO)
+    path, include = tmp_path / "cell.xacro", f'<xacro:include filename="{included}"/>'
     path.write_text(f'<robot name="cell" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>')
-    package = f"bars={folder}" if by_name else str(tmp_path / "src")
-    assert len(open_urdf(path, [package]).urdf.joints) == 2
-
-
-def test_includes_are_found_beside_the_file(tmp_path: Path) -> None:
-    (tmp_path / "arm.xacro").write_text(XACRO)
-    path = tmp_path / "cell.xacro"
-    include = '<xacro:include filename="arm.xacro"/>'
-    path.write_text(f'<robot name="cell" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>')
-    assert len(open_urdf(path).urdf.joints) == 2
+    assert len(open_urdf(path, [package.format(tmp_path) for package in packages]).urdf.joints) == 2
 
 
 def test_a_digest_is_that_of_the_file_which_is_named_from_the_folder_of_the_other(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -15,9 +15,7 @@ from derive.robot.robot import Robot
 ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
-def mjcf(
-    robot: Robot, values: Mapping[str, float], step: float, rotors: Sequence[tuple[float, Sequence[float]]] = ()
-) -> str:
+def mjcf(robot: Robot, values: Mapping[str, float], step: float) -> str:
     """The arm with masses, armature and viscous friction; without limits, contacts and Coulomb friction."""
     root = Xml.Element("mujoco")
     Xml.SubElement(root, "compiler", angle="radian", inertiafromgeom="false", balanceinertia="false")
@@ -48,11 +46,6 @@ def mjcf(
         mass = repr(evaluate(link.mass, values))
         Xml.SubElement(body, "inertial", pos=com, mass=mass, fullinertia=inertia)
         parent, before = body, np.eye(4)
-    tendons = Xml.SubElement(root, "tendon")
-    for inertia_of, speed in rotors:
-        tendon = Xml.SubElement(tendons, "fixed", armature=repr(inertia_of))
-        for joint, factor in zip(robot.joints, speed, strict=False):
-            Xml.SubElement(tendon, "joint", joint=joint.variable, coef=repr(factor))
     return Xml.tostring(root, encoding="unicode")
 
 

@@ -20,14 +20,12 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
         "b: {q1: 1, q2: 2}": "5:7: points, b: unknown key 'q1'; allowed: pose, branch; remove it",
         "b: [yes, 2]": "5:7: points, b entry 1: the symbol 'yes' has no number; write values: {yes: ...}",
         "b: [.nan, 2]": "5:7: points, b entry 1: unexpected character '.' in '.nan'; allowed: integers, decimals,",
-        "b: [.inf, 2]": "5:7: points, b entry 1: unexpected character '.' in '.inf'; allowed: integers, decimals,",
         "b: [nan, 2]": "5:7: points, b entry 1: 'nan' is not a number; write a finite number or another name",
         "b: [1, 1e400]": "5:10: points, b entry 2: decimal exponent too large; at most 99",
         "b: [1, 10^10^10]": "5:12: points, b entry 2: unexpected character '^' in '10^10^10'; allowed: integers,",
         "b: [1, 1/0]": "5:11: points, b entry 2: division by zero in '1/0'; remove it",
         "b: [1, sqrt(-1)]": "5:10: points, b entry 2: root of a negative number; allowed: a finite real value",
         "b: [1, __import__('os')]": "5:10: points, b entry 2: unexpected character '_' in '__import__('os')'; allowed:",
-        "b: [1, t]": "5:10: points, b entry 2: the symbol 't' has no number; write values: {t: ...}",
         "b: [1, q1]": "5:10: points, b entry 2: the symbol 'q1' has no number; write values: {q1: ...}",
         "b: [4, 2]": "5:7: points, b entry 1: q1 = 4 rad is outside its limits; allowed: -3 to 3 rad",
         "b: {pose: {p: [2, 0, 0]}}": "5:3: the arm does not reach b: q2 is real for Abs(D) <= 1, which are 2.75 and 1;",
@@ -51,7 +49,6 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
     },
     "path: [a,": {
         "path: [1,": "6:8: path entry 1: unknown point '1'; allowed: a, b",
-        "path: [null,": "6:8: path entry 1: unknown point 'null'; allowed: a, b",
     },
     "{to: b, time: 1}": {
         "{time: 1}": "6:11: path entry 2: key 'to' is missing; add it",
@@ -67,19 +64,14 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
     },
     "time: 1": {
         "time: .nan": "6:25: path entry 2, time: unexpected character '.' in '.nan'; allowed: integers, decimals,",
-        "time: .inf": "6:25: path entry 2, time: unexpected character '.' in '.inf'; allowed: integers, decimals,",
         "time: [1]": "6:25: path entry 2, time: found a list; allowed: one number, name or expression; check the",
-        "time: -1": "6:25: path entry 2, time: found '-1'; allowed: a time above zero [s]",
         "time: 0": "6:25: path entry 2, time: found '0'; allowed: a time above zero [s]",
         "time: 1e-300": "6:25: path entry 2, time: decimal exponent too large; at most 99",
-        "time: 1e300": "6:25: path entry 2, time: decimal exponent too large; at most 99",
         "time: 1e7": "6:7: 1e+09 samples of 1e+07 s, 72 GB; allowed: at most 1000000 samples; write sample: 1e+04",
         "time: soon": "6:25: path entry 2, time: the symbol 'soon' has no number; write values: {soon: ...}",
         "time: 3s": "6:26: path entry 2, time: no operator before 's' in '3s'; write 3: numbers are in SI units;",
-        "time: T": "6:25: path entry 2, time: the symbol 'T' has no number; write values: {T: ...}",
         "time: 1:30": "6:26: path entry 2, time: unexpected character ':' in '1:30'; allowed: integers, decimals,",
         "time: 1, payload: -1": "6:37: path entry 2, payload: found '-1'; allowed: zero or more [kg]",
-        "time: 1, payload: .nan": "6:37: path entry 2, payload: unexpected character '.' in '.nan'; allowed: integers,",
         "time: 1, payload: [1, 2]": "6:37: path entry 2, payload: found a list; allowed: one number, name or "
         "expression or a",
         "time: 1, payload: {com: [0, 0, 0]}": "6:37: path entry 2, payload: key 'mass' is missing; add it",
@@ -87,43 +79,32 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
         "write zeros where nothing",
         "time: 1, payload: {mass: 1, inertia: [-1, 0, 0]}": "6:57: path entry 2, payload, inertia entry 1: found '-1'; "
         "allowed: zero or more [kg m^2]",
-        "time: 1, payload: {mass: 1, com: [w, 0, 0]}": "6:53: path entry 2, payload, com entry 1: the symbol 'w' has "
-        "no number; write values: {w:",
         "time: 1, line: maybe": "6:34: path entry 2, line: found 'maybe'; allowed: 'yes', 'no', 'true' or 'false'",
         "time: 1, through: zz": "6:37: path entry 2, through: unknown point 'zz'; allowed: a, b",
         "time: 1, line: yes, through: a": "6:48: path entry 2, through: both line and through; allowed: one of the "
         "two; remove one",
         "time: 1, through: a": "6:11: the three positions lie on one line; write line: yes",
-        "time: 1, profile: trapezoidal, cruise: 1": "6:11: cruise 1 of the trapezoid to b; allowed: above 1, and 2 at "
-        "most: a speed V with D/T <",
         "time: 1, profile: trapezoidal, cruise: 3": "6:11: cruise 3 of the trapezoid to b; allowed: above 1, and 2 at "
         "most: a speed V with D/T <",
-        "time: 1, profile: trapezoidal, cruise: -1": "6:11: cruise -1 of the trapezoid to b; allowed: above 1, and 2 "
-        "at most: a speed V with D/T",
         "time: 1, cruise: 1.5": "6:36: path entry 2, cruise: a cruise of a quintic motion; allowed: of a trapezoid;",
         "time: 1, via: through": "6:33: path entry 2, via: found 'through'; allowed: 'stop' or 'pass'",
         "time: 1, via: pass": "6:33: path entry 2, via: b is not passed: the arm stops where the path ends; leave",
     },
     "": {
         "sample: 0\n": "7:9: sample: found '0'; allowed: a time above zero [s]",
-        "sample: -1\n": "7:9: sample: found '-1'; allowed: a time above zero [s]",
         "sample: [1]\n": "7:9: sample: found a list; allowed: one number, name or expression; check the indentation",
         "sample: 1e-9\n": "7:9: 1e+09 samples of 1 s, 72 GB; allowed: at most 1000000 samples; write sample: 0.001 [s]",
-        "sample: .nan\n": "7:9: sample: unexpected character '.' in '.nan'; allowed: integers, decimals, names, + - *",
         "speed: [1]\n": "7:8: speed: 1 value for 2 joints; allowed: one for each of q1, q2",
         "speed: 1\n": "7:8: speed: found the text '1'; allowed: a list; check the indentation and the dashes",
-        "speed: [0, 1]\n": "7:9: speed entry 1: not above zero; allowed: a positive number",
         "speed: [-1, 1]\n": "7:9: speed entry 1: not above zero; allowed: a positive number",
+        "speed: [0, 1]\n": "7:9: speed entry 1: not above zero; allowed: a positive number",
         "speed: [null, 1]\n": "7:9: speed entry 1: 'null' is not a number; write a finite number or another name",
-        "speed: [.inf, 1]\n": "7:9: speed entry 1: unexpected character '.' in '.inf'; allowed: integers, decimals,",
         "torque: [1]\n": "7:9: torque: 1 value for 2 joints; allowed: one for each of q1, q2",
         "acceleration: [w, 1]\n": "7:16: acceleration entry 1: the symbol 'w' has no number; write values: {w: ...}",
         "control: {law: pd, kp: -1}\n": "7:24: control, kp: found '-1'; allowed: zero or more; a gain below zero",
         "control: {law: pd, kp: [1, 2, 3]}\n": "7:24: control, kp: 3 gains for 2 joints; allowed: one, or 2",
         "control: {law: pd, kp: {q1: 2}}\n": "7:24: control, kp: found a mapping; allowed: one number, name or "
         "expression or a list;",
-        "control: {law: pd, kp: .nan}\n": "7:24: control, kp: unexpected character '.' in '.nan'; allowed: integers, "
-        "decimals, names,",
         "control: {law: pid}\n": "7:16: control, law: found 'pid'; allowed: 'none', 'pd', 'pd-gravity' or "
         "'computed-torque';",
         "control: {kp: 1}\n": "7:10: control: key 'law' is missing; add it",
@@ -140,10 +121,7 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
         "allowed: an end after the start, neither",
         "disturbance: {joint: q1, torque: 1, end: 1}\n": "7:14: disturbance: found a mapping; allowed: a list; check "
         "the indentation; texts with ': '",
-        "disturbance: [{joint: q1, torque: .nan, end: 1}]\n": "7:35: disturbance entry 1, torque: unexpected character "
-        "'.' in '.nan'; allowed: integers,",
         "values: {zz: 1}\n": "7:14: values, zz: no symbol 'zz' in arm or in a formula; remove it",
-        "values: {zz: .nan}\n": "7:14: values, zz: unexpected character '.' in '.nan'; allowed: integers, decimals,",
         "values: [1]\n": "7:9: values: found a list; allowed: a mapping; check the indentation and the dashes",
         "values: {x: y, y: x}\n": "7:13: values, x: the symbol 'y' has no number; write values: {y: ...}",
         "values: {'a b': 1}\n": "7:17: values, a b: 'a b' is not a name; allowed: a letter A-Z or a-z, then letters,",
@@ -151,6 +129,9 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
         "curves: {q1: t}\ntime: 1\n": "7:9: curves: both path and curves; allowed: one of them; write path: [rest, "
         "{to: A, time:",
         "base: {x: w*t}\n": "7:11: base, x: the symbol 'w' has no number; write values: {w: ...}",
+        "disturbance: [{joint: q1, torque: w, end: 1}]\n": "7:35: disturbance entry 1, torque: the symbol 'w' has no "
+        "number; write values: {w: ...}",
+        "base: {rpy: [0, 0]}\n": "7:13: base, rpy: 2 entries; allowed: exactly 3; write zeros where nothing else is",
         "base: {w: t}\n": "7:8: base: unknown key 'w'; allowed: x, y, z, rpy; remove it",
         "base: 3\n": "7:7: base: found the text '3'; allowed: a mapping with the keys x, y, z, rpy; check the",
         "time: 3\n": "7:7: time: a time beside path; allowed: beside curves; write the time of each segment: {to:",

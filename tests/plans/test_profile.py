@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from math import factorial
@@ -10,7 +9,7 @@ from math import factorial
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
-from sympy import Expr, Float, Integer, Rational, nsimplify, pi, sqrt
+from sympy import Integer, Rational, pi, sqrt
 
 from derive.motion.curves.extremes import peak
 from derive.motion.curves.trajectory import Trajectory
@@ -93,71 +92,6 @@ def test_a_curve_is_its_formula() -> None:
     assert curve.sampled(t, 0) == pytest.approx(t**2 / 10 - 1)
     assert curve.sampled(t, 1) == pytest.approx(t / 5)
     assert curve.sampled(t, 2).tolist() == [0.2] * 11
-
-
-class TestToolbox:
-    """Formulas of roboticstoolbox 1.5 (`jtraj`, `quintic`, `trapezoidal`, `mtraj`) called with a time vector."""
-
-    START, END = np.array([0.3, -1.2, 2.0]), np.array([1.7, 0.4, -0.5])
-
-    def ours(self, pieces: Callable[[Expr, Expr], tuple], duration: Expr, t: np.ndarray) -> np.ndarray:
-        """Positions, velocities and accelerations of three joints, (3, times, 3)."""
-        ends = zip(self.START, self.END, strict=True)
-        joints = tuple(pieces(nsimplify(q0), nsimplify(q1)) for q0, q1 in ends)
-        return np.array(Trajectory((Segment("", ZERO, duration, joints),))(t))
-
-    @pytest.mark.parametrize("duration", [Integer(3), Rational(1, 7)])
-    def test_jtraj(self, duration: Expr) -> None:
-        """A t^5 + B t^4 + C t^3 + E t + F with t from 0 to 1, and velocities at both ends."""
-        random = np.random.default_rng(2)
-        v0, v1 = random.normal(size=(2, 3))
-        tf = float(duration)
-        t = np.linspace(0, tf, 301)
-        a = 6 * (self.END - self.START) - 3 * (v1 + v0) * tf
-        b = -15 * (self.END - self.START) + (8 * v0 + 7 * v1) * tf
-        c = 10 * (self.END - self.START) - (6 * v0 + 4 * v1) * tf
-        s = (t / tf)[:, None]
-        q = a * s**5 + b * s**4 + c * s**3 + v0 * tf * s + self.START
-        qd = (5 * a * s**4 + 4 * b * s**3 + 3 * c * s**2 + v0 * tf) / tf
-        qdd = (20 * a * s**3 + 12 * b * s**2 + 6 * c * s) / tf**2
-        ends = zip(self.START, v0, self.END, v1, strict=True)
-        rows = (((Float(p), Float(v), ZERO), (Float(r), Float(w), ZERO)) for p, v, r, w in ends)
-        joints = tuple((Piece(ZERO, duration, row),) for row in rows)
-        found = np.array(Trajectory((Segment("", ZERO, duration, joints),))(t))
-        for order, theirs in enumerate((q, qd, qdd)):
-            assert np.abs(found[order] - theirs).max() <= 1e-12 * np.abs(theirs).max()
-
-    def test_quintic_and_mtraj(self) -> None:
-        """Six coefficients by what holds at both ends, joint by joint."""
-        t, tf = np.linspace(0, 2.5, 251), 2.5
-        rows = ("0 0 0 0 0 1", "1 1 1 1 1 1", "0 0 0 0 1 0", "5 4 3 2 1 0", "0 0 0 2 0 0", "20 12 6 2 0 0")
-        system = np.array([row.split() for row in rows], dtype=float)
-        found = self.ours(lambda a, b: rest_to_rest(Profile.QUINTIC, ZERO, Rational(5, 2), a, b), Rational(5, 2), t)
-        for j in range(3):
-            coefficients = np.linalg.solve(system, [self.START[j], self.END[j], 0, 0, 0, 0])
-            for order in range(3):
-                theirs = np.polyval(np.polyder(coefficients, order), t / tf) / tf**order
-                assert found[order, :, j] == pytest.approx(theirs, abs=1e-12 * np.abs(theirs).max())
-
-    @pytest.mark.parametrize("cruise", [Rational(3, 2), Rational(11, 10), Integer(2)])
-    def test_trapezoidal_and_mtraj(self, cruise: Expr) -> None:
-        """Three parabolas and lines with V = cruise D/T, by default 3/2, and tb = (q0 - qf + V T)/V."""
-        t, tf = np.linspace(0, 2, 401), 2.0
-        two = Integer(2)
-        found = self.ours(lambda a, b: trapezoid(ZERO, two, a, b, cruise * abs(b - a) / 2), two, t)
-        for j, (q0, qf) in enumerate(zip(self.START, self.END, strict=True)):
-            speed = float(cruise) * (qf - q0) / tf
-            blend = (q0 - qf + speed * tf) / speed
-            a = speed / blend
-            up, flat = t <= blend, t <= tf - blend
-            down = qf - a / 2 * tf**2 + a * tf * t - a / 2 * t**2
-            q = np.where(up, q0 + a / 2 * t**2, np.where(flat, (qf + q0 - speed * tf) / 2 + speed * t, down))
-            qd = np.where(up, a * t, np.where(flat, speed, a * tf - a * t))
-            qdd = np.where(up, a, np.where(flat, 0.0, -a))
-            assert found[0, :, j] == pytest.approx(q, abs=1e-12)
-            assert found[1, :, j] == pytest.approx(qd, abs=1e-12)
-            inside = (np.abs(t - blend) > 1e-9) & (np.abs(t - tf + blend) > 1e-9)
-            assert found[2, inside, j] == pytest.approx(qdd[inside], abs=1e-12 * abs(a))
 
 
 def derivative(row: tuple[int, ...], order: int, u: int) -> Fraction:

@@ -35,13 +35,12 @@ def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
 
 @lru_cache(_KEPT)
 def _exact_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
-    found: Peak | None = None
-    for piece in pieces:
-        for candidate in _candidates(piece, order):
-            if found is None or abs(float(candidate.value)) > abs(float(found.value)) * (1 + 1e-12):
-                found = candidate
-    assert found is not None, "a motion has pieces"
-    return Peak(_neat(found.value), _neat(found.time), found.is_exact) if found.is_exact else found
+    found, *others = (candidate for piece in pieces for candidate in _candidates(piece, order))
+    for candidate in others:
+        if abs(float(candidate.value)) > abs(float(found.value)) * (1 + 1e-12):
+            found = candidate
+    value, time = (radsimp(cancel(each)) if found.is_exact else each for each in (found.value, found.time))
+    return Peak(value, time, found.is_exact)
 
 
 def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
@@ -101,10 +100,6 @@ def highest(function: Callable[[Array], Array], times: Array, values: Array) -> 
     when, found = refined(lambda places: function(places)[joints, :, joints], low, high)
     known = values[at, joints]
     return np.where(found > known * (1 + MORE * np.sign(known)), when, times[at])
-
-
-def _neat(value: Expr) -> Expr:
-    return radsimp(cancel(value))
 
 
 def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:

@@ -9,7 +9,7 @@ Both are made of the same tapes, one for each kind of piece (`kernels`), and of 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -115,7 +115,13 @@ class MotionCode:
     def _context(self) -> dict[str, object]:
         motion, plan = self.motion, self.motion.plan
         places = {name: place for place, name in enumerate(self._kernels)}
-        joints = [_joint_texts(variable, pieces, places) for variable, pieces in self._pieces]
+        joints = []
+        # Pieces as texts: places of their kernels in lines, their numbers, and both in pairs of Python.
+        for variable, pieces in self._pieces:
+            kinds = [str(places[kernel_name(piece, variable)]) for piece in pieces]
+            rows = [", ".join(map(repr, row_of(piece))) for piece in pieces]
+            pairs = [f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True)]
+            joints.append({"variable": c_comment(variable), "kinds": wrapped(kinds), "rows": rows, "pairs": pairs})
         counts = np.cumsum([0, *(len(pieces) for _, pieces in self._pieces)])
         title = plan.title or f"A motion of {plan.robot.title or plan.robot.name}"
         operations = {node.op for kernel in self._kernels.values() for node in kernel.tape.nodes}
@@ -148,17 +154,14 @@ class MotionCode:
         }
 
 
-def _joint_texts(variable: str, pieces: Sequence[AnyPiece], places: Mapping[str, int]) -> dict[str, object]:
-    """The pieces of a joint as texts: places of their kernels in lines, their numbers, and both in pairs of Python."""
-    kinds = [str(places[kernel_name(piece, variable)]) for piece in pieces]
-    rows = [", ".join(map(repr, row_of(piece))) for piece in pieces]
-    pairs = [f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True)]
-    return {"variable": c_comment(variable), "kinds": wrapped(kinds), "rows": rows, "pairs": pairs}
-
-
 def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler: Command | None) -> float:
     """Compare code with the motion at random times, at all ends of pieces, before and after; C needs a compiler."""
-    times = _times(motion)
+    pieces = [piece for segment in motion.trajectory.segments for joint in segment.joints for piece in joint]
+    ends = np.unique([float(end) for piece in pieces for end in (piece.start, piece.end)])
+    length = float(ends[-1] - ends[0])
+    around = [np.nextafter(ends, -np.inf), ends, np.nextafter(ends, np.inf)]
+    rest = np.random.default_rng(0).uniform(ends[0], ends[-1], TIMES)
+    times: Array = np.concatenate([*around, rest, [ends[0] - length / 2, ends[-1] + length / 2]])
     expected = np.array(motion(times))
     size = np.abs(expected)
     scale = np.maximum(size.max(axis=1, keepdims=True), max(FLOOR * float(size.max()), TINY))
@@ -180,17 +183,6 @@ def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler:
             found = f"{what}{place[2] + 1} of {name} is {got[place]!r} instead of {expected[place]!r}"
             raise VerificationError(f"{found} at {times[place[1]]:.17g} s", remedy=REMEDY)
     return worst
-
-
-def _times(motion: Motion) -> Array:
-    """When code is compared: where it could go wrong, and at random."""
-    pieces = [piece for segment in motion.trajectory.segments for joint in segment.joints for piece in joint]
-    ends = np.unique([float(end) for piece in pieces for end in (piece.start, piece.end)])
-    length = float(ends[-1] - ends[0])
-    around = [np.nextafter(ends, -np.inf), ends, np.nextafter(ends, np.inf)]
-    rest = np.random.default_rng(0).uniform(ends[0], ends[-1], TIMES)
-    times: Array = np.concatenate([*around, rest, [ends[0] - length / 2, ends[-1] + length / 2]])
-    return times
 
 
 def _c_values(folder: Path, prefix: str, compiler: Command, times: Array, n: int) -> Array:

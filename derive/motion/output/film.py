@@ -130,20 +130,15 @@ class Film:
         require_pillow()
         from PIL import Image, ImageDraw, ImageFont
 
-        font = ImageFont.load_default(13 * FINE)
+        font, segments = ImageFont.load_default(13 * FINE), self.motion.trajectory.segments
         for k, time in enumerate(self.times):
             image = Image.new("RGB", (WIDTH * FINE, HEIGHT * FINE), "white")
             pen = ImageDraw.Draw(image)
             self._draw(pen, k)
             pace = f"   {self.pace} x" if self.pace > 1 else ""
-            pen.text((10 * FINE, 8 * FINE), f"t = {time:.2f} s   {self._segment(time)}{pace}", fill=_INK, font=font)
+            name = next(s.name for s in reversed(segments) if float(s.start) <= time + 1e-9) if segments[1:] else ""
+            pen.text((10 * FINE, 8 * FINE), f"t = {time:.2f} s   {name}{pace}", fill=_INK, font=font)
             yield image.reduce(FINE)
-
-    def _segment(self, time: float) -> str:
-        segments = self.motion.trajectory.segments
-        if len(segments) < 2:
-            return ""
-        return next(s.name for s in reversed(segments) if float(s.start) <= time + 1e-9)
 
     def gif(self) -> bytes:
         """The film as GIF, which repeats itself."""

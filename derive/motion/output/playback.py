@@ -59,7 +59,12 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     places = 0
     if sum(len(piece.values) // 2 for track in tracks for piece in track) > room:
         places = room // (2 * motion.plan.robot.n)
-        tracks = _resampled(motion, places)
+        times = np.linspace(0.0, motion.duration, places)
+        ends = list(pairwise(zip(times.tolist(), np.stack(motion(times)[:2], axis=2).tolist(), strict=True)))
+        tracks = tuple(
+            tuple(PlayedPiece("hermite", a, b - a, (*here[j], *there[j])) for (a, here), (b, there) in ends)
+            for j in range(motion.plan.robot.n)
+        )
     reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]
     if run is not None:
         reached = np.concatenate([reached, run.q])
@@ -108,18 +113,6 @@ def _base_of(
     texts = (Kernel("base_torques", added.tape(load)).written(JAVASCRIPT) for load in loads)
     written = tuple(BaseTorquesText(body, results) for body, results in texts)
     return transform, (rate[:3], bend[:3]) if written else (), written
-
-
-def _resampled(motion: Motion, places: int) -> tuple[tuple[PlayedPiece, ...], ...]:
-    times = np.linspace(0.0, motion.duration, places)
-    states = np.stack(motion(times)[:2], axis=2).tolist()
-    return tuple(
-        tuple(
-            PlayedPiece("hermite", start, end - start, (*states[i][j], *states[i + 1][j]))
-            for i, (start, end) in enumerate(pairwise(times.tolist()))
-        )
-        for j in range(motion.plan.robot.n)
-    )
 
 
 def _pairs(low: Array, high: Array) -> tuple[tuple[float | None, float | None], ...]:

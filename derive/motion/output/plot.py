@@ -220,24 +220,22 @@ def _mark(axes: Any, marks: Sequence[Mark]) -> None:
             axes.annotate(text, (time, value), place - dot, color=color, **look)
 
 
-def _wanted_peaks(motion: Motion, row: int, j: int) -> Mark:
-    """The largest magnitude over the whole motion, exact where the motion has it so."""
-    if row == len(ROWS) - 1:
-        found = [(peaks.loads[j].time, peaks.loads[j].peak) for peaks in motion.peaks]
-    else:
-        exact = [(peaks.speeds, peaks.accelerations)[row - 1][j] for peaks in motion.peaks]
-        found = [(float(peak.time), float(peak.value)) for peak in exact]
-    return (j, *max(found, key=lambda pair: abs(pair[1])))
-
-
 def _peaks(motion: Motion, row: int, joints: Sequence[int], curves: Curves, *, happened: bool) -> list[Mark]:
+    """Where joints have their largest magnitudes over the whole motion, exact where it is wanted and has them so."""
     times, values = curves
     marks = []
     for j in joints if row else ():
         track = values[:, j]
         at = int(np.abs(track).argmax())
-        if np.ptp(track) > CONSTANT * abs(track[at]):
-            marks.append((j, float(times[at]), float(track[at])) if happened else _wanted_peaks(motion, row, j))
+        if np.ptp(track) <= CONSTANT * abs(track[at]):
+            continue
+        found = [(float(times[at]), float(track[at]))]
+        if not happened and row == len(ROWS) - 1:
+            found = [(peaks.loads[j].time, peaks.loads[j].peak) for peaks in motion.peaks]
+        elif not happened:
+            exact = [(peaks.speeds, peaks.accelerations)[row - 1][j] for peaks in motion.peaks]
+            found = [(float(peak.time), float(peak.value)) for peak in exact]
+        marks.append((j, *max(found, key=lambda pair: abs(pair[1]))))
     return marks
 
 

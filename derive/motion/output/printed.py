@@ -30,9 +30,14 @@ def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
                 lines.append(rf"  &\text{{{latex_text(said)}}}" if as_latex else f"  {said}")
                 continue
             for piece in pieces:
-                value, start = formula(piece, segment), piece.start - segment.start
-                span = (start, start + piece.duration) if len(pieces) > 1 else None
-                lines.append(_line(joint.variable, value, span, as_latex=as_latex))
+                value, low = formula(piece, segment), piece.start - segment.start
+                high = low + piece.duration
+                if as_latex:
+                    span = rf" && {latex(low)} \le t \le {latex(high)}" if len(pieces) > 1 else ""
+                    lines.append(f"  {latex(Symbol(joint.variable))}(t) &= {latex(value, order='rev-lex')}{span}")
+                else:
+                    span = f"  for {_time(low)} <= t <= {_time(high)}" if len(pieces) > 1 else ""
+                    lines.append(f"  {joint.variable} = {sstr(value, order='rev-lex')}{span}")
         yield from aligned(heading, lines) if as_latex else (heading, *lines)
 
 
@@ -49,14 +54,6 @@ def _time(value: Expr) -> str:
     return f"{float(value):.{DIGITS}g}" if value.has(Float) else sstr(value)
 
 
-def _line(name: str, value: Expr, span: tuple[Expr, Expr] | None, *, as_latex: bool) -> str:
-    if as_latex:
-        said = "" if span is None else rf" && {latex(span[0])} \le t \le {latex(span[1])}"
-        return f"  {latex(Symbol(name))}(t) &= {latex(value, order='rev-lex')}{said}"
-    said = "" if span is None else f"  for {_time(span[0])} <= t <= {_time(span[1])}"
-    return f"  {name} = {sstr(value, order='rev-lex')}{said}"
-
-
 def summary(motion: Motion, run: Run | None = None) -> dict[str, Any]:
     """What a motion asks of its robot."""
     robot = motion.plan.robot
@@ -69,7 +66,24 @@ def summary(motion: Motion, run: Run | None = None) -> dict[str, Any]:
         "segments": [_segment(robot, peaks) for peaks in motion.peaks],
         "violations": _violations(robot, motion.violations),
     }
-    return found if run is None else {**found, "simulation": _simulation(motion, run)}
+    if run is not None:
+        errors = abs(run.q - motion(run.t)[0]).max(axis=0)
+        found["simulation"] = {
+            "law": motion.plan.control.law,
+            "friction": motion.plan.friction,
+            "reached": run.reached,
+            "time": float(run.t[-1]),
+            "largest_errors": dict(zip(found["joints"], errors.tolist(), strict=True)),
+            "end": {"q": run.q[-1].tolist(), "qd": run.qd[-1].tolist()},
+            "work": float(run.work[-1]),
+            "brought": float(run.brought[-1]),
+            "pushed": float(run.pushed[-1]),
+            "base_work": float(run.base[-1]),
+            "lost": float(run.lost[-1]),
+            "energy_error": run.energy_error,
+            "violations": _violations(robot, motion.violations_of(run)),
+        }
+    return found
 
 
 def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
@@ -97,22 +111,3 @@ def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str,
 def _peak(peak: Peak) -> dict[str, Any]:
     exact = {"exact": sstr(peak.value)} if peak.is_exact else {}
     return {"value": float(peak.value), "time": float(peak.time), **exact}
-
-
-def _simulation(motion: Motion, run: Run) -> dict[str, Any]:
-    errors = abs(run.q - motion(run.t)[0]).max(axis=0)
-    return {
-        "law": motion.plan.control.law,
-        "friction": motion.plan.friction,
-        "reached": run.reached,
-        "time": float(run.t[-1]),
-        "largest_errors": dict(zip([j.variable for j in motion.plan.robot.joints], errors.tolist(), strict=True)),
-        "end": {"q": run.q[-1].tolist(), "qd": run.qd[-1].tolist()},
-        "work": float(run.work[-1]),
-        "brought": float(run.brought[-1]),
-        "pushed": float(run.pushed[-1]),
-        "base_work": float(run.base[-1]),
-        "lost": float(run.lost[-1]),
-        "energy_error": run.energy_error,
-        "violations": _violations(motion.plan.robot, motion.violations_of(run)),
-    }

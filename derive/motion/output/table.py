@@ -11,7 +11,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.motion.curves.violations import ROUNDING
 from derive.motion.motion import Motion
-from derive.plans.segments import Peak, SegmentPeaks
+from derive.plans.segments import Peak
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
@@ -30,20 +30,18 @@ GIVEN = {"base": "work of base", "pushed": "work of disturbances", "brought": "b
 
 def table(motion: Motion) -> list[tuple[str, ...]]:
     """A row for each segment: of every quantity the joint with the largest value in its unit, angles before slides."""
-    return [_row(motion.plan.robot, peaks) for peaks in motion.peaks]
-
-
-def _row(robot: Robot, peaks: SegmentPeaks) -> tuple[str, ...]:
-    most = _largest(robot, peaks.speeds, "s"), _largest(robot, peaks.accelerations, "s^2")
-    cells = (peaks.segment.name, f"{_number(peaks.segment.duration)} s", *most)
-    if not peaks.loads:
-        return cells
-    at = max(range(robot.n), key=lambda j: abs(peaks.loads[j].peak))
-    load = peaks.loads[at]
-    given = (*peaks.loads, peaks.base) if peaks.base else peaks.loads
-    moved = sum(abs(other.power) for other in given) * float(peaks.segment.duration)
-    works = [_joules(work, moved) for work in (peaks.work, *(other.work for other in given[robot.n :]))]
-    return (*cells, _torque(robot, at, load.peak, load.time), *works)
+    robot, rows = motion.plan.robot, []
+    for peaks in motion.peaks:
+        cells = [peaks.segment.name, f"{_number(peaks.segment.duration)} s"]
+        cells += [_largest(robot, peaks.speeds, "s"), _largest(robot, peaks.accelerations, "s^2")]
+        if peaks.loads:
+            at, load = max(enumerate(peaks.loads), key=lambda pair: abs(pair[1].peak))
+            given = (*peaks.loads, peaks.base) if peaks.base else peaks.loads
+            moved = sum(abs(other.power) for other in given) * float(peaks.segment.duration)
+            cells.append(_torque(robot, at, load.peak, load.time))
+            cells += [_joules(work, moved) for work in (peaks.work, *(other.work for other in given[robot.n :]))]
+        rows.append(tuple(cells))
+    return rows
 
 
 def _joules(work: float, most: float) -> str:

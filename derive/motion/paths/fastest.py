@@ -79,13 +79,10 @@ class FastestMotion:
             margins += np.maximum(excess, 0) + 10 * SPARE * (excess > 0)
             x = self._largest(ends, margins, x)
             nodes = self._nodes(x)
-        return self._within(nodes, ends)
-
-    def _within(self, nodes: Nodes, ends: tuple[Rows, Rows]) -> Nodes:
         # In a time longer by a factor speeds fall by it, accelerations by its square: doubled until all bounds hold.
         slower, more = nodes, SPARE
-        while (excess := float(self._excess(slower).max())) > 0:
-            more = max(2 * more, excess / 4)
+        while (over := float(self._excess(slower).max())) > 0:
+            more = max(2 * more, over / 4)
             if more > 1:
                 raise self._refused(ends)
             slower = nodes.slower(1 + more)
@@ -142,17 +139,16 @@ class FastestMotion:
         """Why there is no motion: where the arm needs most of a torque to stand or to begin to move."""
         loads = [rows.c + rows.dry for rows in ends]
         most, at, row = max((float(load.max()), *divmod(int(load.argmax()), load.shape[1])) for load in loads)
-        where = ", ".join(f"{value:.4g}" for value in self.path(float(self.grid[at]))[0])
-        said = f"; it needs {most:.4g} times {self._named(row)} to stand at q = ({where})" if most > 1 else ""
+        said = ""
+        if most > 1:
+            where = ", ".join(f"{value:.4g}" for value in self.path(float(self.grid[at]))[0])
+            counts = [int(np.isfinite(bound).sum()) for bound in self.bounds]
+            limited = np.flatnonzero(np.isfinite(self.bounds[2]))
+            joint = int(limited[(row - counts[0] - 2 * counts[1]) % counts[2]])
+            named = f"the largest torque {self.bounds[2][joint]:.6g} of joint {joint + 1}"
+            said = f"; it needs {most:.4g} times {named} to stand at q = ({where})"
         remedy = "allow more torque, carry less, or go another way"
         return QuantityError(f"no motion along this way keeps to the limits{said}", remedy=remedy)
-
-    def _named(self, row: int) -> str:
-        """The torque of a row of `Rows`."""
-        counts = [int(np.isfinite(bound).sum()) for bound in self.bounds]
-        limited = np.flatnonzero(np.isfinite(self.bounds[2]))
-        joint = int(limited[(row - counts[0] - 2 * counts[1]) % counts[2]])
-        return f"the largest torque {self.bounds[2][joint]:.6g} of joint {joint + 1}"
 
     def _largest(self, ends: tuple[Rows, Rows], margins: Array, near: Array | None) -> Array:
         """The largest x at each node; viscous friction by the tangent of the root at x found before, first without."""
@@ -162,7 +158,11 @@ class FastestMotion:
         # At the second end of an interval x is x_0 + 2 u ds, so that b x there is b x_0 + 2 ds b u: shifted into a.
         a, b, c = [], [], []
         for rows, shift, nodes in ((first, 0.0, slice(None, -1)), (second, 2 * step, slice(1, None))):
-            slope, root = _tangent(near[nodes]) if near is not None else (0.0, 0.0)
+            slope, root = np.zeros((2, len(step), 1))
+            if near is not None:
+                # The root of x as slope x + root; at zero, where motions begin and end, it is zero.
+                rates = np.sqrt(near[nodes])[:, None]
+                slope, root = np.divide(0.5, rates, out=np.zeros_like(rates), where=rates > 0), rates / 2
             factor = rows.b + rows.v * slope
             a.append(rows.a + shift * factor)
             b.append(factor)
@@ -196,13 +196,6 @@ class FastestMotion:
         # A parabola through three samples rises above them by an eighth of their second difference at most.
         between = np.abs(np.diff(found[:, 1:-1], 2, axis=1)).max(axis=1) / 8
         return np.asarray(found.max(axis=1) + np.minimum(between, CURVED) + SPARE - 1)
-
-
-def _tangent(x: Array) -> tuple[Array, Array]:
-    """The root of x as slope x + root near given places; at zero, where motions begin and end, it is zero."""
-    rates = np.sqrt(x)[:, None]
-    slope = np.divide(0.5, rates, out=np.zeros_like(rates), where=rates > 0)
-    return slope, rates / 2
 
 
 def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:

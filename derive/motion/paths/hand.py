@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
 from math import isfinite, nan
@@ -16,9 +15,9 @@ from derive.arrays import Array
 from derive.errors import QuantityError, RobotFileError, quoted
 from derive.motion.curves.limits import Limits
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
-from derive.motion.paths.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector
+from derive.motion.paths.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector, spline_way
 from derive.motion.paths.smooth import UNIFORM, grid_of, one_second, smooth_path
-from derive.motion.torques.functions import Functions
+from derive.motion.torques.functions import Functions, kinematics_alone
 from derive.plans.hermite import Piece
 from derive.plans.plan import Plan
 from derive.plans.points import Point, Step, Vector
@@ -62,8 +61,7 @@ class Hand:
     def _functions(self) -> Functions:
         names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
         poses = any(point.pose for point in self._plan.points.values())
-        kinematics = replace(self._plan.robot, links=(), gravity=None)
-        return Functions(kinematics, names, self._values, inverse=poses)
+        return Functions(kinematics_alone(self._plan.robot), names, self._values, inverse=poses)
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
         """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch."""
@@ -87,7 +85,20 @@ class Hand:
     @cached_property
     def branches(self) -> Mapping[str, tuple[int, ...]]:
         """The solutions on which the points are that name a branch."""
-        return {name: self._branches(point) for name, point in self._plan.points.items() if point.branch}
+        robot, found = self._plan.robot, {}
+        for name, point in self._plan.points.items():
+            if not point.branch:
+                continue
+            # Those whose names have all words of the point's branch.
+            names, wanted = self._names, _words(point.branch)
+            found[name] = tuple(k for k, own in enumerate(names) if wanted <= _words(own))
+            if not found[name]:
+                allowed = f"allowed: {'; '.join(names)}; or some of these words" if names else ""
+                said = f"point {name}: no branch {quoted(point.branch)} of {robot.name}"
+                said += "" if names else ", whose solutions have no names"
+                remedy = "leave branch out for the nearest"
+                raise RobotFileError(said, allowed=allowed, remedy=remedy, location=point.location)
+        return found
 
     @cached_property
     def _names(self) -> tuple[str, ...]:
@@ -97,20 +108,6 @@ class Hand:
         robot = self._plan.robot
         names = postures(robot, solve(robot)).names if self._functions.branches > 1 else ()
         return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
-
-    def _branches(self, point: Point) -> tuple[int, ...]:
-        """The solutions whose names have all words of a point's branch."""
-        robot, names, wanted = self._plan.robot, self._names, _words(point.branch)
-        found = tuple(k for k, name in enumerate(names) if wanted <= _words(name))
-        if not found:
-            allowed = f"allowed: {'; '.join(names)}; or some of these words"
-            said = f"point {point.name}: no branch {quoted(point.branch)} of {robot.name}"
-            if not names:
-                said, allowed = f"{said}, whose solutions have no names", ""
-            raise RobotFileError(
-                said, allowed=allowed, remedy="leave branch out for the nearest", location=point.location
-            )
-        return found
 
     def _pose(self, point: Point) -> Array:
         if point.pose is None:
@@ -167,8 +164,6 @@ class Hand:
         """The pieces of each joint, by segments, while the end effector moves on a spline between times [s]."""
         q = np.array(before, dtype=float)
         local = [time - times[0] for time in times]
-        from derive.motion.paths.hand_spline import spline_way
-
         way = spline_way(local, self._poses(run, q))
         follower = self._follower(run[0])
         for count in NODES:
@@ -221,7 +216,12 @@ class Hand:
         q, point, follower = np.array(rows).T, self._plan.points[name], self._follower(step)
         # A point of an arc is passed at the node that is nearest to it.
         off = self._functions("forward_kinematics", q)[:, :3, 3] - self._pose(point)[:3, 3]
-        found = self._branch_at(q[-1 if name == step.to else int((off**2).sum(axis=1).argmin())])
+        here = q[-1 if name == step.to else int((off**2).sum(axis=1).argmin())]
+        pose, turns = self._functions("forward_kinematics", here), [j.is_revolute for j in self._plan.robot.joints]
+        # From each solution to the arm: angles that differ by whole turns are one, sin(off/2) is zero.
+        ways = (self._functions.nearest(pose, here, (k,)) - here for k in range(len(self._names)))
+        gaps = (np.abs(np.where(turns, np.sin(way / 2), way)).max() for way in ways)
+        found = next((k for k, gap in enumerate(gaps) if gap <= ARRIVED), None)
         if found in self.branches[name]:
             return
         # An arm changes its branch in singular configurations alone: the message says which one was nearest.
@@ -235,17 +235,6 @@ class Hand:
             remedy="start the way on that branch, or go there by joints",
             location=step.location,
         )
-
-    def _branch_at(self, q: Array) -> int | None:
-        """On which solution the arm is; None where that is outside its limits."""
-        pose = self._functions("forward_kinematics", q)
-        turns = [joint.is_revolute for joint in self._plan.robot.joints]
-        for k in range(len(self._names)):
-            # Angles that differ by whole turns are one: sin(off/2) is zero.
-            off = self._functions.nearest(pose, q, (k,)) - q
-            if np.abs(np.where(turns, np.sin(off / 2), off)).max() <= ARRIVED:
-                return k
-        return None
 
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
         """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0."""
@@ -266,7 +255,14 @@ class Hand:
             return [_standing(corners[0], ZERO, ONE)]
         else:
             numbers = np.array(corners, dtype=float)
-            knots = self._knots(run, numbers)
+            speed = self.limits.numbers()[0]
+            # s by the length of the chords, which count each joint by the time at its largest speed, where it has one.
+            chords = np.linalg.norm(np.diff(numbers, axis=0) / np.where(np.isfinite(speed), speed, 1.0), axis=1)
+            if still := next((each for each, chord in zip(run, chords, strict=True) if chord == 0), None):
+                remedy = "leave it out, or write via: stop"
+                raise RobotFileError(f"the arm does not move to {still.to}", remedy=remedy, location=still.location)
+            lengths = np.append(0.0, np.cumsum(chords))
+            knots = lengths / lengths[-1]
             path = smooth_path(knots, numbers)
         grid = grid_of(path, knots)
         # Which step, and so which payload, each interval of the grid belongs to.
@@ -278,18 +274,6 @@ class Hand:
         edges = np.searchsorted(grid, knots).tolist()
         exact = {} if step.in_space else dict(zip(edges, corners, strict=True))
         return [nodes.pieces(a, b, exact) for a, b in pairwise(edges)]
-
-    def _knots(self, run: Sequence[Step], corners: Array) -> Array:
-        """s at each point of a path, by the length of the chords, from 0 to 1."""
-        speed = self.limits.numbers()[0]
-        # Chords count each joint by the time that it needs at its largest speed, where it has one.
-        chords = np.linalg.norm(np.diff(corners, axis=0) / np.where(np.isfinite(speed), speed, 1.0), axis=1)
-        for step, chord in zip(run, chords, strict=True):
-            if chord == 0:
-                remedy = "leave it out, or write via: stop"
-                raise RobotFileError(f"the arm does not move to {step.to}", remedy=remedy, location=step.location)
-        lengths = np.append(0.0, np.cumsum(chords))
-        return np.asarray(lengths / lengths[-1])
 
 
 def _words(branch: str) -> set[str]:

@@ -36,7 +36,14 @@ def trajectory_of(plan: Plan, hand: Hand) -> Trajectory:
     segments: list[Segment] = []
     name, start = plan.start, ZERO
     here = hand.configuration(name, None)
-    for run in _runs(plan.steps):
+    runs: list[list[Step]] = []  # steps that are planned together: nothing stops between them
+    for step in plan.steps:
+        before = runs[-1][-1] if runs else step
+        if runs and not before.stops and before.profile is step.profile and not (before.in_space or step.in_space):
+            runs[-1].append(step)
+        else:
+            runs.append([step])
+    for run in runs:
         names, corners = [name, *(step.to for step in run)], [here]
         if not run[0].follows:
             for step in run:
@@ -49,17 +56,6 @@ def trajectory_of(plan: Plan, hand: Hand) -> Trajectory:
         if run[0].follows:  # where the last pieces end
             here = tuple(symbolic(track[-1].values[1][0]) for track in joints[-1] if not isinstance(track[-1], Curve))
     return Trajectory(tuple(segments))
-
-
-def _runs(steps: Sequence[Step]) -> list[list[Step]]:
-    runs: list[list[Step]] = []
-    for step in steps:
-        before = runs[-1][-1] if runs else step
-        if runs and not before.stops and before.profile is step.profile and not (before.in_space or step.in_space):
-            runs[-1].append(step)
-        else:
-            runs.append([step])
-    return runs
 
 
 Timed = tuple[list[Expr], list[Joints]]  # when each of some segments begins, and the last one ends; their pieces

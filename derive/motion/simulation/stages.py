@@ -69,12 +69,7 @@ class Controller:
 def looked_up(reference: Callable[[Array], tuple[Array, Array, Array]], period: float, duration: float) -> Reference:
     """What is wanted at the looks of a sampled controller [s], computed at once for all of a motion [s]."""
     q, qd, qdd = reference(period * np.arange(np.ceil(duration / period) + 1))
-
-    def _at(t: float) -> tuple[Array, Array, Array]:
-        k = round(t / period)
-        return q[k], qd[k], qdd[k]
-
-    return _at
+    return lambda t: (q[k := round(t / period)], qd[k], qdd[k])
 
 
 def stages_of(

@@ -100,6 +100,11 @@ def bare_robot(robot: Robot) -> Robot:
     return replace(robot, title="", digest="", source="", remarks=())
 
 
+def kinematics_alone(robot: Robot) -> Robot:
+    """A robot without links: nobody asks what it weighs."""
+    return replace(robot, links=(), gravity=None)
+
+
 @lru_cache(KEPT)
 def program_of(robot: Robot, names: frozenset[str], *, inverse: bool = False) -> Program:
     """Functions of a robot, found quickly and kept."""

@@ -17,8 +17,7 @@ from derive.motion.hand_curve import HandCurve
 from derive.motion.motion import Motion
 from derive.motion.output.page import plan_part
 from derive.motion.paths.hand import Hand
-from derive.motion.paths.hand_spline import angular_motion, spline_way
-from derive.motion.paths.poses import rotation_of
+from derive.motion.paths.poses import angular_motion, rotation_of, spline_way
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 
@@ -158,18 +157,6 @@ def test_the_branch_of_a_point_on_a_way_of_the_hand_is_kept_or_refused(
             Motion.from_text(text + path)
     else:
         assert Motion.from_text(text + path)(1.0)[0][2] < 0, "the elbow bends one way"
-
-
-def test_a_planar_arm_goes_straight_in_its_task() -> None:
-    robot = "{name: arm, convention: standard, inverse: {task: [x, y]}, joints: [JOINT, JOINT]}"
-    robot = robot.replace("JOINT", "{type: revolute, a: 1}")
-    text = f"robot: {robot}\npoints: {{a: [0.2, 1.2], b: [0.9, 0.8]}}\npath: [a, {{to: b, time: 1, line: yes}}]\n"
-    motion = Motion.from_text(text)
-    q = motion(np.linspace(0, 1, 101))[0]
-    place = np.stack([np.cos(q[:, 0]) + np.cos(q.sum(1)), np.sin(q[:, 0]) + np.sin(q.sum(1))], axis=1)
-    way = place[-1] - place[0]
-    off = (place - place[0]) @ np.array([-way[1], way[0]])
-    assert np.abs(off).max() < 1e-9
 
 
 def test_a_symbol_without_a_number_is_named_before_a_pose_is_looked_for() -> None:
