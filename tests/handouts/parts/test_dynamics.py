@@ -217,13 +217,6 @@ def test_gravity_and_torques_are_those_of_the_oracle(key: str | int) -> None:
     assert_entries(numbers, entries_of(section_of(result, "motion")), expected)
 
 
-def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
-    context = prepared("planar-2r-perugia")[0]
-    section = section_of(context, "skew")
-    assert section is not None
-    assert any("cancel" in block.text for block in section.blocks if isinstance(block, Paragraph))
-
-
 # -- the Newton-Euler recursion, run as it is printed
 
 
