@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from derive.errors import DeriveError
-from derive.handouts.fragment import fragment_text
-from derive.handouts.fragment_writer import fragment
+from derive.handouts.fragment import fragment, fragment_text
 from derive.handouts.pdf import LatexLog
 from derive.handouts.sheet.document import Paragraph, Rows, Section, Table
 from derive.handouts.sheet.language import Text

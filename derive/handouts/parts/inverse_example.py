@@ -148,7 +148,7 @@ def _assumed(context: Context, poses: RobotPoses) -> str:
         if name in free
     ]
     written += [stated_values(context, poses.assumed)] if poses.assumed else []
-    return ("; " if context.text.comma else ", ").join(written)
+    return context.text.listing(written)
 
 
 def _stated(context: Context, q: Sequence[float]) -> str:
@@ -158,7 +158,7 @@ def _stated(context: Context, q: Sequence[float]) -> str:
         unit = _unit(context, joint)[0]
         behind = unit.removeprefix("{}") if "circ" in unit else f"\\,{unit}"
         written.append(f"${symbol} = {_position(context, value, joint).tex}{behind}$")
-    return ("; " if context.text.comma else ", ").join(written)
+    return context.text.listing(written)
 
 
 def _unit(context: Context, joint: Joint) -> tuple[str, float, int]:

@@ -15,9 +15,8 @@ from derive.handouts.parts.figure import arm, convention
 from derive.handouts.parts.jacobian import jacobian
 from derive.handouts.parts.kinematics import end_effector, transforms
 from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
-from derive.handouts.parts.newton_euler import newton_euler
+from derive.handouts.parts.newton_euler import JointLetters, Recursion, newton_euler
 from derive.handouts.parts.orientation import orientation
-from derive.handouts.parts.recursion import JointLetters, Recursion
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
 from derive.handouts.sheet.context import Context
