@@ -6,13 +6,7 @@ import pytest
 
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.solution_printer import (
-    SignLatexPrinter,
-    SignPrinter,
-    pose_names,
-    with_names,
-    with_signs,
-)
+from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names, with_signs
 from derive.inverse.closed.solve import solve
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.robot.expression import Number

@@ -13,6 +13,7 @@ from derive.inverse.words.reach import Reach
 from derive.model.model import Model
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
+from tests.workspace.arms import arm
 
 WRITE = PlainPrinter().doprint
 
@@ -40,15 +41,6 @@ def test_python_can_run_what_is_written_for_it() -> None:
     assert [sympy.sin(sympy.Symbol("q4"))] in names["singularities"]
 
 
-CUSPIDAL = """name: arm
-convention: standard
-joints:
-  - {type: revolute, a: 1, alpha: -pi/2}
-  - {type: revolute, d: 1, a: 2, alpha: pi/2}
-  - {type: revolute, a: 1.5}
-"""
-
-
 def aspects(robot: Robot) -> list[str]:
     return aspects_text(Model(robot).aspects, TextPrinter(robot, None).doprint)
 
@@ -61,7 +53,7 @@ def test_each_solution_is_listed_with_its_signs() -> None:
 
 
 def test_a_cuspidal_arm_is_called_so_with_the_path() -> None:
-    robot = Robot.from_text(CUSPIDAL)
+    robot = arm("cuspidal")
     aspects = Model(robot).aspects
     found = aspects_text(aspects, TextPrinter(robot, None).doprint)
     (first,) = [number for number, line in enumerate(found) if line.startswith("cuspidal")]

@@ -5,7 +5,7 @@ import random
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -136,11 +136,18 @@ def named(symbol: Any, matrix: Array) -> dict[str, float]:
 
 
 @EVERY
-def test_entries_of_the_inertia_matrix_are_those_of_the_oracle(key: str | int) -> None:
+@pytest.mark.parametrize("part", ["inertia", "coriolis", "gravity", "motion"])
+def test_entries_are_those_of_the_oracle(key: str | int, part: str) -> None:
     context, numbers = prepared(key)
-    matrix = numbers.oracle.evaluate("inertia_matrix", numbers.q)
-    expected = named(lambda i, j: context.dynamics.inertia_entry(i, j).tex, matrix)
-    assert_entries(numbers, entries_of(part_of(context, "inertia")), expected)
+    symbols, q, qd, qdd = context.symbols, numbers.q, numbers.qd, numbers.qdd
+    name, function, arguments = {
+        "inertia": (context.dynamics.inertia_entry, "inertia_matrix", (q,)),
+        "coriolis": (partial(symbols.entry, "C"), "coriolis_matrix", (q, qd)),
+        "gravity": (lambda i, _: symbols.component("g", i), "gravity_vector", (q,)),
+        "motion": (lambda i, _: symbols.torque(i), "inverse_dynamics", (q, qd, qdd)),
+    }[part]
+    matrix = numbers.oracle.evaluate(function, *arguments).reshape(context.robot.n, -1)
+    assert_entries(numbers, entries_of(part_of(context, part)), named(lambda i, j: name(i, j).tex, matrix))
 
 
 @EVERY
@@ -178,28 +185,14 @@ def test_energies_are_those_of_the_oracle(key: str | int) -> None:
 
 
 @EVERY
-def test_coriolis_matrix_and_its_check_agree_with_the_oracle(key: str | int) -> None:
+def test_the_matrix_that_is_printed_as_skew_symmetric_is(key: str | int) -> None:
     context, numbers = prepared(key)
-    matrix = numbers.oracle.evaluate("coriolis_matrix", numbers.q, numbers.qd)
-    expected = named(lambda i, j: context.symbols.entry("C", i, j).tex, matrix)
-    assert_entries(numbers, entries_of(part_of(context, "coriolis")), expected)
     skewed = entries_of(part_of(context, "skew"))
     for name, python in skewed.items():
         row, column = (int(digit) for digit in re.findall(r"_\{(\d)(\d)\}$", name)[0])
         opposite = skewed.get(context.symbols.entry("N", column, row).tex)
         if opposite is not None:
             assert numbers.value(python) == pytest.approx(-numbers.value(opposite), abs=1e-9)
-
-
-@EVERY
-def test_gravity_and_torques_are_those_of_the_oracle(key: str | int) -> None:
-    context, numbers = prepared(key)
-    forces = numbers.oracle.evaluate("gravity_vector", numbers.q)
-    expected = {context.symbols.component("g", i).tex: float(x) for i, x in enumerate(forces, 1)}
-    assert_entries(numbers, entries_of(part_of(context, "gravity")), expected)
-    torques = numbers.oracle.evaluate("inverse_dynamics", numbers.q, numbers.qd, numbers.qdd)
-    expected = {context.symbols.torque(i).tex: float(x) for i, x in enumerate(torques, 1)}
-    assert_entries(numbers, entries_of(part_of(context, "motion")), expected)
 
 
 # -- the Newton-Euler recursion, run as it is printed

@@ -17,16 +17,8 @@ from derive.handouts.parts.inverse import inverse
 from derive.handouts.parts.inverse_example import reached
 from derive.handouts.parts.inverse_formulas import formulas
 from derive.handouts.parts.inverse_words import and_list, branch_name, sources, words_alone
-from derive.handouts.sheet.document import (
-    Blank,
-    Figure,
-    Paragraph,
-    Section,
-    SheetFormula,
-    Steps,
-    Table,
-)
-from derive.handouts.sheet.language import ENGLISH, Text, languages, text_for
+from derive.handouts.sheet.document import Blank, Figure, Section, SheetFormula, Steps, Table
+from derive.handouts.sheet.language import Text, languages, text_for
 from derive.handouts.sheet.latex_writer import latex
 from derive.inverse.closed.solve import usual_task
 from derive.inverse.words.postures import Word
@@ -131,16 +123,6 @@ def test_a_single_joint_has_no_example() -> None:
     blocks = list(inverse(context_of(Robot.load("dh-general-laschi"))))
     assert any(isinstance(block, SheetFormula) and block.entries for block in blocks)
     assert not any(isinstance(block, Table | Figure) for block in blocks)
-
-
-@pytest.mark.parametrize("language", languages())
-def test_all_languages_say_the_same_things(language: str) -> None:
-    robot = "scara-perugia"
-    english, other = part(robot, "inverse"), part(robot, "inverse", language=language)
-    assert [type(block) for block in english.blocks] == [type(block) for block in other.blocks]
-    if language != ENGLISH:
-        paragraphs = [b.text for b in english.blocks if isinstance(b, Paragraph)]
-        assert not {b.text for b in other.blocks if isinstance(b, Paragraph)} & set(paragraphs)
 
 
 def test_an_exercise_asks_for_each_unknown_and_shows_no_answer() -> None:

@@ -22,6 +22,7 @@ from derive.handouts.parts.table import dh_table, parameters
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Section, SheetFormula, Steps, blocks_of
 from derive.handouts.sheet.dynamics import DynamicsLayout
+from derive.handouts.sheet.language import ENGLISH, languages
 from derive.robot.load import catalogue_names
 from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
@@ -217,3 +218,13 @@ def test_every_robot_has_the_part(key: str | int) -> None:
             assert block.rows or block.omitted
             printed = (line.replace("\\{", "").replace("\\}", "") for rows in block.rows for line in rows.lines)
             assert all(line.count("{") == line.count("}") for line in printed)
+
+
+@pytest.mark.parametrize("language", [language for language in languages() if language != ENGLISH])
+@pytest.mark.parametrize("name", ["inverse", "conversion"])
+def test_all_languages_say_the_same_things(name: str, language: str) -> None:
+    english, other = part("scara-perugia", name), part("scara-perugia", name, language=language)
+    assert english.title != other.title
+    assert [type(block) for block in english.blocks] == [type(block) for block in other.blocks]
+    ours, theirs = ({b.text for b in found.blocks if isinstance(b, Paragraph)} for found in (english, other))
+    assert ours & theirs <= {"Standard:"}
