@@ -50,13 +50,12 @@ def newton_euler(context: Context) -> Iterator[Block]:
     symbol = Box("\\mathbf{a}_{0}", 11.0)
     yield Rows((*start.lines, *matrix_lines(symbol, base, lambda k, _: Box(f"({symbol.tex})_{{{k}}}", 25.0))))
     joint_types = {joint.is_revolute for joint in context.robot.joints}
-    if True in joint_types:
-        yield context.paragraph("A revolute joint, outward from $i = 1$ and back inward from the last link:")
-        letters = JointLetters.any_joint(is_revolute=True)
-        yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
-    if False in joint_types:
-        yield context.paragraph("A prismatic joint, outward from $i = 1$ and back inward from the last link:")
-        letters = JointLetters.any_joint(is_revolute=False)
+    for is_revolute in sorted(joint_types, reverse=True):
+        if is_revolute:
+            yield context.paragraph("A revolute joint, outward from $i = 1$ and back inward from the last link:")
+        else:
+            yield context.paragraph("A prismatic joint, outward from $i = 1$ and back inward from the last link:")
+        letters = JointLetters.any_joint(is_revolute)
         yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
     yield from _remarks(context)
     words = {True: _("revolute"), False: _("prismatic")}

@@ -73,8 +73,8 @@ def _blocks(
     if any(peaks.loads for peaks in segments):
         yield Paragraph(_("Largest torques [N m] and forces [N], and the work of all joints [J]:"))
         symbols = (f"${context.symbols.torque(i).tex}$" for i in range(1, context.robot.n + 1))
-        numbers = ((_title(peaks.segment), *(load.peak for load in peaks.loads), peaks.work) for peaks in segments)
-        rows = tuple((title, *(f"${_decimal(context, x)}$" for x in row)) for title, *row in numbers)
+        numbers = ((peaks.segment, (*(load.peak for load in peaks.loads), peaks.work)) for peaks in segments)
+        rows = tuple((_title(segment), *(f"${_decimal(context, x)}$" for x in row)) for segment, row in numbers)
         yield Table((_("segment"), *symbols, _("work")), rows, long=len(rows) > 30)
         words = _("Of each joint the root mean square of the torque or force, the largest power, and the work:")
         yield Paragraph(words)
