@@ -11,7 +11,6 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,7 +80,6 @@ class Compiled:
 
     pdf: bytes  # the file
     log: LatexLog  # the log of the last run
-    seconds: float  # wall time
 
 
 def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_LIMIT) -> Compiled:
@@ -92,7 +90,6 @@ def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_
             f"no PDF without LaTeX: {' and '.join(missing)} not found",
             remedy=f"on Debian and Ubuntu: apt install {PACKAGES}; or write the .tex and compile it elsewhere",
         )
-    started = time.perf_counter()
     with TemporaryFolder() as folder:
         source, log_file = folder.path / f"{name}.tex", folder.path / f"{name}.log"
         source.write_bytes(text.encode())
@@ -106,7 +103,7 @@ def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_
             folder.keep()
             raise _refusal(text, log, source)
         pdf = source.with_suffix(".pdf").read_bytes()
-    return Compiled(pdf, log, time.perf_counter() - started)
+    return Compiled(pdf, log)
 
 
 def _run(command: list[str], folder: Path, time_limit: float) -> int | None:

@@ -37,15 +37,9 @@ def section() -> list[str]:
     return [TITLE, "", head, "", *items]
 
 
-def _item(name: str, place: str, printed: str, right: str, numbers: str, why: str) -> Iterator[str]:
-    yield f"### {name}"
-    yield ""
-    yield f"- place: {place}"
-    yield f"- printed: {printed}"
-    yield f"- right: {right}"
-    yield f"- numbers: {numbers}"
-    yield f"- why: {why}"
-    yield ""
+def _item(name: str, *told: str) -> list[str]:
+    words = ("place", "printed", "right", "numbers", "why")
+    return [f"### {name}", "", *(f"- {word}: {text}" for word, text in zip(words, told, strict=True)), ""]
 
 
 def _unscaled(motion: Motion) -> Iterator[str]:

@@ -1,12 +1,19 @@
-"""What the README and the pages under docs/ show is what a reader gets."""
+"""What the README and the pages under docs/ show is what a reader gets, the page of errata what the command finds."""
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
 
+from derive.api.build import build
+from derive.api.robots import load
 from derive.model.quantities import REGISTRY
+from derive.verification.octave_model import OPTIONS, find_octave
 from tests.docs.console import ROOT, Command, agrees, blocks, commands, environment, run
+from tests.docs.errata import PAGE, TITLES, page
+from tests.docs.motion_errata import section
+from tests.targets.generated_models import needs_octave
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs" / "decisions").glob("*.md"))]
 PAGES = [page for page in PAGES if page.name != "contributing.md"]  # a copy that `make docs` makes
@@ -95,3 +102,40 @@ def contents(page: Path) -> list[str]:
     lines = [line for block in blocks(page) if block.language == "{toctree}" for line in block.body.splitlines()]
     names = [f"{line}.md" for line in lines if line and not line.startswith(":")]
     return [str(path.relative_to(page.parent)) for name in names for path in page.parent.glob(name)]
+
+
+@needs_octave
+def test_the_example_runs(tmp_path: Path) -> None:
+    script = []
+    for block in blocks(ROOT / "docs" / "octave.md"):
+        if block.file:
+            (tmp_path / block.file).write_text(block.body, encoding="utf-8")
+        script += [block.body] if block.language == "matlab" else []
+    build(load(str(tmp_path / "arm.yaml")), tmp_path / "generated", targets=["octave"], effort="quick")
+    (tmp_path / "arm_example.m").write_text("".join(script), encoding="utf-8")
+    command = [*(find_octave() or ()), *OPTIONS, "arm_example.m"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert script
+
+
+def test_the_page_is_current() -> None:
+    assert PAGE.read_text(encoding="utf-8") == page(), "run: make errata"
+
+
+def test_documents_are_named_in_words() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert ".txt" not in text
+    found = [line.removeprefix("## ") for line in text.splitlines() if line.startswith("## Document")]
+    assert found == [title for number, title in TITLES.items() if number != "003"]
+
+
+def test_section_of_motions_proves_its_items_with_numbers() -> None:
+    text = "\n".join(section())
+    assert text.count("### ") == 5
+    assert "drawn 0.00981719 and 0.00010076, right 5*pi/16 = 0.981748 rad/s" in text
+    assert "15*pi/16 = 2.94524" in text
+    assert "Ixx + Iyy - Izz = -0.08 kg m^2" in text
+    assert "points `rest`, `C`, `D`" in text
+    assert "`L{1}.m`, ..., `L{4}.B` and `fkine(SCARA,q)`" in text
+    assert "rank of J: rest 3, A 4, B 4, C 3, D 3" in text

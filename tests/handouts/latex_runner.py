@@ -41,6 +41,15 @@ def run_latex(text: str, folder: Path) -> LatexLog:
     return LatexLog((folder / "sheet.log").read_text(encoding="latin-1"), done.returncode)
 
 
+def run_clean(text: str, folder: Path) -> LatexLog:
+    """As `run_latex`, of what has no error and nothing outside of the margins."""
+    log = run_latex(text, folder)
+    assert not log.errors
+    assert log.status == 0
+    assert overfull(log) <= 1.0
+    return log
+
+
 def assert_widths(boxes: Sequence[Box], folder: Path) -> None:
     """The model of widths never says too little, and at most a quarter too much."""
     lines = [rf"\setbox0\hbox{{${box.tex}$}}\typeout{{WIDTH \the\wd0}}" for box in boxes]

@@ -7,11 +7,11 @@ import pytest
 
 from derive.handouts.assemble import context_of, document
 from derive.handouts.sheet.document import Block, Document, Paragraph, Rows, Section, SheetFormula, Table
-from derive.handouts.sheet.language import Text, languages
+from derive.handouts.sheet.language import ENGLISH, Text, languages
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
-from tests.random_robots import swept_catalogue
+from tests.random_robots import sampled, swept_catalogue
 
 pypdf = pytest.importorskip("pypdf")
 pytestmark = pytest.mark.slow
@@ -32,8 +32,6 @@ CASES: dict[str, tuple[Block, ...]] = {
         Rows((f"\\mathrm{{NEXT}} = {MATRIX}",)),
     ),
 }
-
-
 QUICK = ("table behind an empty result", "last two")
 
 
@@ -42,7 +40,7 @@ def pages(sheet: Document, words: Text, folder: Path) -> list[str]:
     return [page.extract_text() for page in pypdf.PdfReader(folder / "sheet.pdf").pages]
 
 
-@pytest.mark.parametrize("case", [pytest.param(c, marks=() if c in QUICK else pytest.mark.sweep) for c in CASES])
+@pytest.mark.parametrize("case", sampled([*CASES], QUICK))
 def test_what_is_announced_is_on_the_page_of_its_sentence(case: str, tmp_path: Path) -> None:
     found = set()
     for rows in (30, 34, 38, 42):
@@ -55,22 +53,12 @@ def test_what_is_announced_is_on_the_page_of_its_sentence(case: str, tmp_path: P
     assert found == {0, 1}
 
 
-def assert_well_broken(name: str, language: str, folder: Path) -> None:
+@pytest.mark.parametrize("language", sampled(languages(), (ENGLISH,)))
+@pytest.mark.parametrize("name", swept_catalogue(usual=("kuka-kr5", "anthropomorphic-wrist")))
+def test_sheets_are_well_broken(name: str, language: str, tmp_path: Path) -> None:
     robot = Robot.load(name)
     context = context_of(robot, replace(robot.handout, language=language))
-    text = pages(document(context), context.text, folder)
+    text = pages(document(context), context.text, tmp_path)
     lines = [[line for line in page.splitlines() if line.strip()] for page in text]
     assert not [page[-2] for page in lines[:-1] if page[-2].rstrip().endswith(":")]
     assert text[-1].count("=") != 1
-
-
-@pytest.mark.parametrize("name", ["kuka-kr5", "anthropomorphic-wrist"])
-def test_sheets_are_well_broken(name: str, tmp_path: Path) -> None:
-    assert_well_broken(name, "en", tmp_path)
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize("language", languages())
-@pytest.mark.parametrize("name", swept_catalogue())
-def test_every_sheet_is_well_broken(name: str, language: str, tmp_path: Path) -> None:
-    assert_well_broken(name, language, tmp_path)

@@ -1,8 +1,10 @@
-"""A handout as files in memory: which there are, what they are called, and that all say who wrote them."""
+"""The table of parts, and a handout as files in memory: which there are, what they are called, who wrote them."""
 
 import pytest
 
+from derive.handouts.assemble import context_of, document
 from derive.handouts.render import Format, handout_files
+from derive.robot.options.handout import PARTS, USUAL_PARTS, HandoutOptions
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import require_latex
 
@@ -33,3 +35,17 @@ def test_pages_of_a_pdf_are_counted(bar: Robot) -> None:
     handout = handout_files(bar, bar.handout, [Format.PDF])
     assert handout.files["bar.pdf"].startswith(b"%PDF")
     assert handout.pages == {"bar.pdf": 1}
+
+
+def test_every_part_is_there_in_its_order() -> None:
+    usual = context_of(Robot.load("planar-2r-perugia"))
+    assert [section.part for section in document(usual).sections] == list(USUAL_PARTS)
+    assert "conversion" not in USUAL_PARTS
+    context = context_of(Robot.load("planar-2r-perugia"), HandoutOptions(parts=PARTS))
+    assert [section.part for section in document(context).sections] == list(PARTS)
+    assert all(section.title and section.blocks for section in document(context).sections)
+
+
+def test_only_the_parts_that_are_asked_for() -> None:
+    context = context_of(Robot.load("scara-perugia"), HandoutOptions(parts=("jacobian", "table")))
+    assert [section.part for section in document(context).sections] == ["table", "jacobian"]

@@ -87,8 +87,10 @@ def _draw_arms(
     for index, (places, centers) in enumerate(zip(lines, dots, strict=True)):
         color, dashed = COLORS[index % len(COLORS)], index >= len(COLORS)
         paper.draw(Path(tuple(places), stroke=color, width=1.5, dashed=dashed))
-        for center in centers:
-            paper.draw(_dot(center, color))
+        for x, y in centers:
+            turns = [2 * math.pi * k / 12 for k in range(12)]
+            corners = tuple((x + _JOINT * math.cos(t), y + _JOINT * math.sin(t)) for t in turns)
+            paper.draw(Path(corners, closed=True, stroke=color, fill=(1.0, 1.0, 1.0), width=0.8))
     for index, (places, text) in enumerate(zip(lines, texts, strict=True)):
         others = [point for other in lines if other is not places for point in _along(other, 20)]
         # The text stands where the line is farthest from all others, on the side away from the middle of all.
@@ -105,12 +107,6 @@ def _line(scene: Scene) -> list[Array]:
     for segment in scene.segments:
         points += [p for p in (segment.start, segment.end) if np.linalg.norm(p - points[-1]) > _SAME * scene.size]
     return points
-
-
-def _dot(center: Point, color: Color) -> Path:
-    turns = [2 * math.pi * k / 12 for k in range(12)]
-    corners = tuple((center[0] + _JOINT * math.cos(t), center[1] + _JOINT * math.sin(t)) for t in turns)
-    return Path(corners, closed=True, stroke=color, fill=(1.0, 1.0, 1.0), width=0.8)
 
 
 def _draw_ends(

@@ -122,19 +122,14 @@ def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[LinkSegmen
     A link leads along z by d, then along x by a (standard); along x by a, then along z by d (modified).
     """
     joints, parts = [], []
+    is_standard = robot.convention is Convention.STANDARD
     for row, joint in enumerate(robot.joints):
-        before, after = poses[row], poses[row + 1]
-        start, end = before[:3, 3], after[:3, 3]
-        if robot.convention is Convention.STANDARD:
-            z = before[:3, 2]
-            corner = start + z * (z @ (end - start))
-            joints.append(JointAxis(start, corner, z, joint.is_revolute))
-            parts += [LinkSegment(start, corner, row, "d"), LinkSegment(corner, end, row, "a")]
-        else:
-            z = after[:3, 2]
-            corner = end - z * (z @ (end - start))
-            joints.append(JointAxis(corner, end, z, joint.is_revolute))
-            parts += [LinkSegment(start, corner, row, "a"), LinkSegment(corner, end, row, "d")]
+        start, end, z = poses[row][:3, 3], poses[row + 1][:3, 3], poses[row if is_standard else row + 1][:3, 2]
+        offset = z * (z @ (end - start))
+        corner = start + offset if is_standard else end - offset
+        joints.append(JointAxis(*((start, corner) if is_standard else (corner, end)), z, joint.is_revolute))
+        first, second = "da" if is_standard else "ad"
+        parts += [LinkSegment(start, corner, row, first), LinkSegment(corner, end, row, second)]
     return joints, [*parts, LinkSegment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")]
 
 

@@ -58,17 +58,7 @@ def _panel(axes: Any, view: WorkspaceView) -> None:
         _fill(axes, view.dexterous.region, view.picture, _DEXTEROUS, _INNER_EDGE, "dexterous")
     if len(view.path):
         axes.plot(*view.path.T, color=_EDGE, marker="." if np.ptp(view.path, axis=0).max() < _ONE_POINT else "")
-    _frame(axes, view)
-    axes.set_xlabel(_AXES[view.picture][0])
-    axes.set_ylabel(_AXES[view.picture][1])
-    axes.set_title(str(view.picture), fontsize=9.0)
-    axes.grid(visible=True, color="0.9", linewidth=0.4)
-    axes.set_axisbelow(True)
-    axes.tick_params(width=0.5, length=2.5)
-
-
-def _frame(axes: Any, view: WorkspaceView) -> None:
-    """The same scale on both axes; the axis of symmetry of a section where the workspace is near it."""
+    # The same scale on both axes; the axis of symmetry of a section where the workspace is near it.
     bounds = view.reachable.region.bounds if not len(view.path) else (*view.path.min(axis=0), *view.path.max(axis=0))
     left, low, right, high = bounds
     margin = _MARGIN * max(right - left, high - low)
@@ -79,6 +69,12 @@ def _frame(axes: Any, view: WorkspaceView) -> None:
         left = 0.0
     axes.set(xlim=(left - margin, right + margin), ylim=(low - margin, high + margin))
     axes.set_aspect("equal", adjustable="box")
+    axes.set_xlabel(_AXES[view.picture][0])
+    axes.set_ylabel(_AXES[view.picture][1])
+    axes.set_title(str(view.picture), fontsize=9.0)
+    axes.grid(visible=True, color="0.9", linewidth=0.4)
+    axes.set_axisbelow(True)
+    axes.tick_params(width=0.5, length=2.5)
 
 
 def _fill(axes: Any, region: Region, picture: Picture, color: Any, edge: Any, name: str) -> None:

@@ -114,6 +114,11 @@ def concatenate(*boxes: Box) -> Box:
     return Box("".join(box.tex for box in boxes), sum(box.width for box in boxes))
 
 
+def bracketed(*boxes: Box) -> Box:
+    """Boxes side by side in a bracket of normal size."""
+    return concatenate(Box("(", BRACKET_WIDTH), *boxes, Box(")", BRACKET_WIDTH))
+
+
 class Break(IntEnum):
     """Whether a new line may start before a piece, and with what."""
 

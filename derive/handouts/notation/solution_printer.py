@@ -74,17 +74,12 @@ def with_names(notation: Notation, found: InverseKinematics) -> Notation:
     named = [line.symbol.name for line in found.lines if line.symbol.is_Symbol]
     last = len(notation.positions)
     positions = {name: (0, last + k) for k, name in enumerate(dict.fromkeys((*pose, *named)))}
-    return replace(notation.with_terms(_columns(notation, found)), positions={**positions, **notation.positions})
-
-
-def _columns(notation: Notation, found: InverseKinematics) -> dict[str, Glyph]:
-    """The rotation of the pose by its columns n, s and a, where that is wanted and no symbol looks like it."""
-    if notation.options.pose is PoseEntries.ENTRIES:
-        return {}
-    letters = {(i, j): Glyph(italic("nsa"[j]), italic("xyz"[i])) for j in range(3) for i in range(3)}
-    if any(glyph.box.tex in notation.taken for glyph in letters.values()):
-        return {}
-    return {found.pose[place].name: glyph for place, glyph in letters.items()}
+    # The rotation of the pose by its columns n, s and a, where that is wanted and no symbol looks like it.
+    letters = {found.pose[i, j].name: Glyph(italic("nsa"[j]), italic("xyz"[i])) for j in range(3) for i in range(3)}
+    is_free = all(glyph.box.tex not in notation.taken for glyph in letters.values())
+    if notation.options.pose is PoseEntries.COLUMNS and is_free:
+        notation = notation.with_terms(letters)
+    return replace(notation, positions={**positions, **notation.positions})
 
 
 class SignLatexPrinter(LatexPrinter):

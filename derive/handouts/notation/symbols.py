@@ -7,7 +7,7 @@ c_{123}, the cosine of a sum. Where a name is taken, an entry is written (B)_{12
 from __future__ import annotations
 
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.pieces import Box, concatenate, greek, italic, script, upright
+from derive.handouts.notation.pieces import Box, bracketed, concatenate, greek, italic, script, upright
 from derive.robot.options.handout import FrameIndices
 
 _TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
@@ -71,8 +71,7 @@ class Symbols:
         plain = script(italic(letter), italic(indices))
         if plain.tex not in self._taken:
             return plain
-        matrix = concatenate(Box("(", 5.0), bold(letter.upper()), Box(")", 5.0))
-        return script(matrix, italic(indices))
+        return script(bracketed(bold(letter.upper())), italic(indices))
 
 
 class Group:

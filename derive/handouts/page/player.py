@@ -174,7 +174,13 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
             "revolute": revolute,
             "title": html_text(f"{title} [{unit}]"),
             "exceeded": [
-                html_text(_excess(text, robot, item))
+                html_text(
+                    text(
+                        "%(joint)s beyond its limit at %(time)s s",
+                        joint=robot.joints[item.joint].variable,
+                        time=text.number(f"{item.time:.4g}"),
+                    )
+                )
                 for item in playback.exceeded
                 if playback.quantities[order] == item.quantity and robot.joints[item.joint].is_revolute is revolute
             ],
@@ -224,11 +230,6 @@ def _quantities(_: Text) -> dict[str, tuple[str, dict[bool, tuple[str, str]]]]:
         "torque": (_("Torque or force"), {True: (_("Torque"), "N m"), False: (_("Force"), "N")}),
         "error": (error, {True: (error, "rad"), False: (error, "m")}),
     }
-
-
-def _excess(_: Text, robot: Robot, item: Exceeded) -> str:
-    time = _.number(f"{item.time:.4g}")
-    return _("%(joint)s beyond its limit at %(time)s s", joint=robot.joints[item.joint].variable, time=time)
 
 
 def _notes(_: Text, playback: Playback) -> Iterator[str]:

@@ -74,11 +74,7 @@ def _rank(matrix: Array) -> int:
 
 def _normal(columns: Array) -> tuple[float, float, float]:
     """What is normal to all columns, which lie in a plane; its largest component is positive."""
-    x, y, z = np.linalg.svd(columns)[0][:, 2]
-    sign = 1.0 if max((x, y, z), key=abs) > 0 else -1.0
-    return _plain(sign * x), _plain(sign * y), _plain(sign * z)
-
-
-def _plain(x: float) -> float:
-    """A component without what rounding left of zero."""
-    return 0.0 if abs(x) < _SMALL else float(x)
+    normal = np.linalg.svd(columns)[0][:, 2]
+    sign = 1.0 if max(normal, key=abs) > 0 else -1.0
+    x, y, z = (0.0 if abs(part) < _SMALL else float(sign * part) for part in normal)  # without what rounding left
+    return x, y, z

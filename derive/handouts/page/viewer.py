@@ -118,7 +118,7 @@ def viewer(
             for name, value in values.items()
         )
         message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
-        assumed = html_text(message).replace("@values@", ("; " if text.comma else ", ").join(pairs))
+        assumed = html_text(message).replace("@values@", text.listing(pairs))
     rows = _rows(robot, notation, ways)
     html = render(
         "page/viewer/viewer.html.jinja",
@@ -190,12 +190,12 @@ def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notat
         {"name": axis, "fixed": dragged.normal is not None and abs(dragged.normal[k]) > 1.0 - 1e-9}
         for k, axis in enumerate("xyz")
     ]
-    branches = []
-    for index, name in enumerate(names):
-        plain = branch_name(text, notation, name, lambda tex: "".join(run.text for run in label_runs(tex)).strip())
-        words = html_text(plain)
-        branches += [{"index": index, "name": words}] if name else []
-    return {"axes": axes, "branches": branches}
+
+    def _plain(tex: str) -> str:
+        return "".join(run.text for run in label_runs(tex)).strip()
+
+    words = (html_text(branch_name(text, notation, name, _plain)) for name in names)
+    return {"axes": axes, "branches": [{"index": k, "name": word} for k, word in enumerate(words) if word]}
 
 
 def _configuration(
@@ -239,21 +239,16 @@ def _configuration(
 
 def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict[str, object]]:
     """Texts of the sliders, numbers in degrees or metres."""
-    rows = []
-    for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True)):
-        lower, upper, start = (f"{way.shown(value):.12g}" for value in (way.lower, way.upper, way.start))
-        rows.append(
-            {
-                "place": place,
-                "label": html_symbol(notation.glyph(joint.variable).box.tex),
-                "name": html_text(joint.variable),
-                "unit": "deg" if way.revolute else "m",
-                "lower": lower,
-                "upper": upper,
-                "start": start,
-            }
-        )
-    return rows
+    return [
+        {
+            "place": place,
+            "label": html_symbol(notation.glyph(joint.variable).box.tex),
+            "name": html_text(joint.variable),
+            "unit": "deg" if way.revolute else "m",
+            **{name: f"{way.shown(getattr(way, name)):.12g}" for name in ("lower", "upper", "start")},
+        }
+        for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True))
+    ]
 
 
 def _words(_: Text) -> dict[str, str]:

@@ -63,11 +63,10 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
-    written = []
-    for joint, cell in values:
-        value = joined(context.data.position(joint, cell)).tex
-        written.append(f"${context.notation.glyph(joint.variable).box.tex.strip()} = {value}$")
-    return ("; " if context.text.comma else ", ").join(written)
+    return context.text.listing(
+        f"${context.notation.glyph(joint.variable).box.tex.strip()} = {joined(context.data.position(joint, cell)).tex}$"
+        for joint, cell in values
+    )
 
 
 def stated_values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
@@ -80,7 +79,7 @@ def stated_values(context: Context, values: Sequence[tuple[str, float, str]]) ->
         number = f"-{size}" if value < 0 else size
         behind = unit if "circ" in unit else f"\\,\\mathrm{{{unit}}}"
         written.append(f"${context.notation.glyph(name).box.tex.strip()} = {number}{behind}$")
-    return ("; " if context.text.comma else ", ").join(written)
+    return context.text.listing(written)
 
 
 def convention(context: Context) -> Iterator[Block]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import sympy
 
@@ -282,10 +281,14 @@ class _InversePart:
                 symbol=unknown,
             )
         if step.exists is not sympy.true:
-            condition = f"${_relation(step.exists, self._tex)}$"
+            # |D| <= 1, or A^2 + B^2 >= K^2
+            left, right = step.exists.lhs, self._tex(step.exists.rhs)
+            is_size = isinstance(left, sympy.Abs)
+            shown = f"\\lvert {self._tex(left.args[0])} \\rvert" if is_size else self._tex(left)
+            sign = "\\leq" if step.exists.rel_op == "<=" else "\\geq"
             yield _(
                 "Real if %(condition)s; at equality (workspace boundary) the two solutions coincide.",
-                condition=condition,
+                condition=f"${shown} {sign} {right}$",
             )
             if merged:
                 yield _("This happens at a singularity of the arm: %(factors)s.", factors=self._zeros(merged))
@@ -381,11 +384,3 @@ def _is_law_of_cosines(step: PrintedStep) -> bool:
     angles = equation.left.atoms(sympy.cos, sympy.sin)
     squared = any(origin.form in (OriginForm.SQUARES, OriginForm.DISTANCE) for origin in equation.origins)
     return squared and len(angles) == 1 and len(step.joints) == 1 and bool(equation.left.is_Mul)
-
-
-def _relation(relation: Any, write: Any) -> str:
-    """``|D| <= 1`` or ``A^2 + B^2 >= K^2``."""
-    left, right = relation.lhs, relation.rhs
-    shown = f"\\lvert {write(left.args[0])} \\rvert" if isinstance(left, sympy.Abs) else write(left)
-    sign = "\\leq" if relation.rel_op == "<=" else "\\geq"
-    return f"{shown} {sign} {write(right)}"

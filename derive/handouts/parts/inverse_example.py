@@ -91,8 +91,12 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
 
 def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[float]) -> list[Found]:
     """Every solution of the pose of a configuration [rad or m], put back; with formulas to fifty digits."""
-    if not found.is_explicit:
-        return _in_floats(found, {str(symbol): x for symbol, x in numbers.items()}, q)
+    if not found.is_explicit:  # by the eigenvalues of a matrix, or by the roots of a quartic
+        solver = InverseSolver.of(found.robot, found.graph, {str(symbol): x for symbol, x in numbers.items()})
+        pose, _slopes = solver.chain.pose_and_jacobian(np.array(q, dtype=float))
+        solved = solver.solve(pose, [q[k] for k in found.graph.given]).q
+        real = sorted(solved[np.isfinite(solved).all(axis=-1)].tolist(), key=lambda own: [round(x, 6) for x in own])
+        return [Found(number, tuple(own)) for number, own in enumerate(real, 1)]
     variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
     solutions = []
     with mpmath.workdps(DIGITS):
@@ -100,24 +104,15 @@ def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[fl
         parameters: Numbers = {symbol: mpmath.mpf(x) for symbol, x in numbers.items()}
         values = found.values_at(parameters, given)
         for number, solution in enumerate(found.solutions, 1):
-            solved = solution.numbers(values)
-            if solved is not None and found.error(values, {**given, **solved}) < CLOSE:
-                whole = {**given, **solved}
+            by_formulas = solution.numbers(values)
+            if by_formulas is not None and found.error(values, {**given, **by_formulas}) < CLOSE:
+                whole = {**given, **by_formulas}
                 kept = (
                     _in_one_turn(float(whole[symbol])) if joint.is_revolute else float(whole[symbol])
                     for symbol, joint in zip(variables, found.robot.joints, strict=True)
                 )
                 solutions.append(Found(number, tuple(kept)))
     return solutions
-
-
-def _in_floats(found: InverseKinematics, numbers: dict[str, float], q: Sequence[float]) -> list[Found]:
-    """The solutions by the eigenvalues of a matrix, or by the roots of a quartic."""
-    solver = InverseSolver.of(found.robot, found.graph, numbers)
-    pose, _slopes = solver.chain.pose_and_jacobian(np.array(q, dtype=float))
-    solved = solver.solve(pose, [q[k] for k in found.graph.given]).q
-    real = sorted(solved[np.isfinite(solved).all(axis=-1)].tolist(), key=lambda own: [round(x, 6) for x in own])
-    return [Found(number, tuple(own)) for number, own in enumerate(real, 1)]
 
 
 def _in_one_turn(angle: float) -> float:
@@ -148,7 +143,7 @@ def _assumed(context: Context, poses: RobotPoses) -> str:
         if name in free
     ]
     written += [stated_values(context, poses.assumed)] if poses.assumed else []
-    return ("; " if context.text.comma else ", ").join(written)
+    return context.text.listing(written)
 
 
 def _stated(context: Context, q: Sequence[float]) -> str:
@@ -158,7 +153,7 @@ def _stated(context: Context, q: Sequence[float]) -> str:
         unit = _unit(context, joint)[0]
         behind = unit.removeprefix("{}") if "circ" in unit else f"\\,{unit}"
         written.append(f"${symbol} = {_position(context, value, joint).tex}{behind}$")
-    return ("; " if context.text.comma else ", ").join(written)
+    return context.text.listing(written)
 
 
 def _unit(context: Context, joint: Joint) -> tuple[str, float, int]:

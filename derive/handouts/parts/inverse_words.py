@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.pieces import EMPTY, Box, concatenate, script
+from derive.handouts.notation.pieces import EMPTY, Box, bracketed, concatenate, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
@@ -105,7 +105,7 @@ def _between(context: Context, start: int, end: int) -> Box:
 
 
 def _inverted(box: Box) -> Box:
-    return script(concatenate(Box("(", 5.0), box, Box(")", 5.0)), EMPTY, _INVERSE)
+    return script(bracketed(box), EMPTY, _INVERSE)
 
 
 def and_list(text: Text, words: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ from functools import cached_property, partial
 
 from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import BINARY_WIDTH, BRACKET_WIDTH, MINUS_WIDTH, Box, concatenate, italic, script
+from derive.handouts.notation.pieces import BINARY_WIDTH, MINUS_WIDTH, Box, bracketed, concatenate, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.orientation import euler_names
 from derive.handouts.sheet.context import Context
@@ -206,6 +206,4 @@ def _halves(index: str, *, is_revolute: bool, is_opposed: bool) -> tuple[Box, Bo
         z = concatenate(Box("-", MINUS_WIDTH), z)
     if not is_revolute:
         return z, _ZERO
-    opening, closing = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
-    arm = concatenate(opening, bold("p"), Box(" - ", BINARY_WIDTH), o, closing)
-    return concatenate(z, _CROSS, arm), z
+    return concatenate(z, _CROSS, bracketed(bold("p"), Box(" - ", BINARY_WIDTH), o)), z

@@ -1,16 +1,34 @@
-"""The part with the Newton-Euler recursion: equations for the joint types that occur, and the data of the links."""
+"""The part with the Newton-Euler recursion: equations for the joint types that occur, and the data of the links.
+
+The vectors of link i are in frame i (Luh, Walker and Paul 1980; Fu, Gonzalez and Lee, Robotics, section 3.3; for the
+modified convention Craig, Introduction to Robotics, section 6.5). In the standard convention joint i moves about z of
+frame i-1 and p*_i = o_i - o_{i-1} is constant in frame i; in the modified one it moves about z of frame i, and p_i is
+constant in frame i-1.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import Box, concatenate, italic, joined, script
-from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines, fits, matrix, pack
+from derive.handouts.notation.pieces import (
+    BRACKET_WIDTH,
+    EMPTY,
+    RELATION_WIDTH,
+    Box,
+    TexPiece,
+    binary,
+    bracketed,
+    concatenate,
+    italic,
+    joined,
+    script,
+)
+from derive.handouts.notation.printer import MINUS, LatexPrinter
+from derive.handouts.notation.symbols import Symbols
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.bodies import has_rotors
-from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import component_namer, entry_namer, matrix_lines, textbook
@@ -32,13 +50,12 @@ def newton_euler(context: Context) -> Iterator[Block]:
     symbol = Box("\\mathbf{a}_{0}", 11.0)
     yield Rows((*start.lines, *matrix_lines(symbol, base, lambda k, _: Box(f"({symbol.tex})_{{{k}}}", 25.0))))
     joint_types = {joint.is_revolute for joint in context.robot.joints}
-    if True in joint_types:
-        yield context.paragraph("A revolute joint, outward from $i = 1$ and back inward from the last link:")
-        letters = JointLetters.any_joint(is_revolute=True)
-        yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
-    if False in joint_types:
-        yield context.paragraph("A prismatic joint, outward from $i = 1$ and back inward from the last link:")
-        letters = JointLetters.any_joint(is_revolute=False)
+    for is_revolute in sorted(joint_types, reverse=True):
+        if is_revolute:
+            yield context.paragraph("A revolute joint, outward from $i = 1$ and back inward from the last link:")
+        else:
+            yield context.paragraph("A prismatic joint, outward from $i = 1$ and back inward from the last link:")
+        letters = JointLetters.any_joint(is_revolute)
         yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
     yield from _remarks(context)
     words = {True: _("revolute"), False: _("prismatic")}
@@ -178,3 +195,154 @@ def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Cons
         (vector("I", index), [list(row) for row in tensor]),
     ):
         yield _Constant(symbol, [[expression_to_sympy(cell) for cell in row] for row in cells], data)
+
+
+# -- the recursion as equations: for any joint, or for one joint of the robot
+
+_TIMES = Box(" \\times ", RELATION_WIDTH)
+_OPEN, _CLOSE = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
+_TWICE = italic("2")
+_OMEGA = Box("\\boldsymbol{\\omega}", 8.0)
+
+# Sign and absolute value, which may be broken over lines where it is in pieces.
+Term = tuple[int, "Box | tuple[TexPiece, ...]"]
+Sides = tuple[Box, list[Term]]  # left side of an equation, and the terms of the right one
+
+
+@dataclass(frozen=True)
+class JointLetters:
+    """How the recursion calls a joint and the links on both sides of it."""
+
+    index: str  # its index: ``i`` or a number
+    before: str  # the index before
+    after: str  # the index after
+    is_revolute: bool  # whether the joint turns
+    sign: int  # +1 or -1, how its variable counts
+    rate: Box  # its velocity
+    acceleration: Box  # its acceleration
+    torque: Box  # its torque or force
+    is_last: bool = False  # whether no link follows
+
+    @classmethod
+    def any_joint(cls, is_revolute: bool) -> JointLetters:
+        """Joint i."""
+        rate, acceleration = (script(Box(f"{dots}{{q}}", 5.5), italic("i")) for dots in ("\\dot", "\\ddot"))
+        return cls("i", "i-1", "i+1", is_revolute, 1, rate, acceleration, script(Box("\\tau", 5.0), italic("i")))
+
+
+@dataclass(frozen=True)
+class Recursion:
+    """The equations in one convention."""
+
+    is_standard: bool  # whether the convention is the standard one
+    symbols: Symbols  # names of matrices
+
+    def offset(self, index: str) -> Box:
+        """The vector p from o_{i-1} to o_i, with a star in the standard convention."""
+        return script(Box("\\mathbf{p}", 6.5), italic(index), Box("*", 5.0) if self.is_standard else EMPTY)
+
+    def outward(self, joint: JointLetters) -> list[str]:
+        """Motion of link i from that of link i-1, and the force and moment that this motion takes."""
+        i = joint.index
+        w, wd, a = _motion(i)
+        center, inertia = vector("a", f"c_{{{i}}}"), vector("I", i)
+        gyroscopic = concatenate(w, _TIMES, bracketed(inertia, w))
+        return _lines(
+            [
+                *self._motion_of_link(joint),
+                (center, [(1, a), *_rotational(w, wd, com(i))]),
+                (vector("F", i), [(1, concatenate(script(italic("m"), italic(i)), center))]),
+                (vector("N", i), [(1, concatenate(inertia, wd)), (1, gyroscopic)]),
+            ]
+        )
+
+    def inward(self, joint: JointLetters) -> list[str]:
+        """Force and moment that link i receives through its joint, and the torque of the joint."""
+        i = joint.index
+        back = self.symbols.frame("R", joint.after, i)
+        force, moment = vector("f", i), vector("n", i)
+        resultant, resultant_moment = vector("F", i), vector("N", i)
+        p, r = self.offset(i if self.is_standard else joint.after), com(i)
+        arm = bracketed(p, Box(" + ", 12.3), r) if self.is_standard else r
+        z = vector("z", "0")
+        axis = concatenate(self.symbols.frame("R", joint.before, i), z) if self.is_standard else z
+        forces: list[Term] = [(1, resultant)]
+        moments: list[Term] = [(1, concatenate(arm, _TIMES, resultant)), (1, resultant_moment)]
+        if not joint.is_last:
+            carried = concatenate(back, vector("f", joint.after))
+            forces = [(1, carried), *forces]
+            moments = [
+                (1, concatenate(back, vector("n", joint.after))),
+                (1, concatenate(p, _TIMES, bracketed(carried))),
+                *moments,
+            ]
+        received = moment if joint.is_revolute else force
+        torque = concatenate(Box(f"{received.tex}^{{T}}", received.width + 5.0), axis)
+        return _lines([(force, forces), (moment, moments), (joint.torque, [(joint.sign, torque)])])
+
+    def _motion_of_link(self, joint: JointLetters) -> Iterator[Sides]:
+        """The motion of link i; its joint moves about z of frame i-1 (standard) or of frame i (modified)."""
+        w, wd, a = _motion(joint.index)
+        w0, wd0, a0 = _motion(joint.before)
+        turn, z, p = self.symbols.frame("R", joint.before, joint.index), vector("z", "0"), self.offset(joint.index)
+        rate, acceleration = ((joint.sign, concatenate(box, z)) for box in (joint.rate, joint.acceleration))
+        product = concatenate(joint.rate, w0 if self.is_standard else w, _TIMES, z)
+        coriolis, twice = (joint.sign, product), (joint.sign, concatenate(_TWICE, product))
+        turned, turned_rate = (1, concatenate(turn, w0)), (1, concatenate(turn, wd0))
+        carried = (1, _turned(turn, [(1, a0), *_rotational(w0, wd0, p)]))
+        match self.is_standard, joint.is_revolute:
+            case True, True:
+                yield w, [(1, _turned(turn, [(1, w0), rate]))]
+                yield wd, [(1, _turned(turn, [(1, wd0), acceleration, coriolis]))]
+                yield a, [(1, concatenate(turn, a0)), *_rotational(w, wd, p)]
+            case True, False:
+                yield w, [turned]
+                yield wd, [turned_rate]
+                yield a, [(1, _turned(turn, [(1, a0), acceleration, twice])), *_rotational(w, wd, p)]
+            case False, True:
+                yield w, [turned, rate]
+                yield wd, [turned_rate, acceleration, coriolis]
+                yield a, [carried]
+            case _:
+                yield w, [turned]
+                yield wd, [turned_rate]
+                yield a, [carried, acceleration, twice]
+
+
+def vector(letter: str, index: str) -> Box:
+    """A vector or tensor of a link."""
+    return script(Box(f"\\mathbf{{{letter}}}", 9.0), italic(index))
+
+
+def com(index: str) -> Box:
+    """The vector r from o_i to the centre of mass of link i."""
+    return vector("r", f"c_{{{index}}}")
+
+
+def _motion(index: str) -> tuple[Box, Box, Box]:
+    """Angular velocity and acceleration of link i, acceleration of its origin."""
+    acceleration = Box(f"\\dot{{{_OMEGA.tex}}}", _OMEGA.width)
+    return script(_OMEGA, italic(index)), script(acceleration, italic(index)), vector("a", index)
+
+
+def _rotational(w: Box, wd: Box, r: Box) -> list[Term]:
+    """The acceleration of a point at r due to rotation."""
+    return [(1, concatenate(wd, _TIMES, r)), (1, concatenate(w, _TIMES, bracketed(w, _TIMES, r)))]
+
+
+def _turned(turn: Box, terms: list[Term]) -> tuple[TexPiece, ...]:
+    return (TexPiece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), TexPiece(_CLOSE))
+
+
+def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[TexPiece]:
+    for index, (sign, value) in enumerate(terms):
+        if index:
+            yield binary("+" if sign > 0 else "-", depth)
+        elif sign < 0:
+            yield MINUS
+        yield from (TexPiece(value),) if isinstance(value, Box) else value
+
+
+def _lines(equations: Iterable[Sides]) -> list[str]:
+    broken = (break_lines(concatenate(left, EQUALS), tuple(_pieces(terms))) for left, terms in equations)
+    return [line for lines in broken for line in lines]

@@ -72,7 +72,10 @@ def _blocks(
     yield _speeds(context, segments)
     if any(peaks.loads for peaks in segments):
         yield Paragraph(_("Largest torques [N m] and forces [N], and the work of all joints [J]:"))
-        yield _torques(context, segments)
+        symbols = (f"${context.symbols.torque(i).tex}$" for i in range(1, context.robot.n + 1))
+        numbers = ((peaks.segment, (*(load.peak for load in peaks.loads), peaks.work)) for peaks in segments)
+        rows = tuple((_title(segment), *(f"${_decimal(context, x)}$" for x in row)) for segment, row in numbers)
+        yield Table((_("segment"), *symbols, _("work")), rows, long=len(rows) > 30)
         words = _("Of each joint the root mean square of the torque or force, the largest power, and the work:")
         yield Paragraph(words)
         yield _powers(context, segments)
@@ -108,14 +111,6 @@ def _speeds(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
         if cells[0]:
             rows.append((*cells, "", _("none moves"), ""))
     return Table(header, tuple(rows), long=len(rows) > 30)
-
-
-def _torques(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
-    _ = context.text
-    symbols = (f"${context.symbols.torque(i).tex}$" for i in range(1, context.robot.n + 1))
-    numbers = ((peaks.segment, (*(load.peak for load in peaks.loads), peaks.work)) for peaks in segments)
-    rows = tuple((_title(segment), *(f"${_decimal(context, x)}$" for x in row)) for segment, row in numbers)
-    return Table((_("segment"), *symbols, _("work")), rows, long=len(rows) > 30)
 
 
 def _powers(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
@@ -231,16 +226,13 @@ def _formulas(context: Context, segments: Sequence[SegmentPeaks]) -> Iterator[Bl
             symbol = context.notation.glyph(joint.variable).box
             for piece in pieces:
                 span = [_exact(context, time - segment.start) for time in (piece.start, piece.end)]
-                left = symbol if len(pieces) == 1 else concatenate(symbol, _span(*span))
+                bar = Box(f"\\,\\big|_{{{span[0]} \\le t \\le {span[1]}}}", 12.0 + 4.5 * len("".join(span)))
+                left = symbol if len(pieces) == 1 else concatenate(symbol, bar)
                 equations.append(Equation(left, tuple(context.printer.pieces(_rational(formula(piece, segment))))))
         if equations:
             yield Rows(tuple(equation_lines(equations)))
         for count in sorted(counts):
             yield Paragraph(_("The other joints: %(count)s polynomials each, between places on the way.", count=count))
-
-
-def _span(start: str, end: str) -> Box:
-    return Box(f"\\,\\big|_{{{start} \\le t \\le {end}}}", 12.0 + 4.5 * len(start + end))
 
 
 def _rational(value: Expr) -> Expr:

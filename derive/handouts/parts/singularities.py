@@ -222,34 +222,32 @@ class _SingularFormulas:
         return SheetFormula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
 
     def _zeros(self, family: Sequence[Condition]) -> Iterator[TexPiece]:
+        """``s_5 = 0 <=> q_5 = 0 or pi (wrist)`` for each condition."""
+        text = self.context.text
         for k, condition in enumerate(family):
             if k:
                 yield TexPiece(Box(",\\quad ", 14.0), Break.COMMA)
-            yield from self._zero(condition)
-
-    def _zero(self, condition: Condition) -> Iterator[TexPiece]:
-        """``s_5 = 0 <=> q_5 = 0 or pi (wrist)``."""
-        values, text = condition.values, self.context.text
-        if not condition.is_solution:
-            yield from self._printer.pieces(self._short(condition))
-            yield _IS_ZERO
-        if values and condition.expression != condition.variable:
+            values = condition.values
             if not condition.is_solution:
-                yield _IF_AND_ONLY_IF
-            yield from self._printer.pieces(condition.variable)
-            yield TexPiece(EQUALS)
-            if len(values) == 2 and values[0] == -values[1]:
-                yield TexPiece(Box("\\pm ", 8.0))
-                values = values[1:]
-            for index, value in enumerate(values):
-                if index:
-                    word = text("or")
-                    yield TexPiece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
-                yield from self._printer.angle(value)
-        real = [] if condition.is_certain else [text("where it has real solutions")]
-        posture = [self._words[condition.posture][0]] if condition.posture in self._words else []
-        for word in posture + real:
-            yield TexPiece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
+                yield from self._printer.pieces(self._short(condition))
+                yield _IS_ZERO
+            if values and condition.expression != condition.variable:
+                if not condition.is_solution:
+                    yield _IF_AND_ONLY_IF
+                yield from self._printer.pieces(condition.variable)
+                yield TexPiece(EQUALS)
+                if len(values) == 2 and values[0] == -values[1]:
+                    yield TexPiece(Box("\\pm ", 8.0))
+                    values = values[1:]
+                for index, value in enumerate(values):
+                    if index:
+                        word = text("or")
+                        yield TexPiece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
+                    yield from self._printer.angle(value)
+            real = [] if condition.is_certain else [text("where it has real solutions")]
+            posture = [self._words[condition.posture][0]] if condition.posture in self._words else []
+            for word in posture + real:
+                yield TexPiece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
 
     def _short(self, factor: SingularFactor | Condition) -> Expr:
         same = (symbol for symbol, long in self._long.items() if long.expression == factor.expression)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 from derive.handouts.figure.drawing import Drawing
 
@@ -148,10 +148,6 @@ class Document:
     sections: tuple[Section, ...]  # the parts, in their order
     form: tuple[str, ...] = ()  # words of a line to be filled in, such as that for a name; empty for none
 
-    def section(self, part: str) -> Section:
-        """The section of that name."""
-        return {section.part: section for section in self.sections}[part]
-
 
 def blocks_of(section: Section) -> Iterator[Block]:
     """All blocks of a section, those inside of steps included."""
@@ -192,21 +188,14 @@ class SpanKind(Enum):
     CODE = "code"
 
 
-class Span(NamedTuple):
-    """A part of a text."""
-
-    kind: SpanKind  # what it is
-    text: str  # its contents without the marks
-
-
-def spans(text: str) -> Iterator[Span]:
-    """The parts of a text."""
+def spans(text: str) -> Iterator[tuple[SpanKind, str]]:
+    """The parts of a text: what each is, and its contents without the marks."""
     end = 0
     for match in _SPAN.finditer(text):
         if match.start() > end:
-            yield Span(SpanKind.WORDS, text[end : match.start()])
+            yield SpanKind.WORDS, text[end : match.start()]
         mathematics, code = match.groups()
-        yield Span(SpanKind.CODE, code) if mathematics is None else Span(SpanKind.MATHEMATICS, mathematics)
+        yield (SpanKind.CODE, code) if mathematics is None else (SpanKind.MATHEMATICS, mathematics)
         end = match.end()
     if end < len(text):
-        yield Span(SpanKind.WORDS, text[end:])
+        yield SpanKind.WORDS, text[end:]

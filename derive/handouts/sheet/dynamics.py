@@ -14,7 +14,7 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines
 from derive.handouts.layout.quantity import Item, LaidOut, Layouter, Namer
-from derive.handouts.notation.pieces import Box, Break, TexPiece, binary, concatenate, italic, script
+from derive.handouts.notation.pieces import Box, Break, TexPiece, binary, bracketed, concatenate, italic, script
 from derive.handouts.notation.printer import MINUS, LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, Symbols
@@ -54,7 +54,12 @@ class DynamicsLayout:
         symbols, entry = self.symbols, self.inertia_entry
         if name in ("kinetic", "potential"):
             letter, group = ("T", Group.KINETIC) if name == "kinetic" else ("U", Group.POTENTIAL)
-            return self._scalar(Box(f"\\mathcal{{{letter}}}", 8.0), getattr(self.entries, name), group)
+            box, energy = Box(f"\\mathcal{{{letter}}}", 8.0), getattr(self.entries, name)
+            if not energy.terms(1, 1):
+                return LaidOut((box.tex + " = 0",), blanks=(box.tex,))
+            item = Item(box, energy.terms(1, 1), lambda: energy.entry(1, 1))
+            laid_out = self.layouter.entries([item], group=group, limit=self.layouter.policy.grouped_terms)
+            return replace(laid_out, by_entry=False)
         rate = f"\\dot{{\\mathbf{{{symbols.inertia_letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})"
         rows: dict[str, tuple[Box, Namer, int]] = {
             "B": (self.inertia_symbol, entry, Group.B),
@@ -77,17 +82,9 @@ class DynamicsLayout:
         """C or N, which depend on positions and velocities."""
         return Box(f"\\mathbf{{{letter}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 36.0)
 
-    def _scalar(self, letter: Box, quantity: Entries, group: int) -> LaidOut:
-        terms = quantity.terms(1, 1)
-        if not terms:
-            return LaidOut((letter.tex + " = 0",), blanks=(letter.tex,))
-        item = Item(letter, terms, lambda: quantity.entry(1, 1))
-        laid_out = self.layouter.entries([item], group=group, limit=self.layouter.policy.grouped_terms)
-        return replace(laid_out, by_entry=False)
-
     def body(self, symbol: Box, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
         """A quantity of one link or rotor, within a budget that leaves room for those of all the others."""
-        held = concatenate(Box("(", 5.0), symbol, Box(")", 5.0))
+        held = bracketed(symbol)
         policy = replace(
             self.layouter.policy, flat_terms=40, quantity_entries=4, entry_lines=6, quantity_lines=24, landscape_total=0
         )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut, Namer
-from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, concatenate, italic, joined, script
+from derive.handouts.notation.pieces import Box, bracketed, concatenate, italic, joined, script
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.sheet.context import Context
@@ -27,18 +27,17 @@ def formula(context: Context, laid_out: LaidOut, function: str = "", task: str =
     if laid_out.landscape:
         rows.append(Rows(laid_out.landscape, landscape=True))
     note = unlisted(_, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else ""
-
-    def _entries() -> Iterator[Entry]:
-        python = PlainPrinter().doprint
-        return (Entry(name.tex, context.printer.latex(value), python(value)) for name, value in laid_out.values)
-
+    python = PlainPrinter().doprint
     return SheetFormula(
         rows=tuple(rows),
         named=laid_out.named,
         omitted=laid_out.omitted,
         note=note,
         function=function,
-        entries=LazyEntries(len(laid_out.values), _entries),
+        entries=LazyEntries(
+            len(laid_out.values),
+            lambda: (Entry(name.tex, context.printer.latex(value), python(value)) for name, value in laid_out.values),
+        ),
         task=task,
         blanks=laid_out.blanks,
     )
@@ -56,18 +55,14 @@ def unlisted(text: Text, symmetric: bool, has_zeros: bool) -> str:
 
 def entry_namer(symbol: Box, comma: str = "") -> Namer:
     """Names of the entries of a matrix that has no letter of its own: (A)_{12}."""
-    held = _bracketed(symbol)
+    held = bracketed(symbol)
     return lambda row, column: script(held, italic(f"{row}{comma}{column}"))
 
 
 def component_namer(symbol: Box) -> Namer:
     """Names of the components of a vector: (z_1)_2."""
-    held = _bracketed(symbol)
+    held = bracketed(symbol)
     return lambda row, _: script(held, italic(str(row)))
-
-
-def _bracketed(symbol: Box) -> Box:
-    return concatenate(Box("(", BRACKET_WIDTH), symbol, Box(")", BRACKET_WIDTH))
 
 
 def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> list[str]:

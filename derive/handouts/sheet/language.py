@@ -8,7 +8,7 @@ file, made from ``locale/derive.pot``; ``make messages`` keeps all of them compl
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -28,6 +28,10 @@ class Text:
     def __call__(self, message: str, **values: object) -> str:
         """The message in the language; English where there is no translation."""
         return (self.messages.get(message) or message) % values
+
+    def listing(self, items: Iterable[str]) -> str:
+        """A list of numbers for running text."""
+        return ("; " if self.comma else ", ").join(items)
 
     def number(self, decimal: str) -> str:
         """A number for running text."""

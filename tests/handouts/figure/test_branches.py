@@ -1,11 +1,13 @@
-"""The drawing of an arm in several configurations over each other."""
+"""The drawing of an arm in several configurations over each other, and panels of curves over time."""
 
 import math
 
+import numpy as np
 import pytest
 
 from derive.handouts.figure.branches import branches_drawing
 from derive.handouts.figure.drawing import Drawing, Label, Path
+from derive.handouts.figure.panels import COLORS, Panel, Panels
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
 
@@ -49,3 +51,31 @@ def test_many_lines_are_two_drawings_side_by_side_in_the_order_of_the_numbers() 
     assert [line.points[0] for line in many] == [left] * 3 + [right] * 3
     assert max(x for line in many[:3] for x, _ in line.points) < min(x for line in many[3:] for x, _ in line.points)
     assert [line.stroke for line in many[:3]] == [line.stroke for line in many[3:]]
+
+
+TIMES = np.linspace(0, 3, 31)
+
+
+def panels(*rows: tuple[Panel, ...]) -> Panels:
+    return Panels(TIMES, rows, (1.0,), ("q_1", "q_2"), lambda x: f"{x:g}")
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 700.0])
+def test_everything_lies_on_the_canvas_and_curves_have_their_colours(scale: float) -> None:
+    curves = ((0, scale * np.sin(TIMES)), (1, scale * TIMES))
+    drawing = panels((Panel("q", curves), Panel("d", curves[:1])), (Panel("v", curves), Panel("w", curves))).drawing(
+        "two"
+    )
+    points = np.array([point for item in drawing.items if isinstance(item, Path) for point in item.points])
+    assert (points >= 0).all()
+    assert (points <= (drawing.width, drawing.height)).all()
+    long = [item.stroke for item in drawing.items if isinstance(item, Path) and len(item.points) == TIMES.size]
+    assert long == [COLORS[0], COLORS[1], COLORS[0], COLORS[0], COLORS[1], COLORS[0], COLORS[1]]
+
+
+def test_numbers_at_the_axes_are_round_and_a_curve_that_stands_has_room() -> None:
+    drawing = panels((Panel("q", ((0, np.full(31, 2.0)),)),)).drawing("one")
+    labels = [item.latex for item in drawing.items if isinstance(item, Label)]
+    assert labels[:3] == ["1", "2", "3"]
+    assert labels[-2:] == ["q_1", "q_2"]
+    assert labels[4:11] == ["0", "0.5", "1", "1.5", "2", "2.5", "3"]

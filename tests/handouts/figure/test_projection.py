@@ -1,12 +1,17 @@
-"""Views and faces: an orthographic projection keeps what it must, and hides what is behind."""
+"""Views and solid parts: a projection keeps what it must, planar arms are seen as they are, bodies are closed."""
 
 import math
 
 import numpy as np
 import pytest
 
+from derive.handouts.figure.planar import plane_normal, view_along
 from derive.handouts.figure.projection import AZIMUTHS, ELEVATIONS, View, best_view, paint
-from derive.handouts.figure.solids import LINK, Faces, prism
+from derive.handouts.figure.scene import Scene, arm_scene
+from derive.handouts.figure.solids import LINK, Faces, Sizes, joint_centers, prism, shade, solid_faces
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
+from derive.workspace.poses import RobotPoses
 
 VIEWS = [View(a, e, up) for a in (-2.0, 0.3) for e in (0.1, 1.2) for up in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))]
 
@@ -40,3 +45,108 @@ def test_the_best_view_does_not_look_along_the_only_link() -> None:
         assert round(math.degrees(view.azimuth)) in AZIMUTHS
         assert round(math.degrees(view.elevation)) in ELEVATIONS
         assert np.hypot(*view.flat(axis)) > 0.5
+
+
+PLANAR = {"planar-2r-perugia", "planar-3r", "skeleton", "skeleton-modified", "skeleton-root"}
+
+
+def normal_of(robot: Robot) -> np.ndarray | None:
+    poses = RobotPoses(robot)
+    return plane_normal([arm_scene(robot, poses.frames([0.3] * robot.n))])
+
+
+def test_which_built_in_robots_are_planar() -> None:
+    assert {name for name in catalogue_names() if normal_of(Robot.load(name)) is not None} == PLANAR
+
+
+def test_slides_alone_have_a_plane_and_one_slide_has_none() -> None:
+    rows = "{type: prismatic, alpha: pi/2, theta: pi/2}"
+    two = Robot.from_text(f"{{name: arm, convention: standard, joints: [{rows}, {rows}]}}")
+    normal = normal_of(two)
+    assert normal is not None
+    assert np.abs(normal) == pytest.approx([0, 1, 0], abs=1e-12) or np.abs(normal) == pytest.approx(
+        [1, 0, 0], abs=1e-12
+    )
+    assert normal_of(Robot.from_text(f"{{name: arm, convention: standard, joints: [{rows}]}}")) is None
+
+
+def test_a_hand_that_leaves_the_plane_or_a_plane_that_turns_is_none() -> None:
+    robot = Robot.load("planar-3r")
+    frames = np.array(RobotPoses(robot).frames([0.3] * 3))
+    raised, tilted = np.eye(4), np.eye(4)
+    raised[2, 3] = 0.1
+    tilted[1:3, 1:3] = [[0, -1], [1, 0]]
+    scene = arm_scene(robot, frames.tolist())
+    assert plane_normal([scene, scene]) is not None
+    for moved in (raised, tilted):
+        assert plane_normal([scene, arm_scene(robot, (moved @ frames).tolist())]) is None
+
+
+@pytest.mark.parametrize(
+    ("normal", "up", "right", "upwards"),
+    [
+        ((0, 0, 1), (0, 0, 1), (1, 0, 0), (0, 1, 0)),
+        ((0, 0, -1), (0, 0, 1), (1, 0, 0), (0, 1, 0)),
+        ((0, 0, 1), (0, 1, 0), (1, 0, 0), (0, 1, 0)),
+        ((0, -1, 0), (0, 0, 1), (1, 0, 0), (0, 0, 1)),
+        ((1, 0, 0), (0, 0, 1), (0, 1, 0), (0, 0, 1)),
+    ],
+)
+def test_lengths_in_the_plane_are_kept_with_up_on_the_page(
+    normal: tuple[float, ...], up: tuple[float, float, float], right: tuple[float, ...], upwards: tuple[float, ...]
+) -> None:
+    rows = view_along(np.array(normal, dtype=float), up).rows
+    assert rows[0] == pytest.approx(right, abs=1e-4)
+    assert rows[1] == pytest.approx(upwards, abs=1e-4)
+
+
+def test_a_tilted_plane_is_seen_as_it_is_too() -> None:
+    normal = np.array([0.0, -np.cos(0.5), np.sin(0.5)])
+    assert view_along(normal, (0.0, 0.0, 1.0)).rows[2] == pytest.approx(normal, abs=1e-12)
+
+
+SCALE = 100.0
+SIZES = Sizes(1.0)
+
+
+def scene(name: str) -> Scene:
+    robot = Robot.load(name)
+    poses = RobotPoses(robot)
+    return arm_scene(robot, poses.frames(poses.zero))
+
+
+@pytest.mark.parametrize("sides", [3, 4, 20])
+def test_a_prism_is_closed_and_its_normals_point_outwards(sides: int) -> None:
+    start, end = np.array((1.0, 2.0, 3.0)), np.array((2.0, 1.0, 5.0))
+    faces = prism(start, end, 0.5, LINK, sides=sides)
+    assert sum(len(some.corners) for some in faces) == sides + 2
+    for some in faces:
+        assert some.normals is not None
+        for corners, normal in zip(some.corners, some.normals, strict=True):
+            assert np.linalg.norm(normal) == pytest.approx(1.0)
+            assert normal @ (corners.mean(axis=0) - (start + end) / 2) > 0
+            assert np.ptp(corners @ normal) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "puma560-corke", "skeleton-modified", "spherical-wrist"])
+def test_joints_are_drawn_on_their_axes_and_apart(name: str) -> None:
+    arm = scene(name)
+    centers = joint_centers(arm, SCALE, SIZES)
+    for joint, center in zip(arm.joints, centers, strict=True):
+        assert np.linalg.norm(np.cross(center - joint.anchor * SCALE, joint.direction)) == pytest.approx(0.0, abs=1e-9)
+    gaps = [np.linalg.norm(a - b) for k, a in enumerate(centers) for b in centers[:k]]
+    assert min(gaps) > SIZES.cylinder[1]
+
+
+def test_an_arm_grows_with_its_scale_and_its_joints_do_not() -> None:
+    arm = scene("scara-perugia")
+    small, large = (
+        np.concatenate([faces.corners.reshape(-1, 3) for faces in solid_faces(arm, k, SIZES)[0]])
+        for k in (SCALE, 3 * SCALE)
+    )
+    assert 2.0 < np.ptp(large, axis=0).max() / np.ptp(small, axis=0).max() < 3.0
+
+
+def test_what_faces_the_light_is_brighter() -> None:
+    dark, bright = shade(LINK, np.array(((0.0, -1.0, 0.0), (0.0, 1.0, 0.0))))
+    assert all(a < b <= 1.0 for a, b in zip(dark, bright, strict=True))

@@ -1,4 +1,4 @@
-"""The derivation of the inverse kinematics reads as in a textbook."""
+"""The derivation of the inverse kinematics reads as in a textbook, and a choice of sign is a plus-minus."""
 
 from fractions import Fraction
 
@@ -6,6 +6,7 @@ import pytest
 
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names, with_signs
 from derive.inverse.closed.solve import solve
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.robot.expression import Number
@@ -26,8 +27,7 @@ inverse: {task: position}
 
 @pytest.fixture(scope="module")
 def planar() -> InverseKinematics:
-    robot = PLANAR
-    return InverseKinematics(planar_graph(), robot, robot.style)
+    return InverseKinematics(planar_graph(), PLANAR, PLANAR.style)
 
 
 def test_the_planar_arm_is_solved_as_in_textbooks(planar: InverseKinematics) -> None:
@@ -86,3 +86,25 @@ def test_a_general_arm_says_which_joints_the_eigenvalues_give_and_reaches_the_po
     assert columns.shape[1] % 2 == 0
     errors = [max(abs(float(a) - b) for a, b in zip(columns.col(k), q, strict=True)) for k in range(columns.shape[1])]
     assert min(errors) < 1e-9
+
+
+def test_a_plus_before_a_plus_minus_is_left_out() -> None:
+    assert with_signs(r"a + \pm b - \pm c") == r"a \pm b \mp c"
+
+
+def test_a_choice_of_sign_is_a_plus_minus_in_text_and_latex(planar: InverseKinematics) -> None:
+    notation = with_names(Notation.of(planar.robot), planar)
+    line = next(line for line in planar.lines if line.signs)
+    assert "+-sqrt(" in SignPrinter(planar.robot, notation, pose_names(planar)).doprint(line.value)
+    assert r"\pm \sqrt{" in SignLatexPrinter(notation, planar).latex(line.value)
+
+
+def test_the_pose_stands_before_the_arm_and_a_quotient_is_a_fraction_unless_it_is_too_wide(
+    planar: InverseKinematics,
+) -> None:
+    notation = with_names(Notation.of(planar.robot), planar)
+    value = next(line.value for line in planar.lines if str(line.symbol) == "D")
+    text = SignPrinter(planar.robot, notation, pose_names(planar)).doprint(value)
+    assert text == "(px**2 + py**2 - a1**2 - a2**2)/(2*a1*a2)"
+    assert r"\frac{p_{x}^{2}" in SignLatexPrinter(notation, planar).latex(value)
+    assert r"\frac{p_{x}^{2}" not in SignLatexPrinter(notation, planar, widest=10).latex(value)

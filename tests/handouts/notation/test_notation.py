@@ -1,9 +1,11 @@
 """The options of the notation, letters, functions, frames; and the order of textbooks, whatever that of SymPy."""
 
 import random
+from collections import Counter
 from functools import partial
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -14,7 +16,7 @@ from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.handouts.notation.pieces import italic, joined
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.symbols import Symbols
+from derive.handouts.notation.symbols import Group, Symbols
 from derive.robot.load import catalogue_names
 from derive.robot.options.handout import (
     AngleLetter,
@@ -46,26 +48,27 @@ def scara(extra: str = "", third: str = "d3", alpha: str = "0") -> Robot:
     return Robot.from_text("name: arm\nconvention: standard\njoints:\n" + "\n".join(rows) + "\n" + extra)
 
 
+def joints(rows: str) -> Robot:
+    return Robot.from_text(f"name: arm\nconvention: standard\njoints: [{rows}]\n")
+
+
 def printed(expression: object, options: NotationOptions, robot: Robot | None = None) -> str:
     return LatexPrinter(Notation.of(robot or scara(), options)).latex(expression).strip()
 
 
-@pytest.mark.parametrize(
-    ("angle", "latex"),
-    [
-        (AngleLetter.NAME, "q_{1}"),
-        (AngleLetter.THETA, r"\theta_{1}"),
-        (AngleLetter.VARTHETA, r"\vartheta_{1}"),
-        (AngleLetter.Q, "q_{1}"),
-    ],
-)
-def test_letter_of_an_angle(angle: AngleLetter, latex: str) -> None:
-    notation = Notation.of(scara(), NotationOptions(angle=angle))
-    letter = latex.removesuffix("_{1}")
-    assert notation.glyph("q1").box.tex == latex
-    assert notation.glyph("qd1").box.tex == rf"\dot{{{letter}}}_{{1}}"
-    assert notation.glyph("qdd1").box.tex == rf"\ddot{{{letter}}}_{{1}}"
-    assert notation.glyph("d3").box.tex == "d_{3}"
+ANGLES = [("name", "q"), ("theta", r"\theta"), ("vartheta", r"\vartheta"), ("q", "q")]
+
+
+@pytest.mark.parametrize(("angle", "letter"), ANGLES)
+def test_letter_of_an_angle(angle: str, letter: str) -> None:
+    notation = Notation.of(scara(), NotationOptions(angle=AngleLetter(angle)))
+    wanted = {
+        "q1": f"{letter}_{{1}}",
+        "qd1": rf"\dot{{{letter}}}_{{1}}",
+        "qdd1": rf"\ddot{{{letter}}}_{{1}}",
+        "d3": "d_{3}",
+    }
+    assert {name: notation.glyph(name).box.tex for name in wanted} == wanted
 
 
 @pytest.mark.parametrize(("slider", "latex"), [("name", r"\mathrm{lift}_{3}"), ("d", "d_{3}"), ("q", "q_{3}")])
@@ -75,39 +78,45 @@ def test_letter_of_an_offset(slider: str, latex: str) -> None:
     assert notation.glyph("q1").box.tex == "q_{1}"
 
 
-def test_a_variable_without_a_label_keeps_its_name() -> None:
-    notation = Notation.of(scara(third="lift"), NotationOptions(prismatic=SliderLetter.D))
-    assert notation.glyph("lift").box.tex == r"\mathrm{lift}"
+THETAS = NotationOptions(AngleLetter.THETA, SliderLetter.D)
+TOOL = "tool: [[1,0,0,d3],[0,1,0,theta1],[0,0,1,0],[0,0,0,1]]\n"
 
 
-def test_a_letter_that_the_user_has_already_is_not_taken_away() -> None:
-    """d_3 is a parameter and theta_1 another: the variables keep their names."""
-    robot = scara("tool: [[1,0,0,d3],[0,1,0,theta1],[0,0,1,0],[0,0,0,1]]\n", third="q3")
-    notation = Notation.of(robot, NotationOptions(AngleLetter.THETA, SliderLetter.D))
-    letters = {name: notation.glyph(name).box.tex for name in ("q1", "q2", "q3", "d3", "theta1")}
-    assert letters == {
-        "q1": "q_{1}",
-        "q2": r"\theta_{2}",
-        "q3": "q_{3}",
-        "d3": "d_{3}",
-        "theta1": r"\theta_{1}",
-    }
+@pytest.mark.parametrize(
+    ("robot", "options", "letters"),
+    [
+        # a variable without a label keeps its name
+        (scara(third="lift"), THETAS, {"lift": r"\mathrm{lift}"}),
+        # d_3 is a parameter and theta_1 another: the variables keep their names
+        (
+            scara(TOOL, third="q3"),
+            THETAS,
+            {"q1": "q_{1}", "q2": r"\theta_{2}", "q3": "q_{3}", "d3": "d_{3}", "theta1": r"\theta_{1}"},
+        ),
+        # q1 and u1 cannot both be theta_1
+        (
+            joints("{type: revolute}, {type: revolute, q: u1}, {type: prismatic, q: d1}"),
+            NotationOptions(AngleLetter.THETA, SliderLetter.Q),
+            {"q1": "q_{1}", "u1": "u_{1}", "d1": "d_{1}"},
+        ),
+        # limits have symbols too
+        (
+            joints("{type: prismatic, q: q3, limits: [0, d3]}, {type: prismatic, q: q4}"),
+            THETAS,
+            {"q3": "q_{3}", "q4": "d_{4}", "d3": "d_{3}"},
+        ),
+    ],
+)
+def test_a_letter_that_is_taken_is_not_taken_away(
+    robot: Robot, options: NotationOptions, letters: dict[str, str]
+) -> None:
+    notation = Notation.of(robot, options)
+    assert {name: notation.glyph(name).box.tex for name in letters} == letters
 
 
-def test_two_joints_with_one_label_keep_their_names() -> None:
-    """q1 and u1 cannot both be theta_1."""
-    rows = "joints: [{type: revolute}, {type: revolute, q: u1}, {type: prismatic, q: d1}]\n"
-    notation = Notation.of(
-        Robot.from_text("name: arm\nconvention: standard\n" + rows), NotationOptions(AngleLetter.THETA, SliderLetter.Q)
-    )
-    assert [notation.glyph(name).box.tex for name in ("q1", "u1", "d1")] == ["q_{1}", "u_{1}", "d_{1}"]
-
-
-def test_limits_have_symbols_too() -> None:
-    rows = "joints: [{type: prismatic, q: q3, limits: [0, d3]}, {type: prismatic, q: q4}]\n"
-    robot = Robot.from_text("name: arm\nconvention: standard\n" + rows)
-    notation = Notation.of(robot, NotationOptions(prismatic=SliderLetter.D))
-    assert [notation.glyph(name).box.tex for name in ("q3", "q4", "d3")] == ["q_{3}", "d_{4}", "d_{3}"]
+def assert_different(robot: Robot, options: NotationOptions) -> None:
+    looks = [glyph.box.tex for glyph in Notation.of(robot, options).glyphs.values()]
+    assert len(set(looks)) == len(looks)
 
 
 @given(
@@ -123,18 +132,14 @@ def test_no_two_names_look_the_same_in_any_notation(
     lengths = names[count:] + ["1"] * count
     rows = [f"{{type: {kind}, q: {q}, a: {a}}}" for kind, q, a in zip(kinds, names, lengths, strict=False)]
     rows += [f"{{type: revolute, q: w{k}, a: {name}}}" for k, name in enumerate(lengths[count:]) if name != "1"]
-    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{', '.join(rows)}]\n")
-    looks = [glyph.box.tex for glyph in Notation.of(robot, options).glyphs.values()]
-    assert len(set(looks)) == len(looks)
+    robot = joints(", ".join(rows))
+    assert_different(robot, options)
 
 
 @pytest.mark.parametrize("name", catalogue_names())
-def test_no_two_symbols_of_a_catalogue_robot_look_the_same(name: str) -> None:
-    """In every notation."""
-    robot = Robot.load(name)
+def test_no_two_symbols_of_a_catalogue_robot_look_the_same_in_any_notation(name: str) -> None:
     for options in EVERY_CHOICE:
-        looks = [glyph.box.tex for glyph in Notation.of(robot, options).glyphs.values()]
-        assert len(set(looks)) == len(looks)
+        assert_different(Robot.load(name), options)
 
 
 IN_FULL = {
@@ -165,7 +170,7 @@ def test_short_functions_keep_their_labels_with_any_letter() -> None:
 
 def test_long_sums_in_full_still_fit_on_lines() -> None:
     rows = ", ".join("{type: revolute, a: a}" for _ in range(40))
-    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{rows}]\n")
+    robot = joints(rows)
     printer = LatexPrinter(Notation.of(robot, FULL))
     angles = [Symbol(f"q{k}") for k in range(1, 41)]
     assert len(printer.pieces(cos(angles[0] + angles[1]))) == 1
@@ -220,20 +225,31 @@ A1 = Symbol("a1")
 MASS = Symbol(next(iter(Notation.of(PLANAR).inertial)))
 
 
-def test_factors_stand_from_masses_to_accelerations() -> None:
-    wanted = [MASS, A1, cos(Q1), sin(Q1), cos(Q1 + Q2), cos(Q2), A1 + cos(Q2), QD1, QDD1]
-    for seed in range(20):
-        shuffled = random.Random(seed).sample(wanted, len(wanted))
-        assert sorted(shuffled, key=Order(Notation.of(PLANAR)).factor) == wanted
+FACTORS = [MASS, A1, cos(Q1), sin(Q1), cos(Q1 + Q2), cos(Q2), A1 + cos(Q2), QD1, QDD1]  # masses to accelerations
+TERMS = [MASS * QDD1, MASS * QD1**2, A1, A1 * cos(Q1), A1 * cos(Q1 + Q2), pi]  # accelerations to multiples of pi
 
 
-def test_terms_stand_from_accelerations_to_multiples_of_pi() -> None:
-    wanted = [MASS * QDD1, MASS * QD1**2, A1, A1 * cos(Q1), A1 * cos(Q1 + Q2), pi]
+@pytest.mark.parametrize(("kind", "wanted"), [("factor", FACTORS), ("term", TERMS)])
+def test_factors_and_terms_stand_in_the_order_of_textbooks(kind: str, wanted: list[Any]) -> None:
     for seed in range(20):
         shuffled = random.Random(seed).sample(wanted, len(wanted))
-        assert sorted(shuffled, key=Order(Notation.of(PLANAR)).term) == wanted
+        assert sorted(shuffled, key=getattr(Order(Notation.of(PLANAR)), kind)) == wanted
 
 
 def test_negative_powers_are_denominators() -> None:
     assert is_below((1 / A1).as_base_exp()[1])
     assert not is_below((A1**2).as_base_exp()[1])
+
+
+@pytest.mark.parametrize("n", [1, 6, 7, 20, 64])
+def test_groups_are_all_different(n: int) -> None:
+    found = [Group.T, Group.J, Group.B, Group.CHRISTOFFEL, Group.C, Group.N, Group.TORQUE, Group.POTENTIAL]
+    found += [Group.KINETIC, Group.DERIVATIVE]
+    found += [Group.row(i) for i in range(1, n + 2)]
+    found += [Group.factor(start) for start in range(n)]
+    found += [Group.product(i) for i in range(1, n + 1)]
+    found += [Group.axis(n, frame, column) for frame in range(n + 1) for column in (3, 4)]
+    found += [Group.body(place, quantity) for place in range(2 * n) for quantity in range(4)]
+    if n <= 6:
+        found += [Group.SINGULARITY_BLOCKS, Group.SINGULARITY_BLOCKS + 1, Group.DETERMINANT, Group.DETERMINANT + 1]
+    assert max(Counter(found).values()) == 1

@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -14,10 +15,11 @@ from sympy import Rational, Symbol, atan2, cos, pi, sign, sin, sqrt, symbols
 
 from derive.errors import TargetError
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.pieces import joined
+from derive.handouts.notation.pieces import joined, magnitude
 from derive.handouts.notation.printer import DataPrinter, LatexPrinter
 from derive.handouts.notation.subscripts import distinct, natural
 from derive.robot.robot import Robot
+from derive.robot.rounding import DIGITS
 from tests.handouts.latex_runner import assert_widths
 from tests.hash_seeds import another_hash_seed
 from tests.places import ROOT
@@ -161,43 +163,35 @@ def data_printer(cells: str, kind: str = "revolute", unit: str = "rad") -> tuple
 
 
 @pytest.mark.parametrize(
-    ("unit", "alpha", "expected"),
+    ("unit", "kind", "cell", "expected"),
     [
-        ("rad", "pi/2", "\\tfrac{\\pi}{2}"),
-        ("rad", "-pi/6", "-\\tfrac{\\pi}{6}"),
-        ("rad", "pi/8", "\\tfrac{\\pi}{8}"),
-        ("rad", "0.5", "0.5"),
-        ("deg", "90", "90^{\\circ}"),
-        ("deg", "-30", "-30^{\\circ}"),
-        ("deg", "22.5", "22.5^{\\circ}"),
-        ("deg", "beta - 10", "\\beta  - 10^{\\circ}"),
-        ("deg", "beta", "\\beta "),
+        ("rad", "revolute", "alpha: pi/2", "\\tfrac{\\pi}{2}"),
+        ("rad", "revolute", "alpha: -pi/6", "-\\tfrac{\\pi}{6}"),
+        ("rad", "revolute", "alpha: pi/8", "\\tfrac{\\pi}{8}"),
+        ("rad", "revolute", "alpha: 0.5", "0.5"),
+        ("deg", "revolute", "alpha: 90", "90^{\\circ}"),
+        ("deg", "revolute", "alpha: -30", "-30^{\\circ}"),
+        ("deg", "revolute", "alpha: 22.5", "22.5^{\\circ}"),
+        ("deg", "revolute", "alpha: beta - 10", "\\beta  - 10^{\\circ}"),
+        ("deg", "revolute", "alpha: beta", "\\beta "),
+        ("rad", "revolute", "a: 0.431812345678", "0.431812345678"),
+        ("rad", "revolute", "limits: [-pi, pi/3]", "[-\\pi ,\\, \\tfrac{\\pi}{3}]\\,\\mathrm{rad}"),
+        ("rad", "revolute", "limits: [-3, 2]", "[-3,\\, 2]\\,\\mathrm{rad}"),
+        ("rad", "prismatic", "limits: [0, 0.5]", "[0,\\, 0.5]\\,\\mathrm{m}"),
+        ("deg", "revolute", "limits: [-180, 60]", "[-180^{\\circ},\\, 60^{\\circ}]"),
+        ("deg", "revolute", "limits: [0, 60]", "[0^{\\circ},\\, 60^{\\circ}]"),
+        ("deg", "prismatic", "limits: [0, 0.5]", "[0,\\, 0.5]\\,\\mathrm{m}"),
     ],
 )
-def test_angles_are_in_the_unit_of_the_file(unit: str, alpha: str, expected: str) -> None:
-    data, robot = data_printer(f"alpha: {alpha}", unit=unit)
-    assert joined(data.angle(robot.joints[0].alpha)).tex == expected
-
-
-def test_lengths_have_every_digit() -> None:
-    data, robot = data_printer("a: 0.431812345678")
-    assert joined(data.value(robot.joints[0].a)).tex == "0.431812345678"
-
-
-@pytest.mark.parametrize(
-    ("unit", "kind", "limits", "expected"),
-    [
-        ("rad", "revolute", "[-pi, pi/3]", "[-\\pi ,\\, \\tfrac{\\pi}{3}]\\,\\mathrm{rad}"),
-        ("rad", "revolute", "[-3, 2]", "[-3,\\, 2]\\,\\mathrm{rad}"),
-        ("rad", "prismatic", "[0, 0.5]", "[0,\\, 0.5]\\,\\mathrm{m}"),
-        ("deg", "revolute", "[-180, 60]", "[-180^{\\circ},\\, 60^{\\circ}]"),
-        ("deg", "revolute", "[0, 60]", "[0^{\\circ},\\, 60^{\\circ}]"),
-        ("deg", "prismatic", "[0, 0.5]", "[0,\\, 0.5]\\,\\mathrm{m}"),
-    ],
-)
-def test_limits_have_their_unit(unit: str, kind: str, limits: str, expected: str) -> None:
-    data, robot = data_printer(f"limits: {limits}", kind, unit)
-    assert joined(data.limits(robot.joints[0])).tex == expected
+def test_cells_have_their_unit_and_every_digit(unit: str, kind: str, cell: str, expected: str) -> None:
+    data, robot = data_printer(cell, kind, unit)
+    joint, name = robot.joints[0], cell.partition(":")[0]
+    written = {
+        "alpha": lambda: data.angle(joint.alpha),
+        "a": lambda: data.value(joint.a),
+        "limits": lambda: data.limits(joint),
+    }
+    assert joined(written[name]()).tex == expected
 
 
 def test_a_joint_without_limits_has_a_dash() -> None:
@@ -213,3 +207,40 @@ def test_a_list_with_a_decimal_comma_has_semicolons(limits: str, expected: str) 
     _, robot = data_printer(f"limits: {limits}")
     data = DataPrinter(robot, Notation.of(robot, comma=True))
     assert joined(data.limits(robot.joints[0])).tex.startswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("value", "decimals", "tex"),
+    [
+        (Fraction(7), False, "7"),
+        (Fraction(-1, 2), False, r"\tfrac{1}{2}"),
+        (Fraction(1, 2), True, "0.5"),
+        (Fraction(1, 3), True, r"\tfrac{1}{3}"),
+        (Fraction(4318, 10000), True, "0.4318"),
+        (Fraction(12, 10**8), True, r"1.2 \cdot 10^{-7}"),
+        (Fraction(10**9), True, "10^{9}"),
+    ],
+)
+def test_numbers_look_as_on_paper(value: Fraction, decimals: bool, tex: str) -> None:
+    assert magnitude(value, decimals).tex == tex
+
+
+@given(st.fractions(max_denominator=10**12), st.booleans())
+def test_the_printed_number_is_the_number(value: Fraction, decimals: bool) -> None:
+    box = magnitude(value, decimals)
+    text = re.sub(r"\\tfrac\{(\d+)\}\{(\d+)\}", r"\1/\2", box.tex)
+    mantissa, _, exponent = text.replace("10^{", " \\cdot 10^{").removeprefix(" \\cdot ").partition("10^{")
+    number = Fraction(mantissa.removesuffix(" \\cdot ").replace(" \\cdot", "").strip() or "1")
+    if exponent:
+        number *= Fraction(10) ** int(exponent.rstrip("}"))
+    assert abs(number - abs(value)) <= abs(value) / 10 ** (DIGITS - 1)
+    assert box.width > 0
+
+
+@given(st.fractions(max_denominator=10**12), st.booleans())
+def test_a_decimal_comma_is_in_braces_and_changes_nothing_else(value: Fraction, decimals: bool) -> None:
+    """TeX would put a space behind a bare one."""
+    point, comma = magnitude(value, decimals), magnitude(value, decimals, comma=True)
+    assert "." not in comma.tex
+    assert comma.tex.replace("{,}", ".") == point.tex
+    assert comma.width == point.width

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from io import BytesIO
@@ -20,6 +18,9 @@ from derive.handouts.sheet.language import Text
 from derive.robot.options.handout import Derivation
 from derive.robot.robot import Robot
 from tests.handouts.page.page_documents import ENTRIES, LONG, MATRIX, document
+from tests.handouts.page.test_browser_viewer import browser
+
+__all__ = ["browser"]
 
 pytestmark = pytest.mark.first(1)
 
@@ -34,21 +35,6 @@ FORMULAS = (
     r"\sum_{i=1}^{n} x_i^{2} + \sqrt{a_1^2 + a_2^2} + \operatorname{atan2}(r_{11}, \pm\sqrt{r_{13}^2}) + {}^{0}\!A_1",
     r"\begin{cases} a & b > 0 \\ c & d \end{cases}\quad\left(\frac{1}{2}\right)^2\,\hat{z}_{i-1}\times\vec{p}",
 )
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    chromium = shutil.which("chromium")
-    if os.environ.get("DERIVE_REQUIRE_CHROMIUM") != "1":
-        pytest.importorskip("playwright.sync_api")
-        if chromium is None:
-            pytest.skip("chromium is not installed")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as engine:
-        opened = engine.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from PIL import Image
 
 from derive.handouts.page.viewer import symbol_values, travels
 from derive.robot.robot import Robot
-from tests.handouts.page.viewer_page import assumed, viewer_page
+from tests.handouts.page.page_documents import assumed, viewer_page
 from tests.targets.generated_models import numpy_model
 
 pytestmark = pytest.mark.first(1)
@@ -79,6 +79,10 @@ class Figure:
     def settle(self) -> None:
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
+    def close(self) -> None:
+        self.page.close()
+        assert self.trouble == []
+
     def set(self, q: Any) -> list[float]:
         return list(self.page.evaluate("q => window.deriveViewer.setConfiguration(q)", list(map(float, q))))
 
@@ -119,8 +123,7 @@ def figure(request: pytest.FixtureRequest, browser: Any, tmp_path: Path) -> Iter
     robot = Robot.from_text(MODIFIED) if request.param == "folding" else Robot.load(request.param)
     made = Figure(browser, tmp_path, robot)
     yield made
-    made.page.close()
-    assert made.trouble == []
+    made.close()
 
 
 def test_the_pose_is_that_of_the_numpy_model(figure: Figure) -> None:
@@ -239,8 +242,7 @@ def test_no_posture_leaves_the_picture_and_no_names_cover_each_other(
         areas = [(box["right"] - box["left"]) * (box["bottom"] - box["top"]) for box in names]
         shared += sum(overlap(a, b) for a, b in combinations(names, 2)) / sum(areas)
     assert shared / len(postures) <= 0.01
-    figure.page.close()
-    assert figure.trouble == []
+    figure.close()
 
 
 BOXES = """() => [...document.querySelectorAll(".viewer-labels span"), document.querySelector(".viewer-stage")]
@@ -270,8 +272,7 @@ def test_dark_pages_get_a_dark_figure(browser: Any, tmp_path: Path) -> None:
     dark = figure.picture()
     figure.page.evaluate("document.documentElement.dataset.theme = 'light'")
     assert figure.picture() != dark
-    figure.page.close()
-    assert figure.trouble == []
+    figure.close()
 
 
 def test_without_webgl_sliders_and_pose_still_work(browser: Any, tmp_path: Path) -> None:
@@ -281,8 +282,7 @@ def test_without_webgl_sliders_and_pose_still_work(browser: Any, tmp_path: Path)
     figure.page.locator(".viewer-range").first.focus()
     figure.page.keyboard.press("ArrowRight")
     assert np.abs(figure.pose() - before).max() > 1e-3
-    figure.page.close()
-    assert figure.trouble == []
+    figure.close()
 
 
 def test_the_figure_is_accessible(figure: Figure) -> None:

@@ -4,14 +4,16 @@ import ast
 import re
 from html import unescape
 from html.parser import HTMLParser
+from itertools import chain
 
 import pytest
 
 from derive.handouts.page.viewer import Viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
-from derive.handouts.sheet.document import Rows, SheetFormula, blocks_of
+from derive.handouts.sheet.document import SheetFormula, blocks_of
 from derive.handouts.sheet.language import Text
 from tests.handouts.page.page_documents import ENTRIES, TITLE, document
+from tests.handouts.reading import lines
 
 VOID = {"meta", "link", "br", "img", "input", "hr"}
 
@@ -71,31 +73,21 @@ def test_the_title_is_text_whatever_it_holds(html: str, reader: Reader) -> None:
     assert len(reader.all("script")) == 2
     assert "".join(reader.texts).count(TITLE.removesuffix("</title>")) == 2
     assert "alert(" not in html[html.index("<script>") :]
-
-
-def test_markup_in_texts_is_text(reader: Reader) -> None:
     assert "<b>nothing</b>" in "".join(reader.texts)
+    assert formula(r"a < b \& c", display=True) == r"<div class=math>a &lt; b \&amp; c</div>"
 
 
-def test_every_section_can_be_reached(reader: Reader) -> None:
+def test_every_section_can_be_reached_and_tables_have_heads(reader: Reader) -> None:
+    assert {attributes["scope"] for attributes in reader.all("th")} == {"col", "row"}
     anchors = {attributes["href"] for attributes in reader.all("a")}
     assert {f"#{attributes['id']}" for attributes in reader.all("section")} <= anchors
 
 
 def test_every_formula_stands_in_the_page_as_its_latex(html: str) -> None:
     sheet = document()
-    lines = [line for section in sheet.sections for block in blocks_of(section) for line in lines_of(block)]
-    assert [unescape(latex) for latex in re.findall(r"<div class=math>([^<]*)</div>", html)] == lines
-
-
-def lines_of(block: object) -> list[str]:
-    if isinstance(block, SheetFormula):
-        return [*block.named, *(line for rows in block.rows for line in rows.lines), *block.omitted]
-    return list(block.lines) if isinstance(block, Rows) else []
-
-
-def test_tables_have_heads(reader: Reader) -> None:
-    assert {attributes["scope"] for attributes in reader.all("th")} == {"col", "row"}
+    found = [block for section in sheet.sections for block in blocks_of(section)]
+    parts = ((*b.named, *lines([b]), *b.omitted) if isinstance(b, SheetFormula) else lines([b]) for b in found)
+    assert [unescape(latex) for latex in re.findall(r"<div class=math>([^<]*)</div>", html)] == [*chain(*parts)]
 
 
 def test_entries_can_be_copied_as_they_are(reader: Reader) -> None:
@@ -146,7 +138,3 @@ def test_fonts_of_the_formulas_are_inside_and_no_others_are_asked_for() -> None:
 )
 def test_names_of_entries_in_plain_letters(latex: str, name: str) -> None:
     assert unicode_name(latex) == name
-
-
-def test_a_formula_is_its_latex_and_no_markup() -> None:
-    assert formula(r"a < b \& c", display=True) == r"<div class=math>a &lt; b \&amp; c</div>"

@@ -10,34 +10,29 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.handouts.assemble import context_of, document, section_of
+from derive.handouts.assemble import context_of, document
 from derive.handouts.exercise import exercise
+from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.parts.inverse import inverse
-from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import (
-    Blank,
-    Document,
-    Figure,
-    Paragraph,
-    Rows,
-    Section,
-    SheetFormula,
-    Steps,
-    Table,
-    blocks_of,
-)
-from derive.handouts.sheet.language import ENGLISH, languages
+from derive.handouts.parts.inverse_example import reached
+from derive.handouts.parts.inverse_formulas import formulas
+from derive.handouts.parts.inverse_words import and_list, branch_name, sources, words_alone
+from derive.handouts.sheet.document import Blank, Figure, Section, SheetFormula, Steps, Table
+from derive.handouts.sheet.language import Text, languages, text_for
 from derive.handouts.sheet.latex_writer import latex
 from derive.inverse.closed.solve import usual_task
+from derive.inverse.words.postures import Word
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values
 from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
+from derive.robot.options.handout import FrameIndices, NotationOptions, PoseEntries
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
-from tests.handouts.latex_runner import overfull, run_latex
+from tests.handouts.latex_runner import run_clean
+from tests.handouts.reading import lines, part, words
 from tests.inverse.arms import PUBLISHED, ArmCase
 from tests.random_robots import robot_text
 
@@ -54,25 +49,6 @@ joints:
   - {type: revolute, d: 0.095, alpha: -pi/2}
   - {type: revolute, d: 0.082}
 """
-
-
-def part(robot: Robot, language: str = ENGLISH) -> Section:
-    found = section_of(context_of(robot, replace(robot.handout, language=language)), "inverse")
-    assert found is not None
-    return found
-
-
-def words(section: Section) -> str:
-    return " ".join(block.text for block in blocks_of(section) if isinstance(block, Paragraph))
-
-
-def printed(section: Section) -> list[str]:
-    return [
-        line
-        for block in blocks_of(section)
-        for rows in (block.rows if isinstance(block, SheetFormula) else (block,) if isinstance(block, Rows) else ())
-        for line in rows.lines
-    ]
 
 
 def solved(robot: Robot) -> Robot:
@@ -92,7 +68,7 @@ def test_its_formulas_give_back_the_pose_with_every_choice_of_signs(name: str) -
     """In numbers, by the oracle: the original is among them, and all reach the pose unless the part says otherwise."""
     robot = Robot.from_text(UR5) if name == "ur-like" else Robot.load(name)
     found = Model(solved(robot)).inverse
-    lines = copied(part(robot))
+    assignments = copied(part(robot, "inverse"))
     rng = random.Random(3)
     values = {symbol: rng.uniform(0.3, 0.9) for symbol in free_symbols(robot)}
     arm = numeric_arm(robot, values)
@@ -104,7 +80,7 @@ def test_its_formulas_give_back_the_pose_with_every_choice_of_signs(name: str) -
     signs = [str(sign) for line in found.lines for sign in line.signs]
     reached = []
     for choice in product((1.0, -1.0), repeat=len(signs)):
-        own = evaluated(lines, {**numbers, **given, **dict(zip(signs, choice, strict=True))})
+        own = evaluated(assignments, {**numbers, **given, **dict(zip(signs, choice, strict=True))})
         if own is None:
             continue
         other = np.array([own[joint.variable] for joint in robot.joints])
@@ -127,49 +103,9 @@ def evaluated(lines: list[str], known: dict[str, float]) -> dict[str, float] | N
     return scope
 
 
-def test_a_teacher_says_which_entries_are_squared_and_added_and_names_the_law_of_cosines() -> None:
-    section = part(Robot.load("planar-2r-perugia"))
-    assert "entries $(1,4)$, $(2,4)$ and $(3,4)$ of $\\mathbf{T}$, squared and added: the law of cosines." in words(
-        section
-    )
-    assert "A reachable pose has 2 solutions, real or complex" in words(section)
-    assert "This happens at a singularity of the arm: $s_{2} = 0$" in words(section)
-    rows = next(block for block in section.blocks if isinstance(block, Table)).rows
-    assert rows == (("1", "elbow down", "$+$"), ("2", "elbow up", "$-$"))
-
-
-def test_an_arm_solved_for_its_position_says_what_a_whole_pose_must_satisfy() -> None:
-    lines = printed(part(Robot.load("planar-2r-perugia")))
-    assert any("r_{13} = 0" in line and "(p_{x} - a_{2}r_{11})^{2}" in line for line in lines)
-
-
-def test_a_wrist_decouples_and_its_degenerate_poses_are_zeros_of_the_determinant() -> None:
-    section = part(Robot.load("anthropomorphic-wrist"))
-    assert "So the problem decouples" in words(section)
-    assert "The arm is singular there: $s_{5} = 0$ (wrist)." in words(section)
-    assert "$a_{2}c_{2} + d_{4}s_{23} = 0$ (shoulder)" in words(section)
-
-
-def test_an_offset_axis_is_never_reached_and_so_no_joint_is_free_there() -> None:
-    """With d3 the PUMA's q1 has no value at px = py = 0, where an arm without it has infinitely many."""
-    assert "Where $p_{x} = 0$" not in words(part(Robot.load("puma560-corke")))
-
-
-def test_a_redundant_arm_says_what_is_given_and_a_long_one_how_it_is_solved() -> None:
-    assert "redundant of degree $R = N - M = 1$" in words(part(Robot.load("kuka-lwr4")))
-    section = part(Robot.load("human-body"))
-    assert "Of an arm with 21 joints no closed form is derived" in words(section)
-    assert not any(isinstance(block, SheetFormula) for block in section.blocks)
-
-
-def test_conditions_of_few_joints_are_printed() -> None:
-    lines = printed(part(Robot.load("scara-perugia")))
-    assert any(line.startswith("r_{13} = 0 \\qquad r_{23} = 0 \\qquad r_{33} = -1") for line in lines)
-
-
 @pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "spherical-arm"])
 def test_the_example_draws_its_configurations_over_each_other(name: str) -> None:
-    section = part(Robot.load(name))
+    section = part(name, "inverse")
     (figure,) = (block for block in section.blocks if isinstance(block, Figure))
     assert figure.drawing.width <= 380
     table = next(b for b in section.blocks if isinstance(b, SheetFormula) and b.function == "inverse_kinematics")
@@ -189,41 +125,24 @@ def test_a_single_joint_has_no_example() -> None:
     assert not any(isinstance(block, Table | Figure) for block in blocks)
 
 
-@pytest.mark.parametrize("language", languages())
-def test_all_languages_say_the_same_things(language: str) -> None:
-    robot = Robot.load("scara-perugia")
-    english, other = part(robot), part(robot, language)
-    assert [type(block) for block in english.blocks] == [type(block) for block in other.blocks]
-    if language != ENGLISH:
-        paragraphs = [b.text for b in english.blocks if isinstance(b, Paragraph)]
-        assert not {b.text for b in other.blocks if isinstance(b, Paragraph)} & set(paragraphs)
-
-
 def test_an_exercise_asks_for_each_unknown_and_shows_no_answer() -> None:
     robot = Robot.load("scara-perugia")
-    context = context_of(robot, replace(robot.handout, language=ENGLISH))
-    whole = part(robot)
-    sheet = exercise(replace(document_with(context), sections=(whole,)), context.text)
-    (section,) = sheet.sections
+    context = context_of(robot, replace(robot.handout, parts=("inverse",)))
+    (section,) = exercise(document(context), context.text).sections
     tasks = [block.task for block in section.blocks if isinstance(block, Blank)]
     assert "Solve the inverse kinematics for $q_{2}$." in tasks
     assert "Which conditions must a pose satisfy so that the arm can reach it?" in tasks
     assert not any(isinstance(block, Table | Figure | Steps | SheetFormula) for block in section.blocks)
-    shown = words(section) + "".join(printed(section))
-    assert "D" not in "".join(printed(section))
+    shown = words(section) + "".join(lines(section.blocks))
+    assert "D" not in "".join(lines(section.blocks))
     assert not any(word in shown for word in ("elbow", "entries (", "solutions, real", "configuration"))
     assert "In numbers, with $a_{1} = 1\\,\\mathrm{m}$" in shown
-
-
-def document_with(context: Context) -> Document:
-    """An empty document of a robot."""
-    return replace(document(replace(context, options=replace(context.options, parts=("table",)))), sections=())
 
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("name", catalogue_names())
 def test_every_robot_of_the_catalogue_has_the_part(name: str) -> None:
-    assert part(Robot.load(name)).blocks
+    assert part(name, "inverse").blocks
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -248,24 +167,23 @@ def test_the_equations_that_it_prints_hold_identically(name: str) -> None:
         }
         return sympy.expand(plain.xreplace(calls).xreplace(slides))
 
-    totals = {name: total for total, name in found.sums.items()}
     end = Model(robot).T
     pose = {found.pose[i, j]: rational(end[i, j]) for i in range(3) for j in range(4)}
     for line in found.definitions:
         pose[line.symbol] = rational(line.value.xreplace(pose))
     for step in found.steps:
         for equation in step.equations:
-            difference = (equation.left - equation.right).xreplace(totals).xreplace(pose)
+            difference = (
+                (equation.left - equation.right)
+                .xreplace({name: total for total, name in found.sums.items()})
+                .xreplace(pose)
+            )
             assert rational(difference) == 0
-
-
-LONG = 7013
-"""A seed of an arm of seven joints whose axes are parallel to no other."""
 
 
 @pytest.mark.sweep
 def test_an_arm_whose_formulas_nobody_reads_has_a_sentence_instead() -> None:
-    section = part(Robot.from_text(robot_text(random.Random(LONG), 7)))
+    section = part(Robot.from_text(robot_text(random.Random(7013), 7)), "inverse")  # axes parallel to no other
     assert "are too long to print" in words(section)
     assert len(section.blocks) == 1
 
@@ -276,14 +194,127 @@ def test_long_conditions_and_equations_stay_within_the_margins(seed: int, tmp_pa
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
     language = languages()[seed % len(languages())]
     context = context_of(robot, replace(robot.handout, language=language, parts=("inverse",)))
-    log = run_latex(latex(document(context), context.text), tmp_path)
-    assert not log.errors
-    assert overfull(log) <= 1.0
+    run_clean(latex(document(context), context.text), tmp_path)
 
 
 @pytest.mark.parametrize("case", [c for c in PUBLISHED if c.name in ("scara-wrist", "crx-10ia")], ids=lambda c: c.name)
 def test_arms_of_books_have_the_part(case: ArmCase) -> None:
     """With three parallel axes first; with an offset wrist, whose joints are those of an eigenvalue problem."""
-    said = words(part(case.robot()))
+    said = words(part(case.robot(), "inverse"))
     parallel = "are parallel; $q_{123} = q_{1} + q_{2} + q_{3}$"
     assert parallel in said or "of a matrix with 16 rows: its eigenvalues give $q_{4}$" in said
+
+
+def test_the_branches_of_a_planar_arm_are_its_elbows() -> None:
+    rows = next(block for block in part("planar-2r-perugia", "inverse").blocks if isinstance(block, Table)).rows
+    assert rows == (("1", "elbow down", "$+$"), ("2", "elbow up", "$-$"))
+
+
+@pytest.mark.parametrize(("name", "count"), [("scara-perugia", 2), ("planar-3r", 2), ("stanford-laschi", 8)])
+def test_every_configuration_reaches_the_pose_by_the_oracle(name: str, count: int) -> None:
+    robot = Robot.load(name)
+    values = dict.fromkeys(free_symbols(robot), 0.4)
+    numbers = {sympy.Symbol(n): float(x) for n, x in parameter_values(robot, values).items()}
+    q = [0.3 + 0.2 * k for k in range(robot.n)]
+    found = reached(Model(robot).inverse, numbers, q)
+    arm = numeric_arm(robot, values)
+    poses = forward_kinematics(arm, np.array([solution.q for solution in found]))
+    assert len(found) == count
+    assert np.abs(poses - forward_kinematics(arm, np.array(q))).max() < 1e-12
+    assert len({solution.number for solution in found}) == count
+    assert min(max(abs(math.remainder(a - b, 2 * math.pi)) for a, b in zip(s.q, q, strict=True)) for s in found) < 1e-9
+
+
+def test_an_arm_without_formulas_is_solved_in_floats() -> None:
+    robot = next(case.robot() for case in PUBLISHED if case.name == "crx-10ia")
+    q = [math.radians(x) for x in (30, 60, -30, 90, -60, 120)]
+    found = reached(Model(robot).inverse, {}, q)
+    poses = forward_kinematics(numeric_arm(robot, {}), np.array([solution.q for solution in found]))
+    assert len(found) == 8
+    assert np.abs(poses - forward_kinematics(numeric_arm(robot, {}), np.array(q))).max() < 1e-9
+
+
+def test_each_unknown_has_a_block_and_the_pose_within_the_arm_one_before_them() -> None:
+    robot = Robot.load("planar-3r")
+    blocks = list(formulas(context_of(robot, robot.handout)))
+    texts = ["\n".join(lines([block])) for block in blocks]
+    assert [text.split(" = ")[0].strip() for text in texts] == ["w_{x}", "q_{123}", "D", "q_{1}", "q_{3}"]
+    assert r"\frac{w_{x}^{2} + w_{y}^{2} - a_{1}^{2} - a_{2}^{2}}{2a_{1}a_{2}}" in texts[2]
+    assert r"\pm \sqrt{1 - D^{2}}" in texts[2]
+
+
+SYMBOL_AX = Robot.from_text(
+    "name: named\nconvention: standard\n"
+    "joints: [{type: revolute, a: ax}, {type: revolute, a: a2}, {type: revolute, a: a3}]\n"
+)
+BY_COLUMNS = NotationOptions(pose=PoseEntries.COLUMNS)
+
+
+@pytest.mark.parametrize(
+    ("robot", "notation", "shown", "not_shown"),
+    [
+        # of two values the second stands behind a word
+        (Robot.load("spherical-wrist"), NotationOptions(), r"\text{or}", "n_{y}"),
+        (Robot.load("scara-perugia"), BY_COLUMNS, r"\operatorname{atan2}(n_{y},\, n_{x})", "r_{21}"),
+        # columns that look like symbols of the robot stay entries
+        (SYMBOL_AX, BY_COLUMNS, "r_{21}", "n_{y}"),
+    ],
+)
+def test_the_rotation_of_the_pose_may_be_written_by_its_columns(
+    robot: Robot, notation: NotationOptions, shown: str, not_shown: str
+) -> None:
+    text = "\n".join(lines(formulas(context_of(robot, replace(robot.handout, notation=notation)))))
+    assert shown in text
+    assert not_shown not in text
+
+
+@pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "spherical-wrist", "stanford-laschi"])
+def test_derive_show_prints_the_same_formulas(name: str) -> None:
+    context = context_of(Robot.load(name))
+    shown = derivation_lines(context.entries.model.inverse, "latex", context.notation)
+    known = {" ".join(line.replace("&=", "=").removesuffix("\\\\").split()) for line in shown}
+    for block in formulas(context):
+        for entry in block.entries:
+            printed = " ".join(f"{entry.name} = {entry.latex}".split())
+            assert "\\frac" in printed or printed in known
+
+
+ARM = Robot.load("anthropomorphic-wrist")
+
+
+def test_products_are_said_by_the_transforms_of_the_sheet() -> None:
+    context = context_of(ARM)
+    step = next(step for step in context.entries.model.inverse.steps if str(step.unknown) == "q5")
+    words = sources(context, step.equations)
+    assert words.startswith("entries $(1,3)$ and $(2,3)$ of $(\\mathbf{T}_{4}^{0})^{-1}\\mathbf{T}")
+    assert words.endswith("= \\mathbf{A}_{5}^{4}$")
+
+
+def test_frames_stand_where_the_notation_has_them() -> None:
+    options = replace(ARM.handout, notation=NotationOptions(frames=FrameIndices.LEFT))
+    context = context_of(ARM, options)
+    step = next(step for step in context.entries.model.inverse.steps if str(step.unknown) == "q5")
+    assert "({}^{0}\\mathbf{T}_{4})^{-1}" in sources(context, step.equations)
+
+
+@pytest.mark.parametrize(("words", "text"), [(["a"], "a"), (["a", "b"], "a and b"), (["a", "b", "c"], "a, b and c")])
+def test_a_list_ends_with_and(words: list[str], text: str) -> None:
+    assert and_list(Text(), words) == text
+
+
+@pytest.mark.parametrize("language", ["it", "pt"])
+def test_every_word_of_a_branch_is_translated(language: str) -> None:
+    notation = context_of(ARM).notation
+    text = text_for(language)
+    written = {branch_name(text, notation, word) for word in Word}
+    assert len(written) == len(Word)
+    assert written.isdisjoint(set(Word))
+
+
+def test_sides_of_zero_are_mathematics_and_numbers_are_left_out_where_they_stand_beside() -> None:
+    notation = context_of(ARM).notation
+    assert branch_name(Text(), notation, "elbow up, q2 < 0") == "elbow up, $q_{2} < 0$"
+    assert branch_name(Text(), notation, "elbow up, #3") == "elbow up, branch 3"
+    assert words_alone("elbow up, #2") == "elbow up"
+    assert words_alone("#2") == ""
+    assert branch_name(Text(), notation, "q2 < 0", lambda symbol: f"<i>{symbol}</i>") == "<i>q_{2}</i> < 0"

@@ -10,6 +10,16 @@ from derive.handouts.assemble import context_of
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import Box
 from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import (
+    Paragraph,
+    Rows,
+    Section,
+    SheetFormula,
+    Steps,
+    blocks_of,
+    rows_of,
+    spans,
+)
 from derive.handouts.sheet.formula import component_namer, entry_namer, formula, side_by_side, small, textbook
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import of_matrix
@@ -88,3 +98,25 @@ def test_an_indented_line_continues_the_one_before() -> None:
     assert textbook("rotor_jacobians").lines == (
         "\\mathbf{J}_{v,i}^{m_i} = \\mathbf{0}, \\qquad \\mathbf{J}_{\\omega,i}^{m_i} = k_{r_i}\\,\\mathbf{z}_{m_i}",
     )
+
+
+ROWS = Rows(("a = b",))
+SECTION = Section("table", "Table", (Paragraph("one"), Steps("two", (ROWS, Paragraph("three"))), Paragraph("four")))
+
+
+def test_a_text_has_words_mathematics_and_code() -> None:
+    found = list(spans("The matrix $\\mathbf{B}$ of `inertia_matrix`."))
+    assert [kind.value for kind, _ in found] == ["words", "mathematics", "words", "code", "words"]
+    assert [text for _, text in found] == ["The matrix ", "\\mathbf{B}", " of ", "inertia_matrix", "."]
+    assert list(spans("")) == []
+
+
+def test_blocks_inside_of_steps_are_blocks_of_the_section() -> None:
+    texts = [block.text for block in blocks_of(SECTION) if isinstance(block, Paragraph)]
+    assert texts == ["one", "three", "four"]
+
+
+def test_rows_stand_alone_or_in_a_formula() -> None:
+    assert rows_of(ROWS) == (ROWS,)
+    assert rows_of(SheetFormula((ROWS, ROWS))) == (ROWS, ROWS)
+    assert rows_of(SECTION.blocks[1]) == ()

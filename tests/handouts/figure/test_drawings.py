@@ -1,0 +1,233 @@
+"""Drawings: where things stand, what they are called, that any robot can be drawn, and how they are written."""
+
+import math
+import random
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path as File
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from derive.handouts.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
+from derive.handouts.figure.convention import convention_drawing
+from derive.handouts.figure.drawing import LABEL_HEIGHT, Drawing, Label, LabelRun, Path, label_runs, label_width
+from derive.handouts.figure.paper import AXIS_COLORS, Paper, around
+from derive.handouts.figure.scene import arm_scene
+from derive.handouts.figure.workspace_plot import workspace_bytes
+from derive.handouts.figure.writers import PREAMBLE, SUFFIXES, drawing_bytes, latex_drawing, svg_drawing
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import DataPrinter
+from derive.robot.description import Convention
+from derive.robot.expression import Number
+from derive.robot.load import catalogue_names
+from derive.robot.names import free_symbols
+from derive.robot.options.handout import FigureOptions
+from derive.robot.robot import Robot
+from derive.verification.oracle.frames import chain_frames, forward_kinematics, numeric_arm
+from derive.workspace.poses import RobotPoses
+from derive.workspace.views import find_workspace
+from tests.handouts.latex_runner import overfull, run_latex
+from tests.random_robots import robot_text
+
+
+def drawn(robot: Robot | str, q: list[float] | None = None, title: str = "an arm") -> Drawing:
+    robot = Robot.load(robot) if isinstance(robot, str) else robot
+    poses, printer = RobotPoses(robot), DataPrinter(robot, Notation.of(robot, robot.handout.notation))
+    return arm_drawing(robot, printer, poses.frames(q or poses.zero), title)
+
+
+def _labels(drawing: Drawing) -> set[str]:
+    return {part for item in drawing.items if isinstance(item, Label) for part in item.latex.split(",")}
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "puma560-corke", "stanford-deluca", "dh-modified-deluca"])
+def test_poses_are_the_frames_of_the_independent_recursion(name: str) -> None:
+    robot = Robot.load(name)
+    poses = RobotPoses(robot)
+    q = np.linspace(0.3, 0.9, robot.n)
+    unknown = dict.fromkeys(free_symbols(robot), 1.0)
+    arm = numeric_arm(robot, unknown | {name: value for name, value, _ in poses.assumed})
+    frames = np.array(poses.frames(q.tolist()))
+    np.testing.assert_allclose(frames[:-1], arm.base @ chain_frames(arm, q), atol=1e-12)
+    np.testing.assert_allclose(frames[-1], forward_kinematics(arm, q), atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "puma560-corke", "spherical-arm", "dh-modified-deluca"])
+def test_axes_start_at_the_projected_origins_of_the_frames(name: str) -> None:
+    robot = Robot.load(name)
+    poses = RobotPoses(robot)
+    q = [0.4] * robot.n
+    frames = np.array(poses.frames(q))
+    view = arm_view(arm_scene(robot, frames))
+    expected = view.project(frames[: robot.n + 1, :3, 3])[:, :2]
+    starts = np.array(
+        [i.points[0] for i in drawn(robot, q).items if isinstance(i, Path) and i.stroke in AXIS_COLORS and not i.fill]
+    )
+    spread = np.ptp(starts, axis=0)
+    scale = float(spread.max() / np.ptp(expected, axis=0)[int(spread.argmax())])
+    placed = (expected - expected.min(axis=0)) * scale + starts.min(axis=0)
+    for point in placed:
+        assert np.abs(starts - point).max(axis=1).min() < 0.05
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "puma560-corke", "planar-2r-perugia", "human-body"])
+def test_every_frame_has_its_x_and_z_named(name: str) -> None:
+    labels = _labels(drawn(name))
+    for index in range(Robot.load(name).n + 1):
+        assert {f"x_{{{index}}}", f"z_{{{index}}}"} <= labels
+
+
+def test_lengths_are_named_where_they_are_not_zero() -> None:
+    assert {"a_{1}", "a_{2}", "d_{4}"} <= _labels(drawn("scara-perugia"))
+    assert {"a_{2}", "a_{3}", "d_{3}", "d_{4}"} <= _labels(drawn("puma560-corke"))
+    assert "a_{3}" not in _labels(drawn("scara-perugia"))
+
+
+@pytest.mark.first(10)
+@pytest.mark.slow
+@pytest.mark.parametrize("key", [*catalogue_names(), *range(20)])
+def test_every_robot_is_drawn_inside_its_canvas(key: str | int) -> None:
+    robot = Robot.load(key) if isinstance(key, str) else Robot.from_text(robot_text(random.Random(key), 1 + key % 7))
+    rng = random.Random(robot.n)
+    for q in (None, [rng.uniform(-1.5, 1.5) for _ in robot.joints]):
+        drawing = drawn(robot, q)
+        points = np.array([p for i in drawing.items for p in (i.points if isinstance(i, Path) else (i.at,))])
+        assert np.isfinite(points).all()
+        assert 0 < drawing.width <= WIDTH
+        assert 0 < drawing.height <= HEIGHT
+        assert points.min() >= 0
+        assert (points.max(axis=0) <= (drawing.width, drawing.height)).all()
+
+
+def test_same_robot_same_drawing() -> None:
+    assert drawn("stanford-deluca") == drawn("stanford-deluca")
+
+
+def test_numbers_of_the_figure_are_used_and_the_others_are_stated() -> None:
+    robot = Robot.load("planar-2r-perugia")
+    q = (Number(Fraction(1, 2)), Number(Fraction(1)))
+    chosen = replace(robot, figure=FigureOptions(q=q, values=(("a1", Number(Fraction(1, 4))),)))
+    poses = RobotPoses(chosen)
+    assert poses.configuration == (0.5, 1.0)
+    assert [name for name, _, _ in poses.assumed] == ["a2"]
+    assert poses.frames(poses.zero)[1][0][3] == 0.25
+    assert RobotPoses(robot).configuration is None
+
+
+WIDE = "z_{2},z_{3},z_{5}"
+
+
+@pytest.mark.parametrize("degrees", range(0, 360, 45))
+def test_a_wide_label_does_not_cover_the_tip_that_it_names(degrees: int) -> None:
+    direction = (math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
+    width = label_width(WIDE)
+    x, y = around((0.0, 0.0), direction, 6.5, width)[0]
+    assert abs(x) >= width / 2 or abs(y) >= LABEL_HEIGHT / 2
+
+
+def test_a_label_leaves_a_line_for_a_free_place() -> None:
+    paper = Paper()
+    paper.draw(Path(((0.0, 0.0), (0.0, 60.0))))
+    paper.label(WIDE, around((0.0, 30.0), (0.0, 1.0), 6.5, label_width(WIDE)))
+    label = paper.items[-1]
+    assert isinstance(label, Label)
+    assert abs(label.at[0]) >= label_width(WIDE) / 2
+
+
+@pytest.mark.parametrize("name", ["stanford-deluca", "scara-perugia", "puma560-corke", "kuka-lwr4"])
+def test_names_of_dense_wrists_do_not_cover_each_other(name: str) -> None:
+    labels = [item for item in drawn(name).items if isinstance(item, Label)]
+    for k, one in enumerate(labels):
+        for other in labels[:k]:
+            beside = abs(one.at[0] - other.at[0]) - (label_width(one.latex) + label_width(other.latex)) / 2
+            above = abs(one.at[1] - other.at[1]) - LABEL_HEIGHT
+            assert max(beside, above) >= -1.5, f"{one.latex} and {other.latex}"
+
+
+NAMES = ("scara-perugia", "puma560-corke", "human-body", "spherical-arm")
+
+
+def test_latex_needs_no_package_and_fits_the_page(tmp_path: File) -> None:
+    drawings = [*map(drawn, NAMES), *map(convention_drawing, Convention)]
+    body = "\n\n".join(rf"\noindent {latex_drawing(drawing)}" for drawing in drawings)
+    head = f"\\documentclass{{article}}\n{PREAMBLE}\\setlength{{\\textwidth}}{{{WIDTH}pt}}\n"
+    document = f"{head}\\begin{{document}}\n{body}\n\\end{{document}}\n"
+    log = run_latex(document, tmp_path)
+    assert log.status == 0, log.errors
+    assert overfull(log) == 0.0
+
+
+def test_lines_of_latex_are_short_enough_for_any_tex() -> None:
+    assert max(map(len, latex_drawing(drawn("human-body")).splitlines())) < 900
+
+
+def test_lengths_that_are_fractions_or_roots_are_drawn_as_the_symbols_of_their_cells() -> None:
+    """Matplotlib sets no small fraction."""
+    pytest.importorskip("matplotlib")
+    rows = "[{type: revolute, a: 1/7, d: 2/3}, {type: revolute, a: sqrt(2)/3}]"
+    robot = Robot.from_text(f"name: sevenths\nconvention: standard\njoints: {rows}\n")
+    drawing = drawn(robot)
+    labels = {item.latex for item in drawing.items if isinstance(item, Label)}
+    assert {"a_{1}", "d_{1}", "a_{2}"} <= labels
+    assert drawing_bytes(drawing, ".svg").startswith(b"<?xml")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_same_drawing_same_bytes(suffix: str) -> None:
+    pytest.importorskip("matplotlib")
+    drawing = drawn("scara-perugia")
+    first = drawing_bytes(drawing, suffix)
+    assert first == drawing_bytes(drawing, suffix)
+    assert first.startswith({".pdf": b"%PDF", ".svg": b"<?xml", ".png": b"\x89PNG"}[suffix])
+
+
+def test_svg_is_well_formed_and_titled_whatever_the_title_holds() -> None:
+    root = ElementTree.fromstring(svg_drawing(drawn("scara-perugia", title="a < b & \"c\" \x00 'd'")))
+    title = root.find("{http://www.w3.org/2000/svg}title")
+    assert title is not None
+    assert title.text == "a < b & \"c\"   'd'"
+    assert root.get("role") == "img"
+
+
+def test_svg_holds_every_item() -> None:
+    drawing = drawn("puma560-corke")
+    root = ElementTree.fromstring(svg_drawing(drawing))
+    kinds = [child.tag.rpartition("}")[2] for child in root]
+    assert kinds.count("path") == sum(isinstance(item, Path) for item in drawing.items)
+    assert kinds.count("text") == sum(isinstance(item, Label) for item in drawing.items)
+
+
+def test_black_follows_the_text_of_the_page() -> None:
+    svg = svg_drawing(Drawing(10, 10, (Path(((0.0, 0.0), (5.0, 5.0))), Label((5.0, 5.0), "a_{1}"))))
+    assert svg.count('"currentColor"') == 2
+
+
+@pytest.mark.parametrize("convention", list(Convention))
+def test_convention_shows_its_four_parameters(convention: Convention) -> None:
+    labels = {item.latex for item in convention_drawing(convention).items if isinstance(item, Label)}
+    index = "i" if convention is Convention.STANDARD else "i-1"
+    assert labels == {
+        *(f"{axis}_{{{i}}}" for axis in "xz" for i in ("i-1", "i")),
+        f"a_{{{index}}}",
+        f"\\alpha_{{{index}}}",
+        "d_{i}",
+        r"\theta_{i}",
+    }
+
+
+def test_labels_are_read_as_runs() -> None:
+    assert label_runs("a_{12}") == (LabelRun("a"), LabelRun("12", "upright", -1))
+    assert label_runs(r"\vartheta _{1}") == (LabelRun("\N{GREEK THETA SYMBOL}"), LabelRun("1", "upright", -1))
+    assert "".join(run.text for run in label_runs(r"-0.5\,\mathrm{m}")) == "\N{MINUS SIGN}0.5\N{THIN SPACE}m"
+    assert label_width("x_{0},x_{1}") > label_width("x_{0}") > 0
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_workspace_of_one_point_is_plotted_without_a_warning() -> None:
+    pytest.importorskip("shapely")
+    pytest.importorskip("matplotlib")
+    found = find_workspace(RobotPoses(Robot.load("dh-modified-deluca")))
+    assert all(view.reachable.region.is_empty for view in found.views)
+    assert workspace_bytes(found.views, ".svg", "a point").startswith(b"<?xml")

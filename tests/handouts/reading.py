@@ -1,0 +1,51 @@
+"""What a reader finds in a part of a handout: its words and its lines of mathematics."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from derive.handouts.assemble import context_of, section_of
+from derive.handouts.sheet.document import Block, Figure, Paragraph, Rows, Section, SheetFormula, blocks_of
+from derive.robot.options.handout import Derivation
+from derive.robot.robot import Robot
+
+REACHED = """
+name: arm
+convention: standard
+joints:
+  - {type: revolute, d: 0.4, a: 0.3, alpha: pi/2, limits: [-pi, 0.3]}
+  - {type: revolute, a: a2}
+  - {type: prismatic, q: d3, d: -d3, alpha: -pi/2}
+links:
+  - {mass: 3, com: [-0.1, 0, 0], inertia: {zz: 0.2}}
+  - {mass: m2, com: [-0.1, 0, 0], inertia: {zz: 0.2}}
+  - {mass: 1, com: [0, 0.1, 0], inertia: {zz: 0.1}}
+gravity: [0, 0, -9.81]
+parameters: {a2: 0.5, m2: 2}
+"""
+
+
+def part(robot: Robot | str, name: str, *, steps: bool = False, **options: Any) -> Section:
+    """A part of the handout of a robot, of a built-in one by its name, or by the text of its file."""
+    if isinstance(robot, str):
+        robot = Robot.from_text(robot) if "\n" in robot else Robot.load(robot)
+    derivation = Derivation.STEPS if steps else Derivation.RESULT
+    found = section_of(context_of(robot, replace(robot.handout, derivation=derivation, **options)), name)
+    assert found is not None
+    return found
+
+
+def words(section: Section) -> str:
+    """Sentences and captions."""
+    texts = (
+        b.text if isinstance(b, Paragraph) else b.caption
+        for b in blocks_of(section)
+        if isinstance(b, Paragraph | Figure)
+    )
+    return " ".join(texts)
+
+
+def lines(blocks: Iterable[Block]) -> list[str]:
+    """Lines of formulas."""
+    rows = (b.rows if isinstance(b, SheetFormula) else (b,) for b in blocks if isinstance(b, SheetFormula | Rows))
+    return [line for some in rows for row in some for line in row.lines]
