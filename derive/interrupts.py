@@ -67,7 +67,10 @@ def interruptible(number: signal.Signals = signal.SIGINT) -> Iterator[None]:
                 signal.pthread_kill(main.ident or 0, number)
 
     def _interrupt(number: int, _frame: FrameType | None) -> None:
-        if _is_interrupted(sys.exception()):
+        error = sys.exception()
+        while error is not None and not isinstance(error, KeyboardInterrupt):
+            error = error.__context__
+        if error is not None:  # an interrupt, or raised while one was under way
             return
         if not noted:
             noted.append(number)
@@ -90,13 +93,6 @@ def interruptible(number: signal.Signals = signal.SIGINT) -> Iterator[None]:
             over.set()
         signal.signal(number, before)
         sys.unraisablehook = hook
-
-
-def _is_interrupted(error: BaseException | None) -> bool:
-    """Whether an error is an interrupt, or was raised while one was under way."""
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__context__
-    return error is not None
 
 
 class TemporaryFolder:

@@ -6,7 +6,7 @@ derived in plain symbols; for SymPy's own simplifications others are put in, rea
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from inspect import ismethod
@@ -83,19 +83,17 @@ class Model(ClosedForms):
         """T, J and, where the robot has links, B and g, in the notation of the handout."""
         robot = replace(self.robot, style=self.style)
         context = Context(ModelEntries(ClosedForms(robot)), robot.handout, Text(), __version__)
-        return aligned_latex(list(_lines(context)))
-
-
-def _lines(context: Context) -> Iterator[str]:
-    letter = context.symbols.inertia_letter
-    names = {"T": "T", "J": "J"} | ({"B": letter, "g": "g"} if context.robot.has_dynamics else {})
-    for group, (name, shown) in enumerate(names.items()):
-        namer = partial(context.symbols.entry, shown.lower())
-        quantity = getattr(context.entries, name)
-        laid_out = context.layouter.lay_out(bold(shown), namer, quantity, group=group, symmetric=name == "B")
-        printed = [*laid_out.named, *laid_out.lines]
-        whole = printed and not laid_out.omitted and not laid_out.landscape and len(printed) <= MOST_LINES
-        yield from printed if whole else (f"\\mathbf{{{shown}}} = \\cdots",)
+        names = {"T": "T", "J": "J"}
+        names |= {"B": context.symbols.inertia_letter, "g": "g"} if robot.has_dynamics else {}
+        lines: list[str] = []
+        for group, (name, shown) in enumerate(names.items()):
+            namer = partial(context.symbols.entry, shown.lower())
+            quantity = getattr(context.entries, name)
+            laid_out = context.layouter.lay_out(bold(shown), namer, quantity, group=group, symmetric=name == "B")
+            printed = [*laid_out.named, *laid_out.lines]
+            whole = printed and not laid_out.omitted and not laid_out.landscape and len(printed) <= MOST_LINES
+            lines += printed if whole else [f"\\mathbf{{{shown}}} = \\cdots"]
+        return aligned_latex(lines)
 
 
 def plain(value: Any) -> Any:

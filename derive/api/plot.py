@@ -17,7 +17,6 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.cells import joint_values
-from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
 from derive.workspace.region import Measure
 from derive.workspace.views import Workspace, WorkspaceView, find_workspace
@@ -80,29 +79,22 @@ def plot(
     refuse_taken([path], force=force)
     require_matplotlib()
     chosen = load(robot, remarks_on_bodies=False)
-    found = None
+    poses, found = RobotPoses(chosen), None
     if workspace:
-        poses = RobotPoses(chosen)
         found = find_workspace(poses, None if progress is None else partial(progress, chosen.name))
         remarks = f"workspace of {chosen.name}: {workspace_summary(found)}{_assumed(poses)}"
         data = workspace_bytes(found.views, suffix, remarks, size)
     else:
-        data, remarks = _arm(chosen, q, suffix, size)
+        drawn = (poses.configuration or poses.zero) if q is None else poses.numbers(joint_values(chosen, q))
+        pairs = zip(chosen.joints, drawn, strict=True)
+        values = ", ".join(
+            f"{joint.variable} = {value:.4g} {'rad' if joint.is_revolute else 'm'}" for joint, value in pairs
+        )
+        remarks = f"{chosen.name} at {values if any(drawn) else 'the zero configuration'}{_assumed(poses)}"
+        printer = DataPrinter(chosen, Notation.of(chosen, chosen.handout.notation))
+        data = drawing_bytes(arm_drawing(chosen, printer, poses.frames(drawn), remarks), suffix, size)
     write_files({path: data}, force=force)
     return Plot(chosen.name, path, remarks, found)
-
-
-def _arm(robot: Robot, q: Sequence[float | str] | None, suffix: str, size: float) -> tuple[bytes, str]:
-    """The figure of the arm, and what it shows."""
-    poses = RobotPoses(robot)
-    drawn = (poses.configuration or poses.zero) if q is None else poses.numbers(joint_values(robot, q))
-    pairs = zip(robot.joints, drawn, strict=True)
-    values = ", ".join(
-        f"{joint.variable} = {value:.4g} {'rad' if joint.is_revolute else 'm'}" for joint, value in pairs
-    )
-    remarks = f"{robot.name} at {values if any(drawn) else 'the zero configuration'}{_assumed(poses)}"
-    printer = DataPrinter(robot, Notation.of(robot, robot.handout.notation))
-    return drawing_bytes(arm_drawing(robot, printer, poses.frames(drawn), remarks), suffix, size), remarks
 
 
 def workspace_summary(found: Workspace) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from derive.checking.documents import read_document
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Outcome
 from derive.checking.latex.check import check_latex
-from derive.checking.style_finding import Example, ExampleFinding, StyleEvidence, printed_examples
+from derive.checking.style_finding import Example, StyleEvidence, printed_examples
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.text import TextPrinter
 from derive.lecture.shorthand import read_formula
@@ -97,7 +97,12 @@ class FoundStyle:
         }
 
     def __str__(self) -> str:
-        return "\n".join([self.block, *(f"# {line}" for line in self._remarks())])
+        lines = [self.summary]
+        for verdict in self.verdicts:
+            if not verdict.reproduced:
+                lines.append(f"{verdict.place}: {verdict.quantity}: {verdict.reason}")
+                lines += [f"  printed: {verdict.printed}", f"  written: {verdict.written}"]
+        return "\n".join([self.block, *(f"# {line}" for line in lines)])
 
     @property
     def summary(self) -> str:
@@ -105,14 +110,6 @@ class FoundStyle:
         total = len(self.verdicts)
         formulas = "formula" if total == 1 else "formulas"
         return f"as printed: {self.reproduced} of {total} {formulas}, {self.default} in the default style"
-
-    def _remarks(self) -> Iterator[str]:
-        yield self.summary
-        for verdict in self.verdicts:
-            if not verdict.reproduced:
-                yield f"{verdict.place}: {verdict.quantity}: {verdict.reason}"
-                yield f"  printed: {verdict.printed}"
-                yield f"  written: {verdict.written}"
 
 
 class Style(Options):
@@ -181,8 +178,18 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
         )
     evidence = StyleEvidence(found)
     chosen = evidence.finding(evidence.best_style())
-    verdicts = tuple(_verdict(finding) for finding in chosen.findings)
-    return FoundStyle(chosen.style, verdicts, evidence.finding(NAMED_STYLES[DEFAULT_STYLE]).reproduced)
+    verdicts = [
+        ExampleVerdict(
+            quantity=finding.example.quantity,
+            outcome=finding.outcome.value,
+            printed=finding.example.text,
+            written=TextPrinter(finding.example.robot).doprint(finding.written),
+            reason=finding.reason,
+            place=str(finding.example.location),
+        )
+        for finding in chosen.findings
+    ]
+    return FoundStyle(chosen.style, tuple(verdicts), evidence.finding(NAMED_STYLES[DEFAULT_STYLE]).reproduced)
 
 
 def _printed_in(source: RobotLike) -> list[Example]:
@@ -214,15 +221,3 @@ def _given(robot: Robot, example: str | Path) -> list[Example]:
         raise CheckError(f"example {quoted(example)}", allowed=allowed, location=Location(EXAMPLE))
     place = Location(EXAMPLE, 1, len(left + equals) + len(right) - len(right.lstrip()) + 1)
     return [Example(robot, quantity, read_formula(printed, robot, place), printed, place)]
-
-
-def _verdict(finding: ExampleFinding) -> ExampleVerdict:
-    example = finding.example
-    return ExampleVerdict(
-        quantity=example.quantity,
-        outcome=finding.outcome.value,
-        printed=example.text,
-        written=TextPrinter(example.robot).doprint(finding.written),
-        reason=finding.reason,
-        place=str(example.location),
-    )

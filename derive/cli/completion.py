@@ -27,38 +27,30 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the script."""
     import shtab
 
-    from derive.cli.main import whole_parser
-
-    parser, commands = whole_parser()
-    offered = _offered()
-    for command in commands:
-        for action in command._actions:
-            if not action.choices and (found := offered.get(action.metavar) or offered.get(action.dest)):
-                action.complete = found  # type: ignore[attr-defined]
-    print(shtab.complete(parser, shell=arguments.shell))
-    return 0
-
-
-def _offered() -> dict[object, Any]:
-    """What is completed, by the name that help gives a value, or by that of its option."""
-    import shtab
-
     from derive.api.robots import catalogue
+    from derive.cli.main import whole_parser
     from derive.handouts.sheet.language import languages
     from derive.model.quantities import DESCRIBED, REGISTRY
     from derive.plans.catalogue import plan_names
     from derive.publish.targets import EVERY, TARGETS
 
-    robots, plans = (_words(*found, files=True) for found in (("robots", catalogue()), ("plans", plan_names())))
-    return {
-        "ROBOT": robots,
-        "PLAN": plans,
+    parser, commands = whole_parser()
+    # What is completed, by the name that help gives a value, or by that of its option.
+    offered: dict[object, Any] = {
+        "ROBOT": _words("robots", catalogue(), files=True),
+        "PLAN": _words("plans", plan_names(), files=True),
         "QUANTITY": _words("quantities", [*REGISTRY, *DESCRIBED]),
         "CODE": _words("languages", languages()),
         "target": _words("targets", [*TARGETS, EVERY]),
         "FILE": shtab.FILE,
         "DIR": shtab.DIRECTORY,
     }
+    for command in commands:
+        for action in command._actions:
+            if not action.choices and (found := offered.get(action.metavar) or offered.get(action.dest)):
+                action.complete = found  # type: ignore[attr-defined]
+    print(shtab.complete(parser, shell=arguments.shell))
+    return 0
 
 
 def _words(what: str, words: Iterable[str], *, files: bool = False) -> dict[str, Any]:

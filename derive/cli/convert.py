@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from derive.cli.options import add_shared, keywords
 from derive.cli.terminal import DONE, one_line, print_json
 from derive.errors import DeriveError
-
-if TYPE_CHECKING:
-    from derive.exchange.convert import Converted
 
 DESCRIPTION = """\
 Write the robot file of the same arm in the other Denavit-Hartenberg convention, symbolic and exact: T, J, B, C, g and
@@ -41,6 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Convert the robot; write the file or print it."""
     from derive.api.convert import convert
+    from derive.exchange.convert import moves
 
     if arguments.format and not arguments.derivation:
         raise DeriveError(f"--format {arguments.format} without --derivation", remedy="add --derivation")
@@ -48,27 +44,19 @@ def run(arguments: argparse.Namespace) -> int:
         raise DeriveError("--json with --derivation", remedy="leave one out")
     options = keywords(arguments, "inertia", "name", "force")
     made = convert(arguments.robot, arguments.convention, arguments.out, **options)
+    convention, report = made.robot.convention.value, [*moves(made.conversion), *made.notes]
     if arguments.derivation:
         from derive.exchange.derivation import derivation_latex, derivation_text
 
         print((derivation_latex if arguments.format == "latex" else derivation_text)(made.conversion), end="")
     elif arguments.json:
         where = {"file": str(arguments.out)} if arguments.out else {"text": made.text}
-        report = {"convention": made.robot.convention.value, "report": _report(arguments.out, made)[1:]}
-        print_json(where | report | {"remarks": made.conversion.source.remarks_as_dicts})
+        remarks = made.conversion.source.remarks_as_dicts
+        print_json(where | {"convention": convention, "report": report, "remarks": remarks})
     elif arguments.out is None:
         print(made.text, end="")
     elif not arguments.quiet:
-        head, *lines = map(one_line, _report(arguments.out, made))
-        print(head, *(f"  {line}" for line in lines), sep="\n")
+        kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
+        head = f"{arguments.out}: {made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds}), {convention}"
+        print(one_line(head), *(f"  {one_line(line)}" for line in report), sep="\n")
     return DONE
-
-
-def _report(path: Path | None, made: Converted) -> list[str]:
-    """What was written, which factors have moved, and what the other convention says otherwise."""
-    from derive.exchange.convert import moves
-
-    kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
-    count = f"{made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds})"
-    lines = [*moves(made.conversion), *made.notes]
-    return [f"{path}: {count}, {made.robot.convention.value}", *lines]

@@ -56,12 +56,23 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.api.importing import import_all, import_urdf
     from derive.publish.atomic_folder import refuse_taken
 
-    base, tip = _ends(arguments)
+    base, tip = None, arguments.tip
+    if arguments.chain is not None:
+        if tip is not None:
+            raise DeriveError("--tip with --chain", remedy="leave one out")
+        base, dots, tip = arguments.chain.partition("..")
+        if not (base and dots and tip):
+            raise DeriveError(f"--chain {arguments.chain!r}", allowed="allowed: two names of links as BASE..TIP")
     if arguments.all and tip is not None:
         raise DeriveError("--all with --tip or --chain", remedy="leave one out")
     file = sys.stdin.buffer.read() if arguments.file == "-" else arguments.file
     options = keywords(arguments, "convention", "snap", "name", "packages", "inertia", "symbols")
-    options["arguments"] = dict(map(_pair, arguments.arg))
+    options["arguments"] = {}
+    for text in arguments.arg:
+        name, sign, value = text.partition("=")
+        if not (name.rstrip(":") and sign):
+            raise DeriveError(f"--arg {text!r}", allowed="allowed: NAME=VALUE")
+        options["arguments"][name.rstrip(":")] = value
     if not arguments.all:
         refuse_taken([arguments.out] if arguments.out else [], force=arguments.force)
         folder = arguments.out.parent if arguments.out else Path()
@@ -71,25 +82,6 @@ def run(arguments: argparse.Namespace) -> int:
     every = import_all(file, folder=folder, **options)
     arms = {folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}
     return _deliver(arms, every.refused, arguments)
-
-
-def _ends(arguments: argparse.Namespace) -> tuple[str | None, str | None]:
-    """Names of the first and the last link."""
-    if arguments.chain is None:
-        return None, arguments.tip
-    if arguments.tip is not None:
-        raise DeriveError("--tip with --chain", remedy="leave one out")
-    base, dots, tip = arguments.chain.partition("..")
-    if not (base and dots and tip):
-        raise DeriveError(f"--chain {arguments.chain!r}", allowed="allowed: two names of links as BASE..TIP")
-    return base, tip
-
-
-def _pair(text: str) -> tuple[str, str]:
-    name, sign, value = text.partition("=")
-    if not (name.rstrip(":") and sign):
-        raise DeriveError(f"--arg {text!r}", allowed="allowed: NAME=VALUE")
-    return name.rstrip(":"), value
 
 
 def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Namespace) -> int:

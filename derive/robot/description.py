@@ -5,6 +5,7 @@ The parts show themselves in the words of the file (``Joint(revolute, theta=q1 +
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -84,9 +85,13 @@ class Joint:
     @property
     def row(self) -> dict[str, str]:
         """The cells theta, d, a, alpha as text, the variable in its own: ``{"theta": "-q1 + pi/2", ...}``."""
+        return self.row_as(to_text)
+
+    def row_as(self, write: Callable[[Expression], str]) -> dict[str, str]:
+        """The same with cells written in some other way."""
         moving = "theta" if self.is_revolute else "d"
         cells = {"theta": self.theta, "d": self.d, "a": self.a, "alpha": self.alpha}
-        row = {name: to_text(cell) for name, cell in cells.items()}
+        row = {name: write(cell) for name, cell in cells.items()}
         variable = self.variable if self.sign > 0 else f"-{self.variable}"
         constant = row[moving]
         rest = f" - {constant[1:]}" if constant.startswith("-") else f" + {constant}"

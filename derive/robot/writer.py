@@ -103,17 +103,9 @@ def _row(joint: Joint, convention: Convention) -> Iterator[str]:
     """Type and cells of a joint in the order of the convention; those that are zero are left out."""
     yield f"type: {joint.type.value}"
     yield f"q: {joint.variable}"
-    moving = "theta" if joint.is_revolute else "d"
-    standard = convention is Convention.STANDARD
-    for key in ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d"):
-        cell = getattr(joint, key)
-        written = cell_text(cell)
-        if key == moving:
-            variable = joint.variable if joint.sign > 0 else f"-{joint.variable}"
-            rest = f" - {written[1:]}" if written.startswith("-") else f" + {written}"
-            yield f"{key}: {variable if cell == ZERO else variable + rest}"
-        elif cell != ZERO:
-            yield f"{key}: {written}"
+    cells, standard = joint.row_as(cell_text), convention is Convention.STANDARD
+    order = ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d")
+    yield from (f"{key}: {cells[key]}" for key in order if cells[key] != "0")
     if joint.limits is not None:
         yield f"limits: {_list(joint.limits)}"
     if joint.speed is not None:

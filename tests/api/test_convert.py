@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.api.convert import convert
+from derive.api.convert import convert, possible
 from derive.errors import OutputError
 
 
@@ -49,3 +49,14 @@ def test_a_robot_converts_itself() -> None:
         robot.convert("standard")
     with pytest.raises(derive.DeriveError, match="unknown convention 'mdh'"):
         robot.convert("mdh")
+
+
+def test_a_robot_by_name_gets_links_that_exist_and_a_robot_file() -> None:
+    pytest.importorskip("clarabel")
+    found = possible("scara-matlab")
+    assert isinstance(found.robot, derive.Robot)
+    again = derive.Robot.from_text(found.text, "arm.yaml")
+    assert again.links == found.robot.links
+    assert again.remarks == ()
+    assert "# 1 of 4 links changed; base parameters and torques stay the same\n# link 2 changed by" in found.text
+    assert found.text.startswith("# Source: report on the SCARA")

@@ -9,9 +9,7 @@ import pytest
 
 import derive
 from derive.api.robots import catalogue, load, load_all
-from derive.errors import DeriveError, UnknownRobotError
-from derive.robot.cells import joint_values
-from derive.robot.expression import to_text
+from derive.errors import UnknownRobotError
 from derive.robot.robot import Robot
 
 DEGREES = "name: arm\nconvention: standard\nunits: {angle: deg, length: mm}\njoints:\n  - {type: revolute, a: 100}\n"
@@ -40,15 +38,6 @@ def test_a_robot_of_the_api_equals_the_plain_one_of_the_same_data() -> None:
     assert plain != load("planar-3r")
     assert pickle.loads(pickle.dumps(arm)) == plain
     assert type(replace(arm, name="other")) is derive.Robot
-
-
-def test_joint_values_are_in_the_units_of_the_file() -> None:
-    arm = Robot.from_text(DEGREES + "  - {type: prismatic}\n")
-    assert [to_text(value) for value in joint_values(arm, [90, "250"])] == ["pi/2", "1/4"]
-    with pytest.raises(DeriveError, match="pi in the value 'pi/2' of q1"):
-        joint_values(arm, ["pi/2", 0])
-    with pytest.raises(DeriveError, match="2 joint values are needed, 1 given"):
-        joint_values(arm, [0.5])
 
 
 def test_a_robot_shows_itself_as_its_table() -> None:

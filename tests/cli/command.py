@@ -3,6 +3,7 @@
 import contextlib
 import io
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -90,6 +91,11 @@ def derive_process(*arguments: str, folder: Path, **variables: str) -> Outcome:
 def environment(**variables: str) -> dict[str, str]:
     python_path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
     return {**os.environ, "PYTHONPATH": python_path, **variables}
+
+
+def heed_interrupts() -> None:
+    """What was started in the background, or with ``nohup``, ignores interrupts, and so do its children."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def is_one_message(text: str) -> bool:

@@ -13,7 +13,7 @@ import pytest
 from derive.cli import schema
 from derive.cli.main import main
 from derive.errors import VerificationError
-from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message, refused
+from tests.cli.command import derive_process, environment, heed_interrupts, is_one_message, refused
 
 WRONG = {
     "unknown command": ("frobnicate",),
@@ -43,15 +43,6 @@ def test_wrong_input_is_refused_in_one_line_with_status_2(arguments: tuple[str, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_message_of_a_robot_file_names_file_line_and_column(tmp_path: Path) -> None:
-    (tmp_path / "arm.yaml").write_text(PENDULUM.replace("a: a1", "alfa: a1"))
-    outcome = derive("build", "arm.yaml", folder=tmp_path)
-    assert outcome.status == 2
-    assert outcome.stderr.startswith("derive: error: arm.yaml:4:")
-    assert "did you mean 'alpha'" in outcome.stderr
-    assert not (tmp_path / "generated").exists()
-
-
 def test_output_on_an_ascii_terminal_is_escaped(tmp_path: Path) -> None:
     robot = "\N{GREEK SMALL LETTER ALPHA}.yaml"
     outcome = derive_process("show", robot, "T", folder=tmp_path, PYTHONIOENCODING="ascii")
@@ -67,11 +58,6 @@ def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     )
     assert done.stderr == ""
     assert done.stdout.splitlines()[-1] in ("0", "141")
-
-
-def heed_interrupts() -> None:
-    """What was started in the background, or with ``nohup``, ignores interrupts, and so do its children."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])

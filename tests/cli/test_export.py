@@ -15,9 +15,6 @@ def test_the_file_is_written_and_remarks_are_told(tmp_path: Path) -> None:
     assert (done.status, done.stdout) == (0, "puma.urdf\n")
     assert "derive: warning: puma560-corke: URDF cannot say the armature of q1, q2, q3, q4, q5, q6" in done.stderr
     assert (tmp_path / "puma.urdf").read_text().startswith("<?xml")
-    again = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
-    assert again.status == 2
-    assert "exists already" in again.stderr
 
 
 def test_the_command_offers_every_format() -> None:
@@ -60,8 +57,6 @@ def test_strict_makes_errors_of_remarks(tmp_path: Path) -> None:
         (("anthropomorphic-arm", "--to", "csv", "--values", "a2=x"), "value 'x' of a2 holds a name"),
         (("anthropomorphic-arm", "--to", "csv", "--values", "b=1"), "no 'b' in anthropomorphic-arm; allowed: a2, a3"),
         (("nobody", "--to", "csv"), "nobody"),
-        (("kuka-kr5", "--to", "csv", "-o", "."), "'.' is a folder; write the name of a file in it"),
-        (("kuka-kr5", "--to", "csv", "-o", ".", "--force"), "'.' is a folder; write the name of a file in it"),
     ],
 )
 def test_wrong_arguments_get_one_message(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:

@@ -91,7 +91,6 @@ def test_all_tips_get_files(folder: Path) -> None:
         ["arm.urdf", "--snap", "much"],
         ["arm.urdf", "--inertia", "better"],
         ["arm.urdf", "--arg", "name"],
-        ["arm.urdf", "-o", "."],
         ["."],
     ],
 )

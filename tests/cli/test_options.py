@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from derive.cli.main import COMMANDS, whole_parser
-from derive.cli.options import OLD, SHARED, STDOUT, file_or_stdout
+from derive.cli.options import OLD, SHARED, file_or_stdout
 from tests.cli.command import derive, is_one_message, refused
 
 PARSERS = dict(zip(COMMANDS, whole_parser()[1], strict=True))
@@ -66,11 +66,6 @@ def test_joint_values_are_read_however_they_are_given(old: str, tmp_path: Path) 
     values = re.sub(r"(-q|--at)[ =]?", "", old).replace(" ", ",").split(",")
     done = derive("plot", "planar-2r-perugia", *old.split(), "-o", "a.svg", folder=tmp_path)
     assert f"q1 = {float(values[0]):.4g} rad, q2 = {float(values[1]):.4g} rad" in done.stdout, done.stderr
-
-
-def test_old_names_do_what_they_did(tmp_path: Path) -> None:
-    new, old = (derive("export", "kuka-kr5", name, "csv", folder=tmp_path) for name in ("--format", "--to"))
-    assert new.stdout == old.stdout != ""
 
 
 def examples(command: str) -> list[list[str]]:
@@ -168,8 +163,3 @@ def test_a_program_is_told_which_file_was_written(tmp_path: Path) -> None:
     assert json.loads(derive("new", "arm", "--json", folder=tmp_path).stdout) == {"file": "arm.yaml"}
     drawn = json.loads(derive("plot", "arm.yaml", "-o", "a.svg", "--json", folder=tmp_path).stdout)
     assert (drawn["robot"], drawn["file"]) == ("arm", "a.svg")
-
-
-def test_standard_output_is_no_file() -> None:
-    assert file_or_stdout(str(STDOUT)) is None
-    assert file_or_stdout("a.yaml") == Path("a.yaml")

@@ -36,11 +36,7 @@ WRITING = {
     ("move", "out"): ("move scara-pick-and-place --out code", "code/motion.c", MOVE),
     ("handout", "out"): ("handout arm.yaml -o sheets", "sheets/pendulum.tex", HANDOUT),
     ("handout --pdf", "out"): ("handout arm.yaml --pdf", "pendulum.pdf", HANDOUT),
-    ("handout --exercise", "out"): (
-        "handout arm.yaml --exercise",
-        "pendulum-solutions.tex",
-        "derive.api.handout.handout_files",
-    ),
+    ("handout --exercise", "out"): ("handout arm.yaml --exercise", "pendulum-solutions.tex", HANDOUT),
     ("handout --fragment", "out"): ("handout arm.yaml --fragment B -o b.tex", "b.tex", "derive.api.handout.fragment"),
     ("check", "out"): ("check notes.yaml -o r.md", "r.md", "derive.api.check.checked_file"),
     ("check FORMULA", "out"): (f"check arm.yaml {FORMULA} -o r.md", "r.md", "derive.api.check.formula_printout"),

@@ -65,26 +65,17 @@ def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(arguments: tu
     assert list(tmp_path.iterdir()) == []
 
 
-def test_unwritable_output_leaves_nothing(tmp_path: Path) -> None:
-    (tmp_path / "a.svg").mkdir()
-    refused("plot", "planar-2r-perugia", "-o", "a.svg", folder=tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["a.svg"]
-
-
-def test_missing_matplotlib_says_how_to_install_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    assert main(["plot", "planar-2r-perugia", "-o", str(tmp_path / "a.svg")]) == 2
-    assert install_extra("handout") in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("package", ["matplotlib", "shapely"])
-def test_a_workspace_without_its_packages_says_how_to_install_them(
-    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("package", "options"), [("matplotlib", []), ("matplotlib", ["--workspace"]), ("shapely", ["--workspace"])]
+)
+def test_a_figure_without_its_packages_says_how_to_install_them(
+    package: str,
+    options: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    assert main(["plot", "planar-2r-perugia", "--workspace", "-o", str(tmp_path / "a.svg")]) == 2
+    assert main(["plot", "planar-2r-perugia", *options, "-o", str(tmp_path / "a.svg")]) == 2
     assert install_extra("handout") in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

@@ -8,6 +8,7 @@ import pytest
 from tests.cli.command import derive, refused
 
 NOTE = "numbers are rounded to {} significant digits; --exact prints all of them"
+EXACT = "15308702789/200000000000"
 ROD = """\
 name: rod
 convention: standard
@@ -31,25 +32,27 @@ def printed(folder: Path, *arguments: str) -> list[str]:
     return outcome.stdout.splitlines()
 
 
-def test_numbers_have_six_digits_and_a_line_says_so(folder: Path) -> None:
-    assert printed(folder, "B[1,1]", "p[1]") == [f"# {NOTE.format(6)}", "B[1,1] = 0.0765435", "", "p[1] = 0.4318*c1"]
-    assert printed(folder, "B[1,1]", "--format", "latex") == [f"% {NOTE.format(6)}", "0.0765435"]
+@pytest.mark.parametrize(
+    ("asked", "lines"),
+    [
+        ("B[1,1] p[1]", [f"# {NOTE.format(6)}", "B[1,1] = 0.0765435", "", "p[1] = 0.4318*c1"]),
+        ("B[1,1] --format latex", [f"% {NOTE.format(6)}", "0.0765435"]),
+        ("p[1]", ["p[1] = 0.4318*c1"]),  # nothing is said where nothing is rounded
+        ("B[1,1] --digits 2", [f"# {NOTE.format(2)}", "B[1,1] = 0.077"]),
+        ("B[1,1] --exact", [f"B[1,1] = {EXACT}"]),
+        ("B[1,1] --exact --format latex", ["0.076543513945"]),
+        ("B[1,1] --format python", [f"B_1_1 = {EXACT}"]),
+        ("M_11 --exact", [f"M_11 = {EXACT}"]),
+    ],
+)
+def test_numbers_have_six_digits_and_a_line_says_so_unless_more_are_asked_for(
+    asked: str, lines: list[str], folder: Path
+) -> None:
+    assert printed(folder, *asked.split()) == lines
 
 
-def test_nothing_is_said_where_nothing_is_rounded(folder: Path) -> None:
-    assert printed(folder, "p[1]") == ["p[1] = 0.4318*c1"]
-
-
-def test_digits_may_be_chosen(folder: Path) -> None:
-    assert printed(folder, "B[1,1]", "--digits", "2") == [f"# {NOTE.format(2)}", "B[1,1] = 0.077"]
-
-
-def test_exact_and_python_and_json_have_every_digit(folder: Path) -> None:
-    exact = "15308702789/200000000000"
-    assert printed(folder, "B[1,1]", "--exact") == [f"B[1,1] = {exact}"]
-    assert printed(folder, "B[1,1]", "--exact", "--format", "latex") == ["0.076543513945"]
-    assert printed(folder, "B[1,1]", "--format", "python") == [f"B_1_1 = {exact}"]
-    assert exact in "".join(printed(folder, "B[1,1]", "--format", "json"))
+def test_json_has_every_digit(folder: Path) -> None:
+    assert EXACT in "".join(printed(folder, "B[1,1]", "--format", "json"))
 
 
 @pytest.mark.parametrize(
@@ -130,7 +133,6 @@ def test_the_list_says_shape_and_unit_for_this_robot(folder: Path) -> None:
 
 
 def test_names_of_books_stand_before_what_they_ask_for(folder: Path) -> None:
-    assert printed(folder, "M_11", "--exact") == ["M_11 = 15308702789/200000000000"]
     assert printed(folder, "mass matrix", "--digits", "3")[1:] == ["mass matrix =", "  0.0765"]
 
 

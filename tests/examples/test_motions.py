@@ -1,10 +1,20 @@
 """The examples of motions do what they say; each tells by its status whether its own figures hold."""
 
+import importlib
+import sys
+import time
+from types import ModuleType
+from unittest import mock
+
 import numpy as np
 import pytest
 
 from derive.motion.motion import Motion
-from tests.examples.loading import EXAMPLES, loaded
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+from tests.places import ROOT
+
+EXAMPLES = ROOT / "examples"
 
 SAID = {
     "computed_torque": "1.00 s: largest error 2.00e-04 rad",
@@ -13,6 +23,12 @@ SAID = {
     "skeleton_reach": "one radian moves the hand 0.4957 m about the root, 0.2500 m about the joint of l1",
     "mpc_path": "of [9. 6.]",
 }
+
+
+def loaded(name: str) -> ModuleType:
+    """An example as `python examples/NAME.py` finds it and what lies beside it."""
+    with mock.patch.object(sys, "path", [str(EXAMPLES), *sys.path]):
+        return importlib.import_module(name)
 
 
 @pytest.mark.parametrize("name", SAID)
@@ -54,3 +70,19 @@ def test_every_plan_beside_the_examples_is_one() -> None:
     assert len(plans) >= 5
     for path in plans:
         assert Motion.load(path).duration > 0
+
+
+@pytest.mark.slow
+def test_the_arm_of_predictive_control_swings_up_within_a_minute(capsys: pytest.CaptureFixture[str]) -> None:
+    example = loaded("mpc_casadi")
+    started = time.process_time()
+    assert example.main() == 0
+    assert time.process_time() - started < 60
+    assert capsys.readouterr().out.startswith("standing after")
+
+
+def test_its_motors_are_too_weak_to_lift_the_arm() -> None:
+    example = loaded("mpc_casadi")
+    oracle = Oracle.of(Robot.load(str(example.ROBOT)), {})
+    level = oracle.evaluate("gravity_vector", np.zeros((1, 2)))[0]
+    assert level[0] > 2 * example.LIMITS[0]

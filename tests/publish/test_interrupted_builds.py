@@ -15,31 +15,16 @@ import pytest
 from derive.publish import many
 from derive.publish.manifest import read_manifest
 from derive.robot.robot import Robot
+from tests.cli.command import heed_interrupts
 from tests.places import ROOT
 from tests.random_robots import seeds
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="interrupts are tested on POSIX systems")
 
 ONE = ("scara-perugia", "--target", "all", "--quiet", "--force")
-MANY = (
-    "planar-3r",
-    "skeleton",
-    "scara-perugia",
-    "scara-matlab",
-    "--jobs",
-    "2",
-    "--target",
-    "all",
-    "--quiet",
-    "--force",
-)
+MANY = ("planar-3r", "skeleton", *ONE, "scara-matlab", "--jobs", "2")
 STARTED, LONGEST = 0.6, 6.0
 """Seconds after which a build is under way, and after which it may be over; it starts where the interpreter does."""
-
-
-def heed_interrupts() -> None:
-    """What was started in the background ignores interrupts, and so do its children."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def descendants(group: int) -> list[str]:

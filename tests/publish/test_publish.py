@@ -46,16 +46,12 @@ def alone(target: Path) -> bool:
     return os.listdir(target.parent) == [target.name]
 
 
-def test_a_new_folder_holds_exactly_the_files(target: Path) -> None:
+@pytest.mark.parametrize("is_there", [False, True])
+def test_a_new_or_an_empty_folder_holds_exactly_the_files(is_there: bool, target: Path) -> None:
+    if is_there:
+        target.mkdir(parents=True)
     put(target, "1")
     assert contents(target) == files("1")
-    assert alone(target)
-
-
-def test_files_of_the_old_build_go(target: Path) -> None:
-    put(target, "1", "b.py")
-    put(target, "2")
-    assert contents(target) == files("2")
     assert alone(target)
 
 
@@ -73,14 +69,15 @@ def test_files_of_the_user_stay(target: Path) -> None:
     assert alone(target)
 
 
-def test_python_caches_of_the_old_modules_go(target: Path) -> None:
+def test_files_of_the_old_build_and_caches_of_its_modules_go(target: Path) -> None:
     """A cache could outlive the module it was made from."""
-    put(target, "1")
+    put(target, "1", "b.py")
     (target / "__pycache__").mkdir()
     (target / "__pycache__" / "a.pyc").write_bytes(b"")
     put(target, "2")
     assert contents(target) == files("2")
     assert not (target / "__pycache__").exists()
+    assert alone(target)
 
 
 def test_the_check_sees_the_finished_folder_and_may_stop_the_build(target: Path) -> None:
@@ -159,13 +156,6 @@ def test_a_file_of_the_user_under_a_name_to_be_written_is_refused(target: Path) 
     with pytest.raises(OutputError, match=r"b\.py"):
         put(target, "2", "b.py")
     assert (target / "b.py").read_text() == "mine"
-    assert alone(target)
-
-
-def test_an_empty_folder_is_taken(target: Path) -> None:
-    target.mkdir(parents=True)
-    put(target, "1")
-    assert contents(target) == files("1")
     assert alone(target)
 
 

@@ -1,6 +1,5 @@
 """All files of a robot in memory, and the libraries that a compiler makes of them."""
 
-import hashlib
 import json
 import shutil
 from pathlib import Path
@@ -17,19 +16,6 @@ from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
 
 ARM = "name: two-bars\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: revolute, a: 1/3}]\n"
-
-
-@pytest.fixture(scope="module")
-def rendered() -> render.Rendered:
-    return render.render_robot(Robot.from_text(ARM), targets_named(), Effort.QUICK)
-
-
-def test_the_manifest_lists_every_other_file_with_its_hash(rendered: render.Rendered) -> None:
-    manifest = json.loads(rendered.files[MANIFEST])
-    hashes = {name: hashlib.sha256(data).hexdigest() for name, data in rendered.files.items() if name != MANIFEST}
-    assert manifest["files"] == hashes
-    assert manifest["operations"] == rendered.operations
-    assert set(hashes) == {"__init__.py", *(name for target in targets_named() for name in target.files)}
 
 
 def test_libraries_are_compiled_while_the_rest_is_rendered_and_the_sheet_comes_last() -> None:

@@ -15,40 +15,24 @@ from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 NEW = b"new"
 
 
-def _file(path: Path) -> None:
-    path.write_bytes(b"mine")
-
-
-def _empty(path: Path) -> None:
-    path.touch()
-
-
-def _folder(path: Path) -> None:
-    path.mkdir()
-
-
 def _link(path: Path) -> None:
     path.with_name("elsewhere").write_bytes(b"theirs")
     path.symlink_to("elsewhere")
 
 
-def _dangling(path: Path) -> None:
-    path.symlink_to("nowhere")
-
-
-def _nothing(path: Path) -> None:
-    pass
-
-
-STATES: dict[str, tuple[Callable[[Path], None], bool, bool]] = {
-    "nothing": (_nothing, True, True),
-    "file": (_file, False, True),
-    "empty": (_empty, False, True),
-    "folder": (_folder, False, False),
+STATES: dict[str, tuple[Callable[[Path], object], bool, bool]] = {
+    "nothing": (lambda path: None, True, True),
+    "file": (lambda path: path.write_bytes(b"mine"), False, True),
+    "empty": (Path.touch, False, True),
+    "folder": (Path.mkdir, False, False),
     "link": (_link, False, False),
-    "dangling link": (_dangling, False, False),
+    "dangling link": (lambda path: path.symlink_to("nowhere"), False, False),
 }
 """What stands there, and whether it may be written without and with force."""
+
+
+def no_links(*_: object) -> None:
+    raise OSError(errno.EPERM, "no links here")
 
 
 def contents(folder: Path) -> dict[str, object]:
@@ -96,9 +80,6 @@ def test_a_name_that_is_taken_meanwhile_stays_with_who_took_it(
         usual(path, data)
         two.write_bytes(b"theirs")
 
-    def no_links(*_: object) -> None:
-        raise OSError(errno.EPERM, "no links here")
-
     monkeypatch.setattr(atomic_folder, "_write_new", slow)
     if not links:
         monkeypatch.setattr(os, "link", no_links)
@@ -108,9 +89,6 @@ def test_a_name_that_is_taken_meanwhile_stays_with_who_took_it(
 
 
 def test_where_files_have_one_name_they_are_written_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_links(*_: object) -> None:
-        raise OSError(errno.EPERM, "no links here")
-
     monkeypatch.setattr(os, "link", no_links)
     write_files({tmp_path / "one": NEW})
     assert contents(tmp_path) == {"one": NEW}

@@ -42,9 +42,14 @@ def test_joint_values_are_in_the_units_of_the_file() -> None:
     rows = "joints: [{type: revolute}, {type: prismatic}]\n"
     head = "name: arm\nconvention: standard\n"
     robot = Robot.from_text(head + "units: {angle: deg, length: mm}\n" + rows)
-    assert [evaluate(v, {}) for v in joint_values(robot, ["90", "250"])] == pytest.approx([pi / 2, 0.25])
+    assert [evaluate(v, {}) for v in joint_values(robot, [90, "250"])] == pytest.approx([pi / 2, 0.25])
     plain = Robot.from_text(head + rows)
     assert [evaluate(v, {}) for v in joint_values(plain, ["pi/2", "1/4"])] == pytest.approx([pi / 2, 0.25])
-    for texts in (["1"], ["1", "a1"], ["1", "2, 3"]):
-        with pytest.raises(DeriveError):
-            joint_values(plain, texts)
+    for arm, texts, words in (
+        (plain, ["1"], "2 joint values are needed, 1 given"),
+        (plain, ["1", "a1"], "value 'a1' of q2 holds a name"),
+        (plain, ["1", "2, 3"], "value '2, 3' of q2: unexpected ','"),
+        (robot, ["pi/2", "0"], "pi in the value 'pi/2' of q1"),
+    ):
+        with pytest.raises(DeriveError, match=words):
+            joint_values(arm, texts)

@@ -12,7 +12,7 @@ from derive.robot.options.handout import HandoutOptions
 from derive.robot.presentation import read_handout
 from derive.robot.reading.document import read_document
 from derive.robot.robot import Robot
-from derive.robot.table import DEFAULT_GRAVITY_SYMBOL, ROTATION_TOLERANCE
+from derive.robot.table import ROTATION_TOLERANCE
 from derive.robot.units import located_expressions
 from tests.random_robots import random_robot
 
@@ -31,13 +31,6 @@ def test_what_is_no_default_stands_at_its_path_in_the_file(seed: int) -> None:
             else:
                 assert path[-1] in ("theta", "d", "ratio", 0, 1, 2), path
     assert found >= robot.n
-
-
-def test_gravity_without_a_word_points_down_and_has_a_symbol() -> None:
-    robot = description_from_bytes((HEAD + "links: [{mass: m1}]\n").encode(), "arm.yaml")
-    assert robot.gravity is not None
-    assert [str(entry == ZERO) for entry in robot.gravity] == ["True", "True", "False"]
-    assert DEFAULT_GRAVITY_SYMBOL in repr(robot.gravity[2])
 
 
 @pytest.mark.parametrize("factor", [0.4, 3.0])

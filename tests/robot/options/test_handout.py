@@ -106,6 +106,7 @@ def test_every_option_arrives() -> None:
     assert handout.derivation is Derivation.STEPS
     assert handout.language == "pt_BR"
     assert handout.pages == 12
+    assert handout.parts == ("figure", "table", "inertia")  # in their usual order
     assert handout.notation == NotationOptions(
         AngleLetter.VARTHETA,
         SliderLetter.Q,
@@ -114,10 +115,6 @@ def test_every_option_arrives() -> None:
         InertiaLetter.M,
         PoseEntries.COLUMNS,
     )
-
-
-def test_parts_are_printed_in_their_usual_order() -> None:
-    assert robot(EVERYTHING).handout.parts == ("figure", "table", "inertia")
 
 
 def test_a_key_that_is_left_out_has_its_default() -> None:
