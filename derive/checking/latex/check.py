@@ -84,7 +84,7 @@ def _names_its_columns(piece: LatexPiece) -> bool:
     if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
         return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in lefts)
     plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
-    return len(lefts) >= 6 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
+    return len(lefts) > 2 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
 
 
 def _is_no_claim(piece: LatexPiece) -> bool:
@@ -94,6 +94,8 @@ def _is_no_claim(piece: LatexPiece) -> bool:
 
 
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
+_PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
+_SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV)|,[1-8])?")
 
@@ -252,6 +254,9 @@ class _Check(Comparing):
                         self.skipped.append(Skipped(where, reason, text))
 
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
+        line = self.text[self.text.rfind("\n", 0, side.start) + 1 :].lstrip()[:1]
+        if line == "|" and "=" not in self.text[side.start : side.end + 2]:
+            return  # a cell of a table
         if side.inline and "\\partial" not in side.text and not self._names_a_quantity(side):
             return  # prose speaks of symbols, numbers and conditions all the time
         where = error.location or self.plain.location(side.start)
@@ -303,7 +308,9 @@ class _Check(Comparing):
         named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
         if is_scalar_equation and isinstance(first.value, Name) and first.value.name in self.joints:
             named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
-        named = [side for side in named if side.left is not None and side.left.head not in ANY] or named
+        # r_1 = p_3 - p_0 says what r_1 is
+        named = [s for s in named if s.left is None] or named
+        named = [side for side in named if side.left is None or side.left.head not in ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
             where = self.plain.location(first.piece.start)
@@ -388,6 +395,11 @@ class _Check(Comparing):
         if left is not None and self._is_power(left):
             left = None
         targets = self.meanings.targets(left) if left else ()
+        if may_name and left is None and (span := _SPAN.fullmatch("".join(_PLAIN.sub("", piece.text).split()))):
+            places = [self.robot.n if end.isalpha() else int(end) for end in (span[1] or "e", span[2] or "e")]
+            if max(places) <= self.robot.n:
+                quantity = f"p[{places[0]}]-p[{places[1]}]"
+                return Side(piece, None, (Target(quantity), Target(quantity, (1, 2))))
         if may_name and left is None and (chain := factors(piece.text)):
             where = self.plain.location(piece.start)
             error = CheckError("a product of matrices", remedy="multiply it out", location=where)

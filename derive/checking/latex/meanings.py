@@ -26,9 +26,12 @@ from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+_CENTRE = re.compile(r"centre\[([0-9]+)\]")  # of mass of a link, in the world
+_WAY = re.compile(r"p\[([0-9]+)\]-p\[([0-9]+)\]")  # between the origins of two frames, in the world
 _OF_LINK = re.compile(r"(kinetic|potential)\[([0-9]+)\]")
 _SIX_ROWS = ("J", "J_end", "J_dot", "twist")
-_VELOCITIES = ("twist", "rates")  # of the end effector, and of the joints
+# Velocities of the end effector and of the joints, centres of mass: no rows of the registry.
+_OWN = ("twist", "rates", "centre")
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -86,6 +89,7 @@ class Meanings:
         self.torque = 0  # which index of a Christoffel symbol is that of the torque
         self.reading: Reading = frozenset()
         self.is_angular_first = False  # whether a whole Jacobian has the rows of the angular velocity above
+        self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
         labels = [joint_label(joint.variable) for joint in self._robot.joints]
@@ -94,10 +98,12 @@ class Meanings:
 
     def targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
+        if self.counts_joints and left.head in "pP" and left.is_plain and left.sub.isdigit() and int(left.sub):
+            left = replace(left, sub=str(int(left.sub) - 1))
         found: dict[Target, None] = {}
         for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None):
             name, _, place = target.quantity.partition("[")
-            if name in _VELOCITIES or REGISTRY[name].is_of(self._robot):
+            if name in _OWN or REGISTRY[name].is_of(self._robot):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
                     indices = place.removesuffix("]").split(",")
                     target = replace(target, quantity=f"{name}[{','.join([indices.pop(self.torque), *indices])}]")
@@ -122,6 +128,11 @@ class Meanings:
             value = sympy.ImmutableMatrix([expression_to_sympy(self.velocity(row)) for row in range(6)])
         elif target.quantity == "rates":
             value = sympy.ImmutableMatrix([sympy.Symbol(velocity_name(j.variable)) for j in self._robot.joints])
+        elif centre := _CENTRE.fullmatch(target.quantity):
+            com = sympy.Matrix([*map(expression_to_sympy, self._robot.links[int(centre[1]) - 1].com), 1])
+            value = sympy.ImmutableMatrix((self._model.frame(int(centre[1])) * com)[:3, :])
+        elif way := _WAY.fullmatch(target.quantity):
+            value = self._model.frame(int(way[1]))[:3, 3] - self._model.frame(int(way[2]))[:3, 3]
         elif of_link := _OF_LINK.fullmatch(target.quantity):
             value = self._energy(of_link[1], int(of_link[2]))
         else:

@@ -72,6 +72,8 @@ class Scope:
         self.plain = LatexReader(self.robot, text, start)
         self.poses = Poses(model, text) if document else None
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
+        behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
+        self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self._signs = PlusMinus() if document else None
         if document:
             self._refuse_other_arm()

@@ -223,6 +223,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         rows = (1, 2, 3) if match[1] in _LINEAR else (4, 5, 6) if match[1] in _ANGULAR else ()
         if rows:
             yield Target("J", rows, (int(match[2]),))
+            yield Target(f"J{'v' if rows == (1, 2, 3) else 'w'}_com[{match[2]}]")
     if len(indices) == 1:
         yield from (Target("J", rows, indices) for rows in ((), (1, 2, 3), (1, 2)))
     if len(pair := _indices(sub, max(n, 6))) == 2 and pair[0] <= 6 and pair[1] <= n:
@@ -258,6 +259,8 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         return
     if head in AXES and left.sub.isdigit() and plain and (frame := _frame(left.sub, n, 1)):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
+    if head in ("p", "P", "r") and plain and (centre := re.fullmatch(r"[cCG]([1-9])", left.sub)):
+        yield from (Target(f"centre[{centre[1]}]", rows) for rows in ((), (1, 2)))
     column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head)
     if column and plain and not left.sub:
         yield Target("T", (1, 2, 3), (column,))
@@ -279,6 +282,8 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     if pair and not upper and lower not in _END and lower not in _BASE and not (lower.isdigit() and int(lower) <= n):
         lower, upper = pair[2], pair[1]
     frame, reference = _frame(lower, n, first), _frame(upper, n, first)
+    if lower == "0" and not upper and left.head in ("z", "p", "o", "O"):
+        yield "T[0]"
     if frame is None or reference is None or (lower and frame == reference):
         return
     if lower == "" and upper in ("", *_BASE):
