@@ -68,36 +68,23 @@ __all__ = [
     "verify_import",
 ]
 
-# Where a public name is defined; none is also the name of a subpackage, which would take its place when imported.
-_HOMES = {
-    "DeriveError": "derive.errors",
-    "Model": "derive.notebook",
-    "Motion": "derive.motion.motion",
-    "Robot": "derive.api.robots",
-    "RobotFileWarning": "derive.errors",
-    "Style": "derive.api.style",
-    "build": "derive.api.build",
-    "build_all": "derive.api.build",
-    "catalogue": "derive.api.robots",
-    "check": "derive.api.check",
-    "check_formula": "derive.api.check",
-    "check_inverse": "derive.api.check",
-    "check_latex": "derive.api.check",
-    "convert": "derive.api.convert",
-    "export": "derive.api.export",
-    "find_style": "derive.api.style",
-    "fragment": "derive.api.handout",
-    "handout": "derive.api.handout",
-    "import_all": "derive.api.importing",
-    "import_urdf": "derive.api.importing",
-    "load": "derive.api.robots",
-    "move": "derive.api.move",
-    "plot": "derive.api.plot",
-    "possible": "derive.api.convert",
-    "stale": "derive.api.build",
-    "verify": "derive.api.build",
-    "verify_import": "derive.api.importing",
+# Public names by where they are defined; none is also that of a subpackage, which would take its place when imported.
+_NAMES = {
+    "derive.api.build": ("build", "build_all", "stale", "verify"),
+    "derive.api.check": ("check", "check_formula", "check_inverse", "check_latex"),
+    "derive.api.convert": ("convert", "possible"),
+    "derive.api.export": ("export",),
+    "derive.api.handout": ("fragment", "handout"),
+    "derive.api.importing": ("import_all", "import_urdf", "verify_import"),
+    "derive.api.move": ("move",),
+    "derive.api.plot": ("plot",),
+    "derive.api.robots": ("Robot", "catalogue", "load"),
+    "derive.api.style": ("Style", "find_style"),
+    "derive.errors": ("DeriveError", "RobotFileWarning"),
+    "derive.motion.motion": ("Motion",),
+    "derive.notebook": ("Model",),
 }
+_HOMES = {name: home for home, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:

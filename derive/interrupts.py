@@ -70,7 +70,7 @@ def interruptible(number: signal.Signals = signal.SIGINT) -> Iterator[None]:
         error = sys.exception()
         while error is not None and not isinstance(error, KeyboardInterrupt):
             error = error.__context__
-        if error is not None:  # an interrupt, or raised while one was under way
+        if error is not None:  # it is an interrupt, or was raised while one was under way
             return
         if not noted:
             noted.append(number)

@@ -83,8 +83,8 @@ class Model(ClosedForms):
         """T, J and, where the robot has links, B and g, in the notation of the handout."""
         robot = replace(self.robot, style=self.style)
         context = Context(ModelEntries(ClosedForms(robot)), robot.handout, Text(), __version__)
-        names = {"T": "T", "J": "J"}
-        names |= {"B": context.symbols.inertia_letter, "g": "g"} if robot.has_dynamics else {}
+        letter = context.symbols.inertia_letter
+        names = {"T": "T", "J": "J"} | ({"B": letter, "g": "g"} if robot.has_dynamics else {})
         lines: list[str] = []
         for group, (name, shown) in enumerate(names.items()):
             namer = partial(context.symbols.entry, shown.lower())

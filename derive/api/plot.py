@@ -86,10 +86,9 @@ def plot(
         data = workspace_bytes(found.views, suffix, remarks, size)
     else:
         drawn = (poses.configuration or poses.zero) if q is None else poses.numbers(joint_values(chosen, q))
-        pairs = zip(chosen.joints, drawn, strict=True)
-        values = ", ".join(
-            f"{joint.variable} = {value:.4g} {'rad' if joint.is_revolute else 'm'}" for joint, value in pairs
-        )
+        units = ("rad" if joint.is_revolute else "m" for joint in chosen.joints)
+        shown = zip((joint.variable for joint in chosen.joints), drawn, units, strict=True)
+        values = ", ".join(f"{variable} = {value:.4g} {unit}" for variable, value, unit in shown)
         remarks = f"{chosen.name} at {values if any(drawn) else 'the zero configuration'}{_assumed(poses)}"
         printer = DataPrinter(chosen, Notation.of(chosen, chosen.handout.notation))
         data = drawing_bytes(arm_drawing(chosen, printer, poses.frames(drawn), remarks), suffix, size)

@@ -178,17 +178,11 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
         )
     evidence = StyleEvidence(found)
     chosen = evidence.finding(evidence.best_style())
-    verdicts = [
-        ExampleVerdict(
-            quantity=finding.example.quantity,
-            outcome=finding.outcome.value,
-            printed=finding.example.text,
-            written=TextPrinter(finding.example.robot).doprint(finding.written),
-            reason=finding.reason,
-            place=str(finding.example.location),
-        )
-        for finding in chosen.findings
-    ]
+    verdicts = []
+    for finding in chosen.findings:
+        of, outcome = finding.example, finding.outcome.value
+        written, place = TextPrinter(of.robot).doprint(finding.written), str(of.location)
+        verdicts.append(ExampleVerdict(of.quantity, outcome, of.text, written, finding.reason, place))
     return FoundStyle(chosen.style, tuple(verdicts), evidence.finding(NAMED_STYLES[DEFAULT_STYLE]).reproduced)
 
 

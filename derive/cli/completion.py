@@ -34,8 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.plans.catalogue import plan_names
     from derive.publish.targets import EVERY, TARGETS
 
-    parser, commands = whole_parser()
-    # What is completed, by the name that help gives a value, or by that of its option.
+    # what is completed, by the name that help gives a value, or by that of its option
     offered: dict[object, Any] = {
         "ROBOT": _words("robots", catalogue(), files=True),
         "PLAN": _words("plans", plan_names(), files=True),
@@ -45,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
         "FILE": shtab.FILE,
         "DIR": shtab.DIRECTORY,
     }
+    parser, commands = whole_parser()
     for command in commands:
         for action in command._actions:
             if not action.choices and (found := offered.get(action.metavar) or offered.get(action.dest)):

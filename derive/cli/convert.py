@@ -44,19 +44,21 @@ def run(arguments: argparse.Namespace) -> int:
         raise DeriveError("--json with --derivation", remedy="leave one out")
     options = keywords(arguments, "inertia", "name", "force")
     made = convert(arguments.robot, arguments.convention, arguments.out, **options)
-    convention, report = made.robot.convention.value, [*moves(made.conversion), *made.notes]
+    lines = [*moves(made.conversion), *made.notes]
     if arguments.derivation:
         from derive.exchange.derivation import derivation_latex, derivation_text
 
         print((derivation_latex if arguments.format == "latex" else derivation_text)(made.conversion), end="")
     elif arguments.json:
         where = {"file": str(arguments.out)} if arguments.out else {"text": made.text}
-        remarks = made.conversion.source.remarks_as_dicts
-        print_json(where | {"convention": convention, "report": report, "remarks": remarks})
+        report = {"convention": made.robot.convention.value, "report": lines}
+        print_json(where | report | {"remarks": made.conversion.source.remarks_as_dicts})
     elif arguments.out is None:
         print(made.text, end="")
     elif not arguments.quiet:
         kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
-        head = f"{arguments.out}: {made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds}), {convention}"
-        print(one_line(head), *(f"  {one_line(line)}" for line in report), sep="\n")
+        count = f"{made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds})"
+        print(one_line(f"{arguments.out}: {count}, {made.robot.convention.value}"))
+        for line in lines:
+            print(f"  {one_line(line)}")
     return DONE

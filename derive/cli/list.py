@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 
 from derive.cli.options import add_shared
 from derive.cli.terminal import one_line, print_columns, print_json
@@ -27,26 +26,32 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the catalogue."""
     from derive.api.robots import catalogue, load
 
-    rows: Sequence[tuple[object, ...]]
     if arguments.plans:
-        from derive.plans.catalogue import plan_names
-        from derive.plans.plan import load_plan
-
-        keys: tuple[str, ...] = ("name", "robot", "segments", "title")
-        plans = [(name, load_plan(name)) for name in plan_names()]
-        rows = [(name, plan.robot.name, len(plan.steps) or 1, plan.title) for name, plan in plans]
-    else:
-        keys = ("name", "joints", "convention", "dynamics", "title")
-        robots = [load(name, remarks_on_bodies=False) for name in catalogue()]
-        joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
-        rows = [(r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True)]
+        return _list_plans(as_json=arguments.json)
+    robots = [load(name, remarks_on_bodies=False) for name in catalogue()]
+    joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
+    keys = ("name", "joints", "convention", "dynamics", "title")
+    rows = [(r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True)]
     if arguments.json:
         print_json([dict(zip(keys, row, strict=True)) for row in rows])
         return 0
-    if not arguments.plans:  # for people, long rows of joints are counted
-        rows = [
-            (name, j if len(str(j)) <= 8 else f"{len(str(j))} joints", convention, "yes" if dynamics else "-", title)
-            for name, j, convention, dynamics, title in rows
-        ]
-    print_columns([tuple(one_line(str(cell)) for cell in row) for row in rows], keys)
+    shown = [
+        (name, j if len(j) <= 8 else f"{len(j)} joints", convention, "yes" if dynamics else "-", one_line(title))
+        for name, j, convention, dynamics, title in rows
+    ]
+    print_columns(shown, keys)
+    return 0
+
+
+def _list_plans(*, as_json: bool) -> int:
+    from derive.plans.catalogue import plan_names
+    from derive.plans.plan import load_plan
+
+    header = ("name", "robot", "segments", "title")
+    plans = [(name, load_plan(name)) for name in plan_names()]
+    rows = [(name, plan.robot.name, len(plan.steps) or 1, plan.title) for name, plan in plans]
+    if as_json:
+        print_json([dict(zip(header, row, strict=True)) for row in rows])
+    else:
+        print_columns([tuple(one_line(str(cell)) for cell in row) for row in rows], header)
     return 0

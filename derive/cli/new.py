@@ -117,18 +117,20 @@ def run(arguments: argparse.Namespace) -> int:
         raise OutputError("--from-table with another source of the robot", remedy="leave one out")
     if arguments.lines is not None and arguments.table is None:
         raise OutputError("--lines without --from-table", remedy="name the document with --from-table")
-    _check_name(arguments.name)
     if arguments.table is not None:
         from derive.checking.documents import read_document
         from derive.checking.table import robot_of_table
 
+        _check_name(arguments.name)
         document = read_document(arguments.table)
         text, _ = robot_of_table(document.within(arguments.lines) if arguments.lines else document, arguments.name)
     elif arguments.plan is not None:
         from derive.api.robots import load
 
+        _check_name(arguments.name)
         text = new_plan_text(arguments.name, load(arguments.plan, remarks_on_bodies=False), arguments.plan)
     elif arguments.model in plan_names():
+        _check_name(arguments.name)
         text = plan_bytes(arguments.model).decode("utf-8")
     elif arguments.model is not None:
         text = copied_robot_text(arguments.name, arguments.model)
@@ -147,16 +149,19 @@ def new_robot_text(name: str, joints: int = 2) -> str:
     _check_name(name)
     if not 1 <= joints <= FILE_LIMITS.joints:
         raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
-    if joints in _ARMS:
-        rows, links, lengths = _spatial(_ARMS[joints])
-    else:  # parallel axes, and all lengths and masses are names
-        row, lengths = "  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}", ""
-        rows, links = ([text.format(i=i) for i in range(1, joints + 1)] for text in (row, _LINK))
+    rows, links, lengths = _spatial(_ARMS[joints]) if joints in _ARMS else _planar(joints)
     rows[0] += "   # limits: [-pi/2, pi/2] may be added"
     links[0] += _MOTOR
     up, gravity, runtime = ("z", "[0, 0, -g]", "d1") if lengths else ("y", "[0, -g, 0]", f"m{joints}")
     rest = _TAIL.format(up=up, gravity=gravity) + "".join(links) + _PARAMETERS.format(lengths=lengths, runtime=runtime)
     return _HEAD.format(name=name) + "\n".join(rows) + "\n" + rest
+
+
+def _planar(joints: int) -> tuple[list[str], list[str], str]:
+    """Rows, links and numbers of lengths of an arm with parallel axes, all of whose lengths and masses are names."""
+    row = "  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}"
+    rows, links = ([text.format(i=i) for i in range(1, joints + 1)] for text in (row, _LINK))
+    return rows, links, ""
 
 
 def _spatial(arm: Sequence[tuple[str, str, str, str] | None]) -> tuple[list[str], list[str], str]:
@@ -189,12 +194,7 @@ def copied_robot_text(name: str, model: str) -> str:
 
     _check_name(name)
     robot = load(model, remarks_on_bodies=False)
-    text = robot_file_bytes(model).decode("utf-8-sig").replace("\r\n", "\n")
-    # of a corpus file the robot without what is printed about it; any other file as it is
-    block = re.search(
-        r"(?m)^robot:[ \t]*(?:#.*)?\n((?:[ \t].*\n|[ \t]*\n|#.*\n)*)", text if text.endswith("\n") else f"{text}\n"
-    )
-    text = dedent(block[1]) if block else text
+    text = _robot_block(robot_file_bytes(model).decode("utf-8-sig").replace("\r\n", "\n"))
     named = re.compile(rf"(?m)^(\{{?\s*(?:\"name\"|'name'|name)\s*:\s*)(['\"]?){re.escape(robot.name)}\2(?=[\s,}}]|$)")
     text = named.sub(rf"\g<1>{name}", text, count=1)
     copied = type(robot).from_text(text, f"{name}.yaml")
@@ -214,3 +214,11 @@ def _check_name(name: str) -> None:
             allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
             remedy="no Python keyword and no name of an imported package",
         )
+
+
+def _robot_block(text: str) -> str:
+    """The robot of a corpus file without what is printed about it; any other file as it is."""
+    block = re.search(
+        r"(?m)^robot:[ \t]*(?:#.*)?\n((?:[ \t].*\n|[ \t]*\n|#.*\n)*)", text if text.endswith("\n") else f"{text}\n"
+    )
+    return dedent(block[1]) if block else text

@@ -56,8 +56,7 @@ def rendering(
     if early and len(early) < len(targets):  # program and sheet start from one graph, derived before this is copied
         with suppress(QuantityError):  # told by whoever asks for it
             solve(robot)
-    unprogrammed = Source(robot, Program((), ()), __version__)
-    with in_another_process(lambda: {each.name: each.render(unprogrammed) for each in early}) as early_texts:
+    with in_another_process(_render_early, robot, early) as early_texts:
         source = source_of(robot, targets, effort)
         heading = {"title": python_docstring(robot.title), "name": robot.name, "version": __version__}
         package = templating.render("package/__init__.py.jinja", **heading).encode()
@@ -91,6 +90,12 @@ def render_robot(robot: Robot, targets: Sequence[Target], effort: Effort = Effor
 
 def _encoded(texts: Mapping[str, str]) -> dict[str, bytes]:
     return {name: text.encode() for name, text in texts.items()}
+
+
+def _render_early(robot: Robot, targets: Sequence[Target]) -> dict[str, dict[str, str]]:
+    """The files of targets that need no program, by target."""
+    source = Source(robot, Program((), ()), __version__)
+    return {target.name: target.render(source) for target in targets}
 
 
 def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Source:

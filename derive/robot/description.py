@@ -85,10 +85,10 @@ class Joint:
     @property
     def row(self) -> dict[str, str]:
         """The cells theta, d, a, alpha as text, the variable in its own: ``{"theta": "-q1 + pi/2", ...}``."""
-        return self.row_as(to_text)
+        return self.written(to_text)
 
-    def row_as(self, write: Callable[[Expression], str]) -> dict[str, str]:
-        """The same with cells written in some other way."""
+    def written(self, write: Callable[[Expression], str]) -> dict[str, str]:
+        """The cells as `row` has them, their constant parts written otherwise."""
         moving = "theta" if self.is_revolute else "d"
         cells = {"theta": self.theta, "d": self.d, "a": self.a, "alpha": self.alpha}
         row = {name: write(cell) for name, cell in cells.items()}

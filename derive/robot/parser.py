@@ -81,6 +81,7 @@ _REMEDIES = {
     "\u2019": "remove the prime",
     '"': "remove the quotation mark",
 }
+_LETTERS = "names use the letters A-Z and a-z, digits and _ only; letters that look alike are different letters"
 _GRAMMAR = "allowed: integers, decimals, names, + - * / **, parentheses, pi, sin cos tan sqrt"
 
 
@@ -108,27 +109,17 @@ def tokenize(text: str, start: Location, limits: Limits) -> tuple[Token, ...]:
             continue
         match = _TOKEN.match(text, offset)
         if match is None or match.lastgroup is None:
-            raise _unexpected_character(text, offset, start)
+            character = text[offset]
+            code = "" if character.isascii() else f" (U+{ord(character):04X})"
+            found = f"unexpected character {quoted(character)}{code} in {quoted(text)}"
+            remedy = _REMEDIES.get(character, _LETTERS if character.isalpha() else "")
+            raise ExpressionError(found, allowed=_GRAMMAR, remedy=remedy, location=place(text, offset, start))
         tokens.append(Token(TokenKind(match.lastgroup), match.group(), offset))
         offset = match.end()
         if len(tokens) > limits.tokens:
             found = f"expression with more than {limits.tokens} numbers, names and signs"
             raise ExpressionError(found, remedy=shorter, location=start)
     return (*tokens, Token(TokenKind.END, "", len(text)))
-
-
-def _unexpected_character(text: str, offset: int, start: Location) -> ExpressionError:
-    character = text[offset]
-    code = "" if character.isascii() else f" (U+{ord(character):04X})"
-    remedy = _REMEDIES.get(character, "")
-    if not remedy and character.isalpha():
-        remedy = "names use the letters A-Z and a-z, digits and _ only; letters that look alike are different letters"
-    return ExpressionError(
-        f"unexpected character {quoted(character)}{code} in {quoted(text)}",
-        allowed=_GRAMMAR,
-        remedy=remedy,
-        location=place(text, offset, start),
-    )
 
 
 CELL_FUNCTIONS: Final = frozenset({"sin", "cos", "tan", "sqrt"})

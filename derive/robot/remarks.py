@@ -6,13 +6,14 @@ An angle is exact in this program: ``1.5708`` is not pi/2, and its cosine is not
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from fractions import Fraction
 from math import pi, tau
 
 from derive.errors import ExpressionError, path_text
 from derive.robot.cells import Cells
 from derive.robot.description import Description, FileUnits, Remark
-from derive.robot.evaluate import Values, evaluate, parameter_values
+from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import (
     Expression,
     Name,
@@ -74,21 +75,16 @@ def _symbol_paths(robot: Description) -> list[KeyPath]:
     return [*(("parameters", name) for name, _ in robot.parameters), *drawn]
 
 
-def _size(cell: Expression, numbers: Values) -> float | None:
-    """How long a cell is; None where a symbol has no number, or the cell no value."""
-    try:
-        return abs(evaluate(cell, numbers))
-    except (ArithmeticError, ExpressionError):
-        return None
-
-
 def _sizes(robot: Description) -> Iterator[tuple[KeyPath, tuple[str, str]]]:
     """Parameters that make an arm whose lengths are millimetres as large or as small as no arm is."""
     if not robot.units.millimetres:
         return
     numbers = parameter_values(robot) | {name: evaluate(value, {}) for name, value in robot.figure.values}
     lengths = [cell for path, cell in located_expressions(robot) if cell_unit(path, robot) is Unit.LENGTH]
-    known = [(cell, size) for cell in lengths if (size := _size(cell, numbers)) is not None]
+    known: list[tuple[Expression, float]] = []
+    for cell in lengths:
+        with suppress(ArithmeticError, ExpressionError):  # a symbol has no number, or the cell no value
+            known.append((cell, abs(evaluate(cell, numbers))))
     factors = [factor for cell in lengths for _, term in linear_terms(cell) for factor in symbolic_factors(term)]
     sizes = {name: abs(float(numbers[name])) for factor in factors for name in names(factor) if name in numbers}
     large = sum(size for cell, size in known if not is_constant(cell)) > LARGEST_ARM and not robot.units.parameters

@@ -103,7 +103,7 @@ def _row(joint: Joint, convention: Convention) -> Iterator[str]:
     """Type and cells of a joint in the order of the convention; those that are zero are left out."""
     yield f"type: {joint.type.value}"
     yield f"q: {joint.variable}"
-    cells, standard = joint.row_as(cell_text), convention is Convention.STANDARD
+    cells, standard = joint.written(cell_text), convention is Convention.STANDARD
     order = ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d")
     yield from (f"{key}: {cells[key]}" for key in order if cells[key] != "0")
     if joint.limits is not None:

@@ -36,10 +36,7 @@ def test_a_fragment_is_latex_for_other_notes() -> None:
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"parts": ["tabel"]}, QuantityError, "did you mean 'table'"),
         ({"parts": []}, QuantityError, "no part"),
-        ({"derivation": "step"}, QuantityError, "result, steps"),
-        ({"notation": {"angel": "q"}}, QuantityError, "did you mean 'angle'"),
         ({"notation": {"angle": "phi"}}, QuantityError, "unknown value of angle 'phi'"),
         ({"formats": ["docx"]}, TargetError, "tex, pdf, html"),
         ({"plan": "skeleton-reach"}, DeriveError, "the plan moves skeleton-root, not thumb"),

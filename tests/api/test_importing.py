@@ -59,7 +59,6 @@ def test_lengths_have_names_on_request(tmp_path: Path) -> None:
     assert np.abs(tau - wanted).max() < 1e-12
     file.write_text(named.text)
     checked = verify_import(file)
-    assert checked is not None
     assert checked.found == named.certificate.printed
 
 
@@ -68,7 +67,6 @@ def test_the_snap_that_takes_cut_off_angles_is_named_with_its_price(tmp_path: Pa
     file.write_text(urdf([J("0 0 0.5"), J("0 0 0.3", "1.5708 0 0"), J("0.4 0 0")]))
     (hint,) = (note for note in import_urdf(file).notes if "almost" in note)
     found = re.fullmatch(r"1\.5708 \(joint .*\): almost .*; --snap (\S+) would .* by up to (\S+) m and (\S+) rad", hint)
-    assert found is not None
     wider = import_urdf(file, snap=found[1])
     assert to_text(wider.robot.joints[0].alpha) == "pi/2"
     assert wider.certificate.position == pytest.approx(float(found[2]), rel=0.1)
@@ -166,7 +164,6 @@ def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> No
     text = import_urdf(torso, tip="left_hand", folder=path.parent).text
     path.write_text(text)
     check = verify_import(path)
-    assert check is not None
     assert check.found == check.promised
     assert not check.changed
 
@@ -197,7 +194,6 @@ def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> No
 
     torso.unlink()
     check = verify_import(path)
-    assert check is not None
     assert check.found is None
     assert "not tested" in str(check)
 
@@ -208,7 +204,6 @@ def test_the_promise_holds_for_the_table_in_the_other_convention(torso: Path, tm
     path.write_text(import_urdf(torso, tip="left_hand", folder=tmp_path).text)
     derive.convert(path, "modified", tmp_path / "modified.yaml")
     check = verify_import(tmp_path / "modified.yaml")
-    assert check is not None
     assert check.found is not None
 
 

@@ -3,7 +3,6 @@
 import contextlib
 import io
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -53,9 +52,7 @@ def _stream() -> io.TextIOWrapper:
 
 
 def _printed(stream: io.TextIOWrapper) -> str:
-    buffer = stream.buffer
-    assert isinstance(buffer, io.BytesIO)
-    return buffer.getvalue().decode("utf-8")
+    return stream.buffer.getvalue().decode("utf-8")  # type: ignore[attr-defined]
 
 
 def _run_main(
@@ -93,9 +90,8 @@ def environment(**variables: str) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": python_path, **variables}
 
 
-def heed_interrupts() -> None:
-    """What was started in the background, or with ``nohup``, ignores interrupts, and so do its children."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def is_one_message(text: str) -> bool:

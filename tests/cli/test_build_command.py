@@ -12,23 +12,33 @@ from pathlib import Path
 import pytest
 
 from derive.publish.targets import targets_named
-from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message, refused
+from tests.cli.command import PENDULUM, contents, derive, derive_process, environment, is_one_message, refused
 
 
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("built")
+    (folder / "arm.yaml").write_text(PENDULUM)
+    outcome = derive_process("build", "arm.yaml", folder=folder)
+    assert outcome.status == 0, outcome.stderr
+    return folder
 
 
-def test_models_are_built_checked_and_verified_and_what_has_changed_is_named(tmp_path: Path) -> None:
+def test_models_go_to_a_package_named_after_the_robot(built: Path) -> None:
+    files = {path.name for path in (built / "generated" / "pendulum").iterdir()}
+    assert {"__init__.py", "MANIFEST.json", "README.md", "model_numpy.py", "model_casadi.py", "sheet.tex"} <= files
+
+
+def test_check_of_current_models_succeeds_and_writes_nothing(built: Path) -> None:
+    before = contents(built)
+    assert derive("build", "arm.yaml", "--check", folder=built).status == 0
+    assert contents(built) == before
+
+
+def test_check_names_what_is_stale_or_missing_and_exits_with_1(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(PENDULUM)
     assert derive("build", "arm.yaml", folder=tmp_path).status == 0
     folder = tmp_path / "generated" / "pendulum"
-    files = {path.name for path in folder.iterdir()}
-    assert {"__init__.py", "MANIFEST.json", "README.md", "model_numpy.py", "model_casadi.py", "sheet.tex"} <= files
-    before = contents(tmp_path)
-    for command in (("build", "--check"), ("verify",)):
-        assert derive(*command, "arm.yaml", folder=tmp_path).status == 0
-        assert contents(tmp_path) == before
     with (folder / "model_numpy.py").open("a") as file:
         file.write("# mine\n")
     (folder / "sheet.tex").unlink()
@@ -38,24 +48,12 @@ def test_models_are_built_checked_and_verified_and_what_has_changed_is_named(tmp
     assert "stale model_numpy.py" in outcome.stdout
     assert "missing sheet.tex" in outcome.stdout
     assert contents(tmp_path) == before
-    (tmp_path / "arm.yaml").write_text(PENDULUM.replace("com: [l1 - a1", "com: [2*l1 - a1"))
-    outcome = derive("verify", "arm.yaml", folder=tmp_path)
-    assert outcome.status == 1
-    assert is_one_message(outcome.stderr), outcome.stderr
 
 
-def test_check_of_what_was_never_built_exits_with_1_and_writes_nothing(tmp_path: Path) -> None:
-    assert derive("build", "planar-3r", "--check", folder=tmp_path).status == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_quiet_build_prints_nothing(tmp_path: Path) -> None:
+def test_quiet_build_prints_nothing_and_a_pipe_sees_no_progress(tmp_path: Path) -> None:
     outcome = derive_process("build", "planar-3r", "--quiet", folder=tmp_path)
     assert (outcome.status, outcome.stdout, outcome.stderr) == (0, "", "")
-
-
-def test_no_progress_without_a_terminal(tmp_path: Path) -> None:
-    assert derive("build", "planar-3r", folder=tmp_path).stderr == ""
+    assert derive("build", "planar-3r", "--force", folder=tmp_path).stderr == ""
 
 
 def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> None:
@@ -112,10 +110,15 @@ def test_a_target_is_added_to_the_usual_ones_and_only_leaves_the_named_ones(tmp_
         assert derive("build", "planar-3r", "--check", "--effort", "quick", *choice, folder=tmp_path).status == 0
 
 
-def test_verify_without_models_says_what_to_run(tmp_path: Path) -> None:
-    outcome = derive("verify", "planar-3r", folder=tmp_path)
-    assert outcome.status == 2
-    assert "derive build planar-3r" in outcome.stderr
+def test_verify_finds_a_changed_model_and_exits_with_1(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM)
+    assert derive("build", "arm.yaml", folder=tmp_path).status == 0
+    assert derive("verify", "arm.yaml", folder=tmp_path).status == 0
+    changed = PENDULUM.replace("com: [l1 - a1", "com: [2*l1 - a1")
+    (tmp_path / "arm.yaml").write_text(changed)
+    outcome = derive("verify", "arm.yaml", folder=tmp_path)
+    assert outcome.status == 1
+    assert is_one_message(outcome.stderr), outcome.stderr
 
 
 def test_report_on_a_full_disk_is_an_error_of_one_line(tmp_path: Path) -> None:

@@ -10,19 +10,13 @@ from tests.cli.command import PENDULUM, derive, refused
 
 
 def test_the_file_is_written_and_the_report_says_what_has_moved(tmp_path: Path) -> None:
-    done = derive("convert", "planar-2r-perugia", "--convention", "modified", "-o", "mdh.yaml", folder=tmp_path)
+    typed, moved = ("convert", "planar-2r-perugia", "-o", "mdh.yaml"), "Trans(x, a2) of row 2 is in the tool now"
+    done = derive(*typed, "--convention", "modified", folder=tmp_path)
     assert (done.status, done.stderr) == (0, "")
-    assert done.stdout.splitlines() == [
-        "mdh.yaml: 2 joints (RR), modified",
-        "  Trans(x, a2) of row 2 is in the tool now",
-    ]
+    assert done.stdout.splitlines() == ["mdh.yaml: 2 joints (RR), modified", f"  {moved}"]
+    found = json.loads(derive(*typed, "--force", "--json", folder=tmp_path).stdout)
+    assert found == {"file": "mdh.yaml", "convention": "modified", "report": [moved], "remarks": []}
     assert Robot.load(tmp_path / "mdh.yaml").convention == "modified"
-
-
-def test_the_report_for_scripts_says_what_has_moved(tmp_path: Path) -> None:
-    done = derive("convert", "planar-2r-perugia", "-o", "mdh.yaml", "--json", folder=tmp_path)
-    moved = ["Trans(x, a2) of row 2 is in the tool now"]
-    assert json.loads(done.stdout) == {"file": "mdh.yaml", "convention": "modified", "report": moved, "remarks": []}
 
 
 def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None:
@@ -40,16 +34,22 @@ def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None
     ("options", "message"),
     [
         (("--convention", "craig"), "unknown convention 'craig'; allowed: standard (distal), modified (Craig, Khalil)"),
+        (("-o", "."), "'.' is a folder; write the name of a file in it"),
         (("--convention", "modifid"), "did you mean 'modified'?"),
         (("--convention", "standard"), "thumb has a standard table already; write --convention modified"),
         (("--name", "Thumb"), "'Thumb' is not a robot name; allowed: a-z, 0-9 and -"),
+        (("-o", "taken.yaml"), "taken.yaml exists already; choose another name"),
+        (("-o", "folder", "--force"), "folder"),
         (("--format", "latex"), "--format latex without --derivation; add --derivation"),
     ],
 )
 def test_wrong_options_are_one_message_and_nothing_is_written(
     options: tuple[str, ...], message: str, tmp_path: Path
 ) -> None:
+    (tmp_path / "taken.yaml").write_text("x")
+    (tmp_path / "folder").mkdir()
     done = refused("convert", "thumb", *options, folder=tmp_path)
     assert done.stdout == ""
     assert message in done.stderr
-    assert list(tmp_path.iterdir()) == []
+    assert {path.name for path in tmp_path.iterdir()} == {"taken.yaml", "folder"}
+    assert (tmp_path / "taken.yaml").read_text() == "x"

@@ -1,19 +1,17 @@
 """Exit status 0 done, 1 a check failed, 2 wrong input with one message on standard error."""
 
-import os
 import shlex
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from derive.cli import schema
 from derive.cli.main import main
-from derive.errors import VerificationError
-from tests.cli.command import derive_process, environment, heed_interrupts, is_one_message, refused
+from derive.errors import RobotFileError, VerificationError
+from tests.cli.command import derive_process, environment, is_one_message, refused
+from tests.robot.hostile import HOSTILE
 
 WRONG = {
     "unknown command": ("frobnicate",),
@@ -60,46 +58,41 @@ def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1] in ("0", "141")
 
 
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_interrupt_from_the_terminal_ends_every_process_with_one_line(jobs: str, tmp_path: Path) -> None:
-    """A terminal interrupts the whole group; an interrupt inside of ``exec`` lets Python die by the signal itself."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "derive", "build", "--force", "--jobs", jobs],
-        cwd=tmp_path,
-        env=environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        preexec_fn=heed_interrupts,
-    )
-    deadline = time.monotonic() + 120
-    while not (tmp_path / "generated").exists() and time.monotonic() < deadline:
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGINT)
-    _, errors = process.communicate(timeout=120)
-    assert process.returncode in (130, -signal.SIGINT)
-    told = [line for line in errors.splitlines() if not line.startswith("derive: warning: ")]
-    assert told == ["derive: error: interrupted"]
-
-
 @pytest.mark.parametrize(
-    ("error", "status"),
+    ("error", "status", "message"),
     [
-        (RuntimeError("two\nlines"), 70),
-        (RecursionError("too deep"), 70),
-        (MemoryError(), 70),
-        (KeyboardInterrupt(), 130),
-        (PermissionError(13, "Permission denied", "out"), 2),
-        (VerificationError("off by 1"), 1),
+        (RuntimeError("two\nlines"), 70, "internal fault, RuntimeError: two\\nlines; please report it"),
+        (RecursionError("too deep"), 70, "internal fault, RecursionError: too deep; please report it"),
+        (MemoryError(), 70, "internal fault, MemoryError"),
+        (KeyboardInterrupt(), 130, "interrupted\n"),
+        (PermissionError(13, "Permission denied", "out"), 2, "out: Permission denied\n"),
+        (VerificationError("off by 1"), 1, "off by 1\n"),
+        (RobotFileError("no joints", remedy="add one"), 2, "no joints; add one\n"),
     ],
 )
 def test_every_error_ends_in_one_line_and_its_status(
-    error: BaseException, status: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    error: BaseException,
+    status: int,
+    message: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     def fail(arguments: object) -> int:
         raise error
 
     monkeypatch.setattr(schema, "run", fail)
     assert main(["schema"]) == status
-    assert is_one_message(capsys.readouterr().err)
+    printed = capsys.readouterr().err
+    assert is_one_message(printed)
+    assert printed.startswith(f"derive: error: {message}")
+
+
+@pytest.mark.parametrize("command", ["show", "build", "verify", "check", "handout", "plot", "convert"])
+@pytest.mark.parametrize("name", ["import", "tag-object", "tabs", "unknown-key"])
+def test_a_broken_robot_file_meets_every_command_the_same_way(command: str, name: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_bytes(HOSTILE[name][0])
+    more = {"show": ["T"], "plot": ["-o", "arm.svg"]}.get(command, [])
+    outcome = refused(command, "arm.yaml", *more, folder=tmp_path)
+    assert outcome.stdout == ""
+    assert "Traceback" not in outcome.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["arm.yaml"]

@@ -6,7 +6,6 @@ from unittest import mock
 
 import pytest
 
-from derive.cli import import_
 from derive.errors import install_extra
 from tests.cli.command import derive, refused
 from tests.exchange.urdfs import HALF, J, body, urdf
@@ -91,6 +90,7 @@ def test_all_tips_get_files(folder: Path) -> None:
         ["arm.urdf", "--snap", "much"],
         ["arm.urdf", "--inertia", "better"],
         ["arm.urdf", "--arg", "name"],
+        ["arm.urdf", "-o", "."],
         ["."],
     ],
 )
@@ -105,8 +105,3 @@ def test_without_lxml_the_message_says_what_to_install(folder: Path) -> None:
     with mock.patch.dict("sys.modules", {"lxml": None}):
         done = refused("import", "arm.urdf", folder=folder)
     assert install_extra("exchange") in done.stderr
-
-
-def test_the_help_says_what_a_chain_is() -> None:
-    assert "BASE..TIP" not in import_.DESCRIPTION
-    assert "--chain base..tool0" in import_.DESCRIPTION

@@ -8,7 +8,7 @@ import pytest
 
 from derive.plans.catalogue import plan_names
 from derive.robot.load import catalogue_names
-from tests.cli.command import derive, is_one_message
+from tests.cli.command import derive, is_one_message, refused
 
 PENDULUM = """\
 robot: {name: p, convention: standard, gravity: [0, -9.81, 0], links: [{mass: 1}],
@@ -33,6 +33,7 @@ points:
   b: {pose: {p: [1.2, 0.3, 0]}}
 path: [a, {to: b, time: 1}]
 """
+SINGULAR = POSES.replace("[0, pi/2]", "[0, 0]")
 
 
 def written(text: str, folder: Path) -> str:
@@ -40,72 +41,44 @@ def written(text: str, folder: Path) -> str:
     return "plan.yaml"
 
 
-class TestWrongPlans:
-    """Exit status 2, one line with file, line and column; nothing is written."""
+WRONG = [
+    (PENDULUM, "to: b", "to: bb", r":4:16: path entry 2, to: unknown point 'bb'; allowed: a, b; did"),
+    (PENDULUM, "b: [1]", "b: [1, 2]", r":3:21: points, b: 2 values for 1 joint; allowed: one for"),
+    (PENDULUM, "b: [1]", "b: [4]", r":3:22: .*q1 = 4 rad is outside its limits; allowed: -3 to 3 rad"),
+    (PENDULUM, "1/5", "0", r":4:25: path entry 2, time: found '0'; allowed: a time above zero \[s\]"),
+    (PENDULUM, "1/5", "-2", r":4:25: path entry 2, time: found '-2'; allowed: a time above zero"),
+    (PENDULUM, "1/5}]", "1}]\ncontrol: {law: pd, kp: -1}", r":5:24: control, kp: found '-1'; allowed: zero or more"),
+    (PENDULUM, "1/5}]", "10}]\nsample: 1e-8", r":5:9: 1e\+09 samples of 10 s, 40 GB; allow"),
+    (SLIDE, "0.5]", "pi/2]", r":4:10: points, b entry 2: an angle, 'pi/2', for the slide q2; allowed"),
+    (SLIDE, "0.5]", "90deg]", r":4:1\d: points, b entry 2: no operator before 'deg' in '90deg'"),
+    (SLIDE, "[1, 0.5]", "[w, 0.5]", r":4:7: points, b entry 1: the symbol 'w' has no number; write"),
+    (POSES, "1.2, 0", "1.6, 0", r":5:3: the arm does not reach b: q2 is real for Abs.D. <= 1, which are 1.4 and 1"),
+    (SINGULAR, ": 1}]", ": 1, line: yes}]", r":6:11: the way starts at a singular configuration, where sin\(q2\) = 0"),
+]
 
-    @pytest.mark.parametrize(
-        ("text", "old", "new", "message"),
-        [
-            (PENDULUM, "to: b", "to: bb", r"plan.yaml:4:16: path entry 2, to: unknown point 'bb'; allowed: a, b; did"),
-            (PENDULUM, "b: [1]", "b: [1, 2]", r"plan.yaml:3:21: points, b: 2 values for 1 joint; allowed: one for"),
-            (PENDULUM, "b: [1]", "b: [4]", r"plan.yaml:3:22: .*q1 = 4 rad is outside its limits; allowed: -3 to 3 rad"),
-            (PENDULUM, "1/5", "0", r"plan.yaml:4:25: path entry 2, time: found '0'; allowed: a time above zero \[s\]"),
-            (PENDULUM, "1/5", "-2", r"plan.yaml:4:25: path entry 2, time: found '-2'; allowed: a time above zero"),
-            (SLIDE, "0.5]", "pi/2]", r"plan.yaml:4:10: points, b entry 2: an angle, 'pi/2', for the slide q2; allowed"),
-            (SLIDE, "0.5]", "90deg]", r"plan.yaml:4:1\d: points, b entry 2: no operator before 'deg' in '90deg'"),
-            (SLIDE, "[1, 0.5]", "[w, 0.5]", r"plan.yaml:4:7: points, b entry 1: the symbol 'w' has no number; write"),
-            (
-                PENDULUM,
-                "time: 1/5}]",
-                "time: 1}]\ncontrol: {law: pd, kp: -1}",
-                r"plan.yaml:5:24: control, kp: found '-1'; allowed: zero or more",
-            ),
-            (
-                PENDULUM,
-                "time: 1/5}]",
-                "time: 10}]\nsample: 1e-8",
-                r"plan.yaml:5:9: 1e\+09 samples of 10 s, 40 GB; allow",
-            ),
-            (
-                POSES,
-                "1.2, 0.3",
-                "1.6, 0.3",
-                r"plan.yaml:5:3: the arm does not reach b: q2 is real for Abs.D. <= 1, which are 1.4 and 1; derive",
-            ),
-            (
-                POSES.replace("[0, pi/2]", "[0, 0]"),
-                "time: 1}",
-                "time: 1, line: yes}",
-                r"plan.yaml:6:11: the way starts at a singular configuration, where sin\(q2\) = 0; go there by",
-            ),
-        ],
-    )
-    def test_each_is_one_message_at_its_place(
-        self, text: str, old: str, new: str, message: str, tmp_path: Path
-    ) -> None:
-        assert old in text
-        done = derive("move", written(text.replace(old, new), tmp_path), "--csv", "run.csv", folder=tmp_path)
-        assert done.status == 2
-        assert done.stdout == ""
-        assert is_one_message(done.stderr)
-        assert re.search(message, done.stderr), done.stderr
-        assert not (tmp_path / "run.csv").exists()
 
-    def test_no_such_plan(self, tmp_path: Path) -> None:
-        done = derive("move", "scara-pick", folder=tmp_path)
-        assert done.status == 2
-        assert (
-            "'scara-pick' is neither a file nor a built-in plan; allowed: a path, or a name from derive list --plans"
-            in done.stderr
-        )
+@pytest.mark.parametrize(("text", "old", "new", "message"), WRONG)
+def test_a_wrong_plan_is_one_message_at_its_place_and_nothing_is_written(
+    text: str, old: str, new: str, message: str, tmp_path: Path
+) -> None:
+    assert old in text
+    done = refused("move", written(text.replace(old, new), tmp_path), "--csv", "run.csv", folder=tmp_path)
+    assert done.stdout == ""
+    assert re.search("plan.yaml" + message, done.stderr), done.stderr
+    assert not (tmp_path / "run.csv").exists()
 
-    def test_options_that_do_not_belong_together(self, tmp_path: Path) -> None:
-        plan = written(PENDULUM, tmp_path)
-        assert derive("move", plan, "--format", "latex", folder=tmp_path).status == 2
-        assert derive("move", plan, "--show", "--json", folder=tmp_path).status == 2
-        assert derive("move", plan, "--csv", "-", "--json", folder=tmp_path).status == 2
-        assert "is a folder" in derive("move", plan, "--csv", ".", folder=tmp_path).stderr
-        assert "two contents" in derive("move", plan, "--csv", "a.svg", "--plot", "a.svg", folder=tmp_path).stderr
+
+def test_no_such_plan(tmp_path: Path) -> None:
+    message = "'scara-pick' is neither a file nor a built-in plan; allowed: a path, or a name from derive list --plans"
+    assert message in refused("move", "scara-pick", folder=tmp_path).stderr
+
+
+def test_options_that_do_not_belong_together(tmp_path: Path) -> None:
+    plan = written(PENDULUM, tmp_path)
+    for options in ("--format latex", "--show --json", "--csv - --json"):
+        refused("move", plan, *options.split(), folder=tmp_path)
+    assert "is a folder" in derive("move", plan, "--csv", ".", folder=tmp_path).stderr
+    assert "two contents" in derive("move", plan, "--csv", "a.svg", "--plot", "a.svg", folder=tmp_path).stderr
 
 
 def test_no_move_is_accepted(tmp_path: Path) -> None:

@@ -30,7 +30,6 @@ def test_a_new_arm_of_six_joints_has_eight_postures_and_a_wrist_that_turns_every
     robot = Robot.from_text(new_robot_text("my-arm", joints=6))
     poses = RobotPoses(robot)
     wrist = find_wrist(ArmPoint(poses, joint_ranges(poses)))
-    assert wrist is not None
     assert wrist.complete
     pose = NumericChain.of(robot, {}).pose_and_jacobian(np.array([0.3, 0.8, -1.0, 0.6, 0.7, -0.4]))[0]
     assert np.isfinite(InverseSolver.of(robot, solve(robot)).solve(pose).q).all(axis=-1).sum() == 8

@@ -66,16 +66,16 @@ def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(arguments: tu
 
 
 @pytest.mark.parametrize(
-    ("package", "options"), [("matplotlib", []), ("matplotlib", ["--workspace"]), ("shapely", ["--workspace"])]
+    ("package", "option"), [("matplotlib", ()), ("matplotlib", ("--workspace",)), ("shapely", ("--workspace",))]
 )
 def test_a_figure_without_its_packages_says_how_to_install_them(
     package: str,
-    options: list[str],
+    option: tuple[str, ...],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    assert main(["plot", "planar-2r-perugia", *options, "-o", str(tmp_path / "a.svg")]) == 2
+    assert main(["plot", "planar-2r-perugia", *option, "-o", str(tmp_path / "a.svg")]) == 2
     assert install_extra("handout") in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

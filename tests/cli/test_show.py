@@ -1,14 +1,15 @@
 """``derive show``: numbers in few digits, and it says so; exactly where that is asked for."""
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
 
+from derive.cli.main import main
 from tests.cli.command import derive, refused
 
 NOTE = "numbers are rounded to {} significant digits; --exact prints all of them"
-EXACT = "15308702789/200000000000"
 ROD = """\
 name: rod
 convention: standard
@@ -32,26 +33,25 @@ def printed(folder: Path, *arguments: str) -> list[str]:
     return outcome.stdout.splitlines()
 
 
-@pytest.mark.parametrize(
-    ("asked", "lines"),
-    [
-        ("B[1,1] p[1]", [f"# {NOTE.format(6)}", "B[1,1] = 0.0765435", "", "p[1] = 0.4318*c1"]),
-        ("B[1,1] --format latex", [f"% {NOTE.format(6)}", "0.0765435"]),
-        ("p[1]", ["p[1] = 0.4318*c1"]),  # nothing is said where nothing is rounded
-        ("B[1,1] --digits 2", [f"# {NOTE.format(2)}", "B[1,1] = 0.077"]),
-        ("B[1,1] --exact", [f"B[1,1] = {EXACT}"]),
-        ("B[1,1] --exact --format latex", ["0.076543513945"]),
-        ("B[1,1] --format python", [f"B_1_1 = {EXACT}"]),
-        ("M_11 --exact", [f"M_11 = {EXACT}"]),
-    ],
-)
-def test_numbers_have_six_digits_and_a_line_says_so_unless_more_are_asked_for(
-    asked: str, lines: list[str], folder: Path
+EXACT = "15308702789/200000000000"
+PRINTED = {
+    "B[1,1] p[1]": [f"# {NOTE.format(6)}", "B[1,1] = 0.0765435", "", "p[1] = 0.4318*c1"],
+    "p[1]": ["p[1] = 0.4318*c1"],
+    "B[1,1] --format latex": [f"% {NOTE.format(6)}", "0.0765435"],
+    "B[1,1] --digits 2": [f"# {NOTE.format(2)}", "B[1,1] = 0.077"],
+    "B[1,1] --exact": [f"B[1,1] = {EXACT}"],
+    "B[1,1] --exact --format latex": ["0.076543513945"],
+    "B[1,1] --format python": [f"B_1_1 = {EXACT}"],
+    "M_11 --exact": [f"M_11 = {EXACT}"],
+    "'mass matrix' --digits 3": [f"# {NOTE.format(3)}", "mass matrix =", "  0.0765"],
+}
+
+
+@pytest.mark.parametrize(("typed", "lines"), PRINTED.items())
+def test_numbers_have_the_digits_asked_for_and_a_line_says_where_they_are_rounded(
+    typed: str, lines: list[str], folder: Path
 ) -> None:
-    assert printed(folder, *asked.split()) == lines
-
-
-def test_json_has_every_digit(folder: Path) -> None:
+    assert printed(folder, *shlex.split(typed)) == lines
     assert EXACT in "".join(printed(folder, "B[1,1]", "--format", "json"))
 
 
@@ -132,10 +132,6 @@ def test_the_list_says_shape_and_unit_for_this_robot(folder: Path) -> None:
     assert not [line for line in lines if line.startswith("J_12")]
 
 
-def test_names_of_books_stand_before_what_they_ask_for(folder: Path) -> None:
-    assert printed(folder, "mass matrix", "--digits", "3")[1:] == ["mass matrix =", "  0.0765"]
-
-
 def test_singularities_say_where_they_are(tmp_path: Path) -> None:
     outcome = derive("show", "planar-2r-perugia", "singularities", folder=tmp_path)
     task = "  the determinant of J for the task x, y (rows 1, 2)"
@@ -173,3 +169,65 @@ def test_options_stand_anywhere(folder: Path) -> None:
     missing = derive("show", "rod.yaml", "B", "--format", folder=folder)
     assert missing.status == 2
     assert "expected one argument" in missing.stderr
+
+
+ARM = "planar-2r-perugia"
+
+
+def shown(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(["show", ARM, "inverse", *arguments]) == 0
+    return capsys.readouterr().out
+
+
+def test_the_task_of_the_command_line_is_solved(capsys: pytest.CaptureFixture[str]) -> None:
+    assert shown(capsys).startswith("1 solution (complete)\n")
+    text = shown(capsys, "--task", "x,y")
+    assert text.startswith("2 solutions (complete)\n")
+    assert "q1 = atan2(py, px) - atan2(a2*s2, a1 + a2*c2)" in text
+
+
+def test_json_has_the_steps_and_the_branches(capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(shown(capsys, "--task", "x,y", "--format", "json"))["quantities"]["inverse"]
+    assert found["count"] == 2
+    assert found["complete"] is True
+    assert [step["unknown"] for step in found["steps"]] == ["q2", "q1"]
+    assert [branch["name"] for branch in found["solutions"]] == ["elbow down", "elbow up"]
+    assert found["steps"][1]["free_where_zero"] == ["px", "py"]
+
+
+def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    text = shown(capsys, "--task", "x,y", "--at", "0.5, 1, a1=1, a2=1", "--format", "json")
+    rows = json.loads(text)["quantities"]["inverse"]
+    columns = sorted(zip(*([float(x) for x in row] for row in rows), strict=True))
+    assert columns == [pytest.approx((0.5, 1.0)), pytest.approx((1.5, -1.0))]
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        (["inverse", "--task", "x,y,z"], "a task of 3 coordinates for 2 joints"),
+        (["inverse", "--task", "x,w"], "unknown row of a task 'w'"),
+        (["inverse", "--given", "q7"], "'q7' is not a joint variable"),
+        (["inverse", "--task", "z"], "no joint changes the task z; allowed: x, y, phi, orientation"),
+        (["workspace", "--at", "0, 0"], "--at with workspace; ask for workspace without --at"),
+        (["aspects", "--abbreviate", "christoffel"], "--abbreviate with aspects"),
+        (["aspects", "--format", "latex"], "--format latex with aspects; allowed: text and json"),
+        (["T", "--task", "x,y"], "--task with T; allowed: with inverse, singularities, workspace and aspects"),
+        (["B", "detJ", "--given", "q1"], "--given with B; allowed: with inverse, workspace and aspects"),
+        (["workspase"], "quantity 'workspase'; did you mean 'workspace'?"),
+        (["Aspects"], "quantity 'Aspects'; did you mean 'aspects'?"),
+    ],
+)
+def test_what_cannot_be_described_is_refused_in_one_line(asked: list[str], message: str, tmp_path: Path) -> None:
+    outcome = refused("show", ARM, *asked, folder=tmp_path)
+    assert outcome.stdout == ""
+    assert outcome.stderr.startswith(f"derive: error: {message}")
+
+
+def test_descriptions_stand_beside_quantities(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", ARM, "workspace", "p", "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)["quantities"]
+    assert found["workspace"]["bounds"][0]["shape"] == "between two circles"
+    assert len(found["p"]) == 3
+    assert main(["show", ARM]) == 0
+    assert "aspects " in capsys.readouterr().out

@@ -9,7 +9,6 @@ from collections.abc import Callable
 import pytest
 
 from derive.cli import terminal
-from derive.errors import RobotFileError, VerificationError
 
 
 def test_a_message_is_one_line_whatever_it_quotes() -> None:
@@ -25,25 +24,6 @@ def test_columns_are_aligned_and_end_with_their_text(capsys: pytest.CaptureFixtu
     ]
     terminal.print_columns([])
     assert capsys.readouterr().out == ""
-
-
-@pytest.mark.parametrize(
-    ("error", "message", "status"),
-    [
-        (RobotFileError("no joints", remedy="add one"), "no joints; add one", terminal.WRONG_INPUT),
-        (VerificationError("off"), "off", terminal.FAILED),
-        (KeyboardInterrupt(), "interrupted", terminal.INTERRUPTED),
-        (FileNotFoundError(2, "No such file", "arm.yaml"), "arm.yaml: No such file", terminal.WRONG_INPUT),
-    ],
-)
-def test_an_error_is_a_message_and_a_status(error: BaseException, message: str, status: int) -> None:
-    assert terminal.explain(error) == (message, status)
-
-
-def test_a_fault_of_ours_asks_for_a_report() -> None:
-    message, status = terminal.explain(ZeroDivisionError("division by zero"))
-    assert message.startswith("internal fault, ZeroDivisionError: division by zero; please report it")
-    assert status == terminal.INTERNAL_FAULT
 
 
 @pytest.mark.parametrize(
@@ -67,15 +47,6 @@ def test_nobody_watches_a_pipe() -> None:
         assert tell is None
 
 
-class Stream(io.StringIO):
-    def __init__(self, *, terminal: bool) -> None:
-        super().__init__()
-        self.terminal = terminal
-
-    def isatty(self) -> bool:
-        return self.terminal
-
-
 @pytest.mark.parametrize(
     ("terminal_there", "variables", "coloured"),
     [
@@ -93,7 +64,8 @@ def test_colours_are_for_terminals_and_for_who_wants_them(
 ) -> None:
     for name, value in {"NO_COLOR": "", "FORCE_COLOR": "", "TERM": "xterm", **variables}.items():
         monkeypatch.setenv(name, value)
-    stream = Stream(terminal=terminal_there)
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: terminal_there)
     with contextlib.redirect_stderr(stream), contextlib.redirect_stdout(stream):
         terminal.print_error("wrong")
         terminal.print_columns([("a", "b")], ("name", "joints"))

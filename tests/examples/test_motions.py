@@ -26,7 +26,6 @@ SAID = {
 
 
 def loaded(name: str) -> ModuleType:
-    """An example as `python examples/NAME.py` finds it and what lies beside it."""
     with mock.patch.object(sys, "path", [str(EXAMPLES), *sys.path]):
         return importlib.import_module(name)
 
@@ -73,7 +72,7 @@ def test_every_plan_beside_the_examples_is_one() -> None:
 
 
 @pytest.mark.slow
-def test_the_arm_of_predictive_control_swings_up_within_a_minute(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_arm_swings_up_within_a_minute(capsys: pytest.CaptureFixture[str]) -> None:
     example = loaded("mpc_casadi")
     started = time.process_time()
     assert example.main() == 0
@@ -81,7 +80,7 @@ def test_the_arm_of_predictive_control_swings_up_within_a_minute(capsys: pytest.
     assert capsys.readouterr().out.startswith("standing after")
 
 
-def test_its_motors_are_too_weak_to_lift_the_arm() -> None:
+def test_the_motors_are_too_weak_to_lift_the_arm() -> None:
     example = loaded("mpc_casadi")
     oracle = Oracle.of(Robot.load(str(example.ROBOT)), {})
     level = oracle.evaluate("gravity_vector", np.zeros((1, 2)))[0]

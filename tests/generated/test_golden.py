@@ -1,8 +1,5 @@
 """The committed models are what a build makes now, and stand alone."""
 
-from tests.places import ROOT
-
-import difflib
 import os
 import subprocess
 import sys
@@ -12,23 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.publish.build import check_robot
 from derive.publish.build import folder_of
-from derive.publish.render import render_robot
-from derive.publish.targets import targets_named
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
+from tests.places import ROOT
 
 GENERATED = ROOT / "generated"
-LONG = {"human-body": [pytest.mark.sweep]}
-REMEDY = "if the change is meant, run `make models`, look at the differences and commit them"
-
-
-def difference(robot: Robot, name: str) -> str:
-    committed = (folder_of(robot, GENERATED) / name).read_text(encoding="utf-8").splitlines()
-    fresh = render_robot(robot, targets_named()).files[name].decode().splitlines()
-    lines = difflib.unified_diff(committed, fresh, f"committed {name}", f"fresh {name}", lineterm="")
-    return "\n".join(list(lines)[:40])
 
 
 def test_every_robot_of_the_catalogue_has_its_folder_and_no_other_is_there() -> None:
@@ -36,16 +22,13 @@ def test_every_robot_of_the_catalogue_has_its_folder_and_no_other_is_there() -> 
     assert {path.name for path in GENERATED.iterdir() if path.is_dir() and path.name != "__pycache__"} == expected
 
 
-def wide_instructions() -> str:
-    """The instruction sets that NumPy uses here and can do without."""
-    return " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", ()))
-
-
+# Instruction sets that NumPy uses here and can do without.
+WIDE = " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", ()))
 OTHER_MACHINES = {
     "another order of hashes": {"PYTHONHASHSEED": "4711", "LC_ALL": "C.UTF-8", "COLUMNS": "200"},
     "an old processor in Turkey": {
         "PYTHONHASHSEED": "1",
-        "NPY_DISABLE_CPU_FEATURES": wide_instructions(),
+        "NPY_DISABLE_CPU_FEATURES": WIDE,
         "OPENBLAS_CORETYPE": "Prescott",
         "OPENBLAS_NUM_THREADS": "2",
         "LC_ALL": "tr_TR.UTF-8",
@@ -82,8 +65,8 @@ def test_no_committed_file_names_a_place_or_a_day() -> None:
     assert not found
 
 
-@pytest.mark.parametrize(("module", "further"), [("model_numpy", ["casadi"]), ("model_casadi", [])])
-def test_a_model_imports_neither_derive_nor_sympy_nor_what_another_needs(module: str, further: list[str]) -> None:
+@pytest.mark.parametrize(("module", "further"), [("model_numpy", ("casadi",)), ("model_casadi", ())])
+def test_a_model_imports_neither_derive_nor_sympy(module: str, further: tuple[str, ...]) -> None:
     forbidden = ("derive", "sympy", "flint", *further)
     script = f"import sys, scara_perugia.{module}; sys.exit(any(m in sys.modules for m in {forbidden}))"
     done = subprocess.run([sys.executable, "-c", script], cwd=GENERATED, capture_output=True, text=True, timeout=300)

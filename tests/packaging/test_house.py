@@ -1,11 +1,13 @@
-"""The house in order: tests beside what they test, no circle of imports, a public interface that says what it takes."""
+"""The house in order: layers, readable files, tests beside what they test, an interface that says what it takes."""
 
 import ast
 import re
+import subprocess
 from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
+from typing import Any
 
 from derive import _HOMES
 from tests.places import ROOT
@@ -17,6 +19,21 @@ INTERFACE_CLASSES = (
     "derive.motion.motion", "derive.notebook", "derive.robot.robot",
 )  # fmt: skip
 SAYS = re.compile(r"^\s*(Args|Returns|Yields):", re.MULTILINE)
+MAX_FILE = 450
+MAX_FUNCTION = 50
+
+# Put together here, so that this file does not hold what it forbids.
+FORBIDDEN = [
+    "/".join(("", "work", "")),
+    "/".join(("", "root", "")),
+    "/".join(("..", "shared")),
+    ".".join(("pypi", "org")),
+    ".".join(("files", "pythonhosted", "org")),
+    ".".join(("registry", "npmjs", "org")),
+    ".".join(("deb", "debian", "org")),
+]
+EVALUATORS = {"eval", "exec", "compile", "sympify", "parse_expr", "S", "simplify", "trigsimp", "__import__"}
+FULL_LOADERS = {"load", "load_all", "full_load", "unsafe_load", "Loader", "FullLoader", "UnsafeLoader"}
 
 
 @cache
@@ -104,3 +121,55 @@ def test_the_page_of_the_interface_documents_every_public_name() -> None:
     assert set(re.findall(r"automodule:: (\S+)", page)) <= set(modules())
     documented = re.findall(r"^\.\. auto(?:module|class):: (\S+)$", page, re.MULTILINE)
     assert [name for name, home in _HOMES.items() if not {home, f"derive.{name}"} & {*documented}] == []
+
+
+def tracked() -> list[Path]:
+    """The files under version control; in an unpacked source archive all files."""
+    done = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True)
+    if done.returncode == 0:
+        return [path for name in done.stdout.split("\0") if name and (path := ROOT / name).is_file()]
+    found = (path for path in ROOT.rglob("*") if path.is_file())
+    return [path for path in found if not re.search(r"(^|/)(\.|__pycache__)", name(path))]
+
+
+def name(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def test_no_file_names_this_machine_or_a_registry() -> None:
+    found = []
+    for path in tracked():
+        text = path.read_bytes().decode("utf-8", errors="ignore")
+        found += [f"{name(path)}: {word}" for word in FORBIDDEN if word in text]
+    assert not found
+
+
+def nodes(kind: Any) -> Iterator[tuple[Path, Any]]:
+    """Every node of a kind in the package, with its file."""
+    for path in modules().values():
+        yield from ((path, node) for node in ast.walk(tree(path)) if isinstance(node, kind))
+
+
+def test_nothing_evaluates_text_or_simplifies() -> None:
+    """Methods of ``re`` and Jinja's environment are left out by their dots, what reads no text by its ``strict``."""
+    found = []
+    for path, call in nodes(ast.Call):
+        strict = [k.value for k in call.keywords if k.arg == "strict"]  # sympify(x, strict=True) refuses text unread
+        called = getattr(call.func, "id", "") or getattr(call.func, "attr", "").replace("compile", "")
+        if called in EVALUATORS and not any(isinstance(v, ast.Constant) and v.value is True for v in strict):
+            found.append(f"{name(path)}:{call.lineno}: {called}")
+    assert found == []
+
+
+def test_no_full_yaml_loader() -> None:
+    found = [(name(path), n.attr) for path, n in nodes(ast.Attribute) if getattr(n.value, "id", "") == "yaml"]
+    assert [(file, loader) for file, loader in found if loader in FULL_LOADERS] == []
+
+
+def test_files_and_functions_stay_readable() -> None:
+    long = [name(path) for path in modules().values() if path.read_text(encoding="utf-8").count("\n") > MAX_FILE]
+    for path, function in nodes(ast.FunctionDef | ast.AsyncFunctionDef):
+        body = function.body[1:] if ast.get_docstring(function) is not None else function.body
+        lines = (function.end_lineno or 0) - body[0].lineno + 1 if body else 0
+        long += [f"{name(path)}:{function.name}: {lines} lines"] if lines > MAX_FUNCTION else []
+    assert long == []

@@ -1,5 +1,6 @@
-"""Ctrl-C at any moment ends a build with one line and the status 130, and leaves nothing behind."""
+"""Ctrl-C at any moment ends a build with one line and leaves nothing behind; a kill leaves one whole folder."""
 
+import json
 import os
 import random
 import signal
@@ -15,16 +16,20 @@ import pytest
 from derive.publish import many
 from derive.publish.manifest import read_manifest
 from derive.robot.robot import Robot
-from tests.cli.command import heed_interrupts
 from tests.places import ROOT
 from tests.random_robots import seeds
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="interrupts are tested on POSIX systems")
 
 ONE = ("scara-perugia", "--target", "all", "--quiet", "--force")
-MANY = ("planar-3r", "skeleton", *ONE, "scara-matlab", "--jobs", "2")
+MANY = ("planar-3r", "skeleton", "scara-matlab", "--jobs", "2", *ONE)
 STARTED, LONGEST = 0.6, 6.0
 """Seconds after which a build is under way, and after which it may be over; it starts where the interpreter does."""
+
+
+def heed_interrupts() -> None:
+    """What was started in the background ignores interrupts, and so do its children."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def descendants(group: int) -> list[str]:
@@ -40,7 +45,7 @@ def descendants(group: int) -> list[str]:
     return found
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(4)
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes that were left")
 @pytest.mark.parametrize("whom", ["the terminal's group", "the process"])
 @pytest.mark.parametrize("build", [ONE, MANY], ids=["one robot", "several"])
@@ -80,7 +85,6 @@ def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
     for folder in (tmp_path / "generated").iterdir() if (tmp_path / "generated").exists() else ():
         assert not folder.name.startswith(".")
         manifest = read_manifest(folder)
-        assert manifest is not None
         assert set(manifest["files"]) <= {path.relative_to(folder).as_posix() for path in folder.rglob("*")}
 
 
@@ -98,3 +102,46 @@ def test_processes_that_die_leave_no_temporary_file(tmp_path: Path, monkeypatch:
     done = many._run(die_over_a_file, robots, 2, None)
     assert [str(failure.error) for failure in done] == ["the process that built it was killed"] * 2
     assert list(tmp_path.iterdir()) == []
+
+
+def states(mode: str, folder: Path, *options: str) -> list[str]:
+    """Runs the driver; what the folder was after every kill.
+
+    A build that is killed over the compiler leaves a temporary folder, which goes with the folder of the test.
+    """
+    temporary = folder / "temporary"
+    temporary.mkdir()
+    command = [sys.executable, "tests/publish/kill_driver.py", mode, str(folder / "out" / "arm"), *options]
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "TMPDIR": str(temporary)}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, done.stderr
+    found: list[str] = json.loads(done.stdout)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("swap", "allowed"), [("swap", {"old", "new"}), ("rename", {"old", "new", "backup"})])
+def test_death_before_any_operation_on_files_is_harmless(tmp_path: Path, swap: str, allowed: set[str]) -> None:
+    """Every operation in turn is the last one; without an atomic exchange the next build puts the old folder back."""
+    found = states("steps", tmp_path, swap)
+    assert len(found) > 50
+    assert set(found) <= allowed
+    assert {"old", "new"} <= set(found)
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["arm"]
+
+
+@pytest.mark.sweep
+def test_kills_from_outside_are_harmless(tmp_path: Path) -> None:
+    found = states("moments", tmp_path, "swap")
+    assert len(found) > 50
+    assert set(found) == {"old", "new"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kills", [2, pytest.param(25, marks=pytest.mark.sweep)])
+def test_killed_builds_leave_a_whole_folder(tmp_path: Path, kills: int) -> None:
+    """Whole builds, verification included, killed on the way."""
+    found = states("builds", tmp_path, "swap", str(kills))
+    assert len(found) == kills
+    assert set(found) <= {"old", "new"}
+    assert "old" in found

@@ -46,12 +46,10 @@ def alone(target: Path) -> bool:
     return os.listdir(target.parent) == [target.name]
 
 
-@pytest.mark.parametrize("is_there", [False, True])
-def test_a_new_or_an_empty_folder_holds_exactly_the_files(is_there: bool, target: Path) -> None:
-    if is_there:
-        target.mkdir(parents=True)
-    put(target, "1")
-    assert contents(target) == files("1")
+def test_files_of_the_old_build_go(target: Path) -> None:
+    put(target, "1", "b.py")
+    put(target, "2")
+    assert contents(target) == files("2")
     assert alone(target)
 
 
@@ -69,15 +67,14 @@ def test_files_of_the_user_stay(target: Path) -> None:
     assert alone(target)
 
 
-def test_files_of_the_old_build_and_caches_of_its_modules_go(target: Path) -> None:
+def test_python_caches_of_the_old_modules_go(target: Path) -> None:
     """A cache could outlive the module it was made from."""
-    put(target, "1", "b.py")
+    put(target, "1")
     (target / "__pycache__").mkdir()
     (target / "__pycache__" / "a.pyc").write_bytes(b"")
     put(target, "2")
     assert contents(target) == files("2")
     assert not (target / "__pycache__").exists()
-    assert alone(target)
 
 
 def test_the_check_sees_the_finished_folder_and_may_stop_the_build(target: Path) -> None:
@@ -114,15 +111,6 @@ def test_a_full_disk_leaves_the_old_folder(target: Path, monkeypatch: pytest.Mon
     assert alone(target)
 
 
-def test_a_write_that_fails_leaves_the_old_folder(target: Path) -> None:
-    """A name that the system does not take stands for any refusal to write."""
-    put(target, "1")
-    with pytest.raises(OutputError, match="cannot write"):
-        publish({**files("2"), "x" * 300: b""}, target, "arm", lambda folder: None)
-    assert contents(target) == files("1")
-    assert alone(target)
-
-
 def test_folders_of_others_are_refused(target: Path) -> None:
     target.mkdir(parents=True)
     (target / "thesis.txt").write_text("two years of work")
@@ -156,6 +144,13 @@ def test_a_file_of_the_user_under_a_name_to_be_written_is_refused(target: Path) 
     with pytest.raises(OutputError, match=r"b\.py"):
         put(target, "2", "b.py")
     assert (target / "b.py").read_text() == "mine"
+    assert alone(target)
+
+
+def test_an_empty_folder_is_taken(target: Path) -> None:
+    target.mkdir(parents=True)
+    put(target, "1")
+    assert contents(target) == files("1")
     assert alone(target)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from derive.errors import TargetError
 from derive.programs.optimise.search_policy import Effort
-from derive.publish import render
+from derive.publish import manifest, render
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.render import library_names
 from derive.publish.targets import TARGETS, targets_named
@@ -57,3 +57,25 @@ def test_a_library_of_the_same_sources_is_not_compiled_again(tmp_path: Path) -> 
     (changed / "model.c").write_text("this is no C\n", encoding="utf-8")
     with pytest.raises(TargetError, match="error"):
         render.compile_libraries(changed, targets, compiler, former)
+
+
+BROKEN = ("", "[]", "{}", '{"generator": "other", "files": {}}', '{"generator": "derive", "files": []}', "[" * 99999)
+
+
+@pytest.mark.parametrize("content", BROKEN, ids=range(len(BROKEN)))
+def test_foreign_and_broken_manifests_are_none(content: str, tmp_path: Path) -> None:
+    (tmp_path / manifest.FILE).write_text(content, encoding="utf-8")
+    assert manifest.read_manifest(tmp_path) is None
+
+
+def test_links_and_missing_files_are_no_manifest(tmp_path: Path) -> None:
+    assert manifest.read_manifest(tmp_path) is None
+    (tmp_path / "elsewhere").write_text(json.dumps({"generator": "derive", "files": {}}), encoding="utf-8")
+    (tmp_path / manifest.FILE).symlink_to("elsewhere")
+    assert manifest.read_manifest(tmp_path) is None
+
+
+def test_compiled_files_are_names_whatever_the_manifest_holds() -> None:
+    assert manifest.compiled_files({}) == ()
+    assert manifest.compiled_files({"compiled": "libm.so"}) == ()
+    assert manifest.compiled_files({"compiled": ["libm.so", 3]}) == ("libm.so",)

@@ -15,24 +15,19 @@ from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 NEW = b"new"
 
 
-def _link(path: Path) -> None:
-    path.with_name("elsewhere").write_bytes(b"theirs")
-    path.symlink_to("elsewhere")
+def _put(path: Path, data: bytes) -> None:
+    path.write_bytes(data)
 
 
-STATES: dict[str, tuple[Callable[[Path], object], bool, bool]] = {
+STATES: dict[str, tuple[Callable[[Path], None], bool, bool]] = {
     "nothing": (lambda path: None, True, True),
-    "file": (lambda path: path.write_bytes(b"mine"), False, True),
-    "empty": (Path.touch, False, True),
+    "file": (lambda path: _put(path, b"mine"), False, True),
+    "empty": (lambda path: _put(path, b""), False, True),
     "folder": (Path.mkdir, False, False),
-    "link": (_link, False, False),
+    "link": (lambda path: _put(path.with_name("elsewhere"), b"theirs") or path.symlink_to("elsewhere"), False, False),
     "dangling link": (lambda path: path.symlink_to("nowhere"), False, False),
 }
 """What stands there, and whether it may be written without and with force."""
-
-
-def no_links(*_: object) -> None:
-    raise OSError(errno.EPERM, "no links here")
 
 
 def contents(folder: Path) -> dict[str, object]:
@@ -80,6 +75,9 @@ def test_a_name_that_is_taken_meanwhile_stays_with_who_took_it(
         usual(path, data)
         two.write_bytes(b"theirs")
 
+    def no_links(*_: object) -> None:
+        raise OSError(errno.EPERM, "no links here")
+
     monkeypatch.setattr(atomic_folder, "_write_new", slow)
     if not links:
         monkeypatch.setattr(os, "link", no_links)
@@ -89,6 +87,9 @@ def test_a_name_that_is_taken_meanwhile_stays_with_who_took_it(
 
 
 def test_where_files_have_one_name_they_are_written_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_links(*_: object) -> None:
+        raise OSError(errno.EPERM, "no links here")
+
     monkeypatch.setattr(os, "link", no_links)
     write_files({tmp_path / "one": NEW})
     assert contents(tmp_path) == {"one": NEW}

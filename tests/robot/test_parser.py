@@ -1,9 +1,12 @@
 """The cell grammar: what it means, what it refuses, and where it says so."""
 
+import ast
 import math
+import operator
 import re
 import time
 from fractions import Fraction
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -27,10 +30,42 @@ from derive.robot.expression import (
     to_text,
 )
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
-from tests.robot.expressions import NAMES, trees
 
 START = Location("cell", 7, 11)
 X, Y = Name("x"), Name("y")
+
+_BINARY: dict[type[ast.operator], Any] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+
+NAMES = ("q1", "a2", "alpha1", "I", "E", "S", "N", "Q", "lambda", "beta", "gamma", "x_1", "no", "def", "e1")
+
+
+def numbers() -> st.SearchStrategy[Expression]:
+    return st.builds(lambda p, q: Number(Fraction(p, q)), st.integers(-99, 99), st.integers(1, 40))
+
+
+def leaves() -> st.SearchStrategy[Expression]:
+    return st.one_of(numbers(), st.sampled_from(NAMES).map(Name), st.just(Pi()))
+
+
+def _grown(children: st.SearchStrategy[Expression]) -> st.SearchStrategy[Expression]:
+    parts = st.lists(children, min_size=2, max_size=4)
+    bases = children.filter(lambda base: base != Number(Fraction(0)))
+    return st.one_of(
+        parts.map(lambda terms: add(*terms)),
+        parts.map(lambda factors: multiply(*factors)),
+        st.builds(power, bases, st.integers(-2, 3)),
+        st.builds(lambda f, x: Call(f, (x,)), st.sampled_from(["sin", "cos", "tan", "sqrt"]), children),
+    )
+
+
+def trees() -> st.SearchStrategy[Expression]:
+    return st.recursive(leaves(), _grown, max_leaves=12)
 
 
 def parse(text: str) -> Expression:
@@ -59,9 +94,27 @@ def test_the_printed_text_means_what_the_tree_means_to_python(tree: Expression, 
     text = to_text(tree)
     for name in sorted(NAMES, key=len, reverse=True):
         text = re.sub(rf"\b{name}\b", f"n_{name}", text)
-    scope = {f"n_{name}": value for name, value in numbers.items()} | vars(math)
-    found = eval(re.sub(r"\b\d+", r"\g<0>.0", text), scope)
+    module = ast.parse(text, mode="eval")
+    scope = {f"n_{name}": value for name, value in numbers.items()} | {
+        key: getattr(math, key) for key in ("sin", "cos", "tan", "sqrt", "pi")
+    }
+    found = _python_value(module.body, scope)
     assert found == pytest.approx(expected, rel=1e-6, abs=1e-6)
+
+
+def _python_value(node: ast.expr, scope: dict[str, Any]) -> float:
+    match node:
+        case ast.Constant(value):
+            return float(value)
+        case ast.Name(name):
+            return float(scope[name])
+        case ast.UnaryOp(ast.USub(), operand):
+            return -_python_value(operand, scope)
+        case ast.BinOp(left, kind, right):
+            return float(_BINARY[type(kind)](_python_value(left, scope), _python_value(right, scope)))
+        case ast.Call(ast.Name(name), [argument]):
+            return float(scope[name](_python_value(argument, scope)))
+    raise AssertionError(node)
 
 
 @pytest.mark.parametrize(
@@ -216,7 +269,6 @@ def test_any_text_is_parsed_or_refused_with_a_place(text: str) -> None:
     else:
         place = START
         assert parse(to_text(tree)) == tree
-    assert place is not None
     assert place.line >= START.line
 
 

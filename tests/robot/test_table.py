@@ -2,10 +2,12 @@
 
 import random
 import re
+from dataclasses import replace
 
 import pytest
 
 from derive.errors import RobotFileError
+from derive.robot.cells import Cells
 from derive.robot.expression import ONE, ZERO
 from derive.robot.load import description_from_bytes
 from derive.robot.options.handout import HandoutOptions
@@ -14,6 +16,7 @@ from derive.robot.reading.document import read_document
 from derive.robot.robot import Robot
 from derive.robot.table import ROTATION_TOLERANCE
 from derive.robot.units import located_expressions
+from derive.robot.validate import validate
 from tests.random_robots import random_robot
 
 HEAD = "name: arm\nconvention: standard\njoints: [{type: revolute}]\n"
@@ -63,3 +66,19 @@ def test_a_name_of_a_joint_is_a_line_of_its_own(names: tuple[str, str], found: s
     rows = "\n".join(f"  - {{type: revolute, a: 1, {name}}}" for name in names)
     with pytest.raises(RobotFileError, match=re.escape(found)):
         Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}\n")
+
+
+TEXT = b"name: r\nconvention: standard\njoints: [{type: revolute, a: a1, limits: [-1, 1]}]\nfigure: {q: [1]}\n"
+
+
+def test_parts_that_contradict_each_other_are_refused_and_their_place_is_named() -> None:
+    document, robot = read_document(TEXT, "r.yaml"), description_from_bytes(TEXT, "r.yaml")
+    cells = Cells(document, robot.units)
+    cells.raw(("joints", 0, "a"))
+    validate(document, cells, robot)
+    with pytest.raises(RobotFileError, match=r"^r.yaml:.*unknown symbol 'a2'"):
+        validate(document, cells, replace(robot, runtime=("a2",)))
+    (joint,) = robot.joints
+    turned = replace(joint, limits=joint.limits[::-1])
+    with pytest.raises(RobotFileError, match="lower limit is not below the upper"):
+        validate(document, cells, replace(robot, joints=(turned,)))

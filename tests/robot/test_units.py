@@ -4,9 +4,12 @@ import math
 
 import pytest
 
-from derive.errors import RobotFileError
+from derive.errors import DeriveError, Location, RobotFileError
+from derive.robot.cells import angle_in_radians, joint_values
+from derive.robot.description import FileUnits
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names, to_text
+from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 
 
@@ -21,22 +24,34 @@ def value(expression: Expression, **values: float) -> float:
 
 
 @pytest.mark.parametrize(
-    ("cell", "radians"),
+    ("key", "cell", "converted"),
     [
-        ("90", "pi/2"),
-        ("-45", "-pi/4"),
-        ("180/7", "pi/7"),
-        ("beta", "beta"),
-        ("beta + 90", "beta + pi/2"),
-        ("2*beta - 30", "2*beta - pi/6"),
-        ("-(beta + 90)", "-beta - pi/2"),
-        ("2*30 + beta/2", "pi/3 + beta/2"),
-        ("0", "0"),
-        ("90*sin(30)", "sin(pi/6)*pi/2"),
+        ("alpha", "90", "pi/2"),
+        ("alpha", "-45", "-pi/4"),
+        ("alpha", "180/7", "pi/7"),
+        ("alpha", "beta", "beta"),
+        ("alpha", "beta + 90", "beta + pi/2"),
+        ("alpha", "2*beta - 30", "2*beta - pi/6"),
+        ("alpha", "-(beta + 90)", "-beta - pi/2"),
+        ("alpha", "2*30 + beta/2", "pi/3 + beta/2"),
+        ("alpha", "0", "0"),
+        ("alpha", "90*sin(30)", "sin(pi/6)*pi/2"),
+        ("a", "431.8", "2159/5000"),
+        ("a", "a1", "a1"),
+        ("a", "a1 + 20", "a1 + 1/50"),
+        ("a", "2*a1 - 20", "2*a1 - 1/50"),
+        ("a", "2*(a1 + 20)", "2*a1 + 1/25"),
+        ("a", "sqrt(2)*100", "sqrt(2)/10"),
+        ("a", "100*sin(30)", "sin(pi/6)/10"),
+        ("a", "100*sin(pi/6)", "sin(pi/6)/10"),
+        ("a", "a1*cos(beta + 30)", "a1*cos(beta + pi/6)"),
+        ("a", "a1*1.5", "3*a1/2"),
     ],
 )
-def test_plain_numbers_in_angle_cells_are_degrees(cell: str, radians: str) -> None:
-    assert to_text(robot(f"{{type: revolute, alpha: {cell}}}").joints[0].alpha) == radians
+def test_plain_numbers_are_degrees_in_angle_cells_and_millimetres_in_length_cells(
+    key: str, cell: str, converted: str
+) -> None:
+    assert to_text(getattr(robot(f"{{type: revolute, {key}: {cell}}}").joints[0], key)) == converted
 
 
 def test_the_offset_of_a_variable_is_in_degrees_and_the_variable_in_radians() -> None:
@@ -56,25 +71,6 @@ def test_pi_in_an_angle_cell_in_degrees_is_refused_with_a_hint(key: str, cell: s
 def test_pi_in_limits_in_degrees_is_refused() -> None:
     with pytest.raises(RobotFileError, match="limits entry 2: pi in an angle cell"):
         robot("{type: revolute, limits: [-90, pi]}")
-
-
-@pytest.mark.parametrize(
-    ("cell", "metres"),
-    [
-        ("431.8", "2159/5000"),
-        ("a1", "a1"),
-        ("a1 + 20", "a1 + 1/50"),
-        ("2*a1 - 20", "2*a1 - 1/50"),
-        ("2*(a1 + 20)", "2*a1 + 1/25"),
-        ("sqrt(2)*100", "sqrt(2)/10"),
-        ("100*sin(30)", "sin(pi/6)/10"),
-        ("100*sin(pi/6)", "sin(pi/6)/10"),
-        ("a1*cos(beta + 30)", "a1*cos(beta + pi/6)"),
-        ("a1*1.5", "3*a1/2"),
-    ],
-)
-def test_plain_numbers_in_length_cells_are_millimetres(cell: str, metres: str) -> None:
-    assert to_text(robot(f"{{type: revolute, a: {cell}}}").joints[0].a) == metres
 
 
 def test_limits_follow_the_type_of_the_joint() -> None:
@@ -103,7 +99,6 @@ def test_translations_of_frames_and_centres_of_mass_are_lengths_and_all_else_is_
     link = loaded.links[0]
     assert [to_text(cell) for cell in (link.mass, *link.com, link.inertia.zz)] == ["3", "1/10", "c", "0", "1/2"]
     assert [to_text(cell) for cell in (link.armature, link.viscous)] == ["2", "7"]
-    assert loaded.gravity is not None
     assert to_text(loaded.gravity[2]) == "-981/100"
     assert to_text(dict(loaded.parameters)["L"]) == "2"
 
@@ -122,5 +117,38 @@ def test_parameters_are_radians_even_where_cells_are_degrees() -> None:
 
 def test_gravity_cells_may_use_degrees_in_functions() -> None:
     loaded = robot("{type: revolute}", extra="gravity: [9.81*sin(30), 0, -9.81*cos(30)]\n")
-    assert loaded.gravity is not None
     assert value(loaded.gravity[0]) == pytest.approx(4.905)
+
+
+def cell(text: str) -> Expression:
+    return parse_expression(text, Location("arm.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("text", "radians"),
+    [
+        ("30*t", "pi*t/6"),
+        ("30 + 10*t", "pi/6 + pi*t/18"),
+        ("45*sin(2*t)", "pi/4*sin(2*t)"),
+        ("a + 90*t", "a + pi/2*t"),
+        ("a*t", "a*t"),
+    ],
+)
+def test_terms_of_names_without_a_unit_are_in_the_units_of_the_file(text: str, radians: str) -> None:
+    """The time in a formula is such a name."""
+    found = angle_in_radians(cell(text), FileUnits(degrees=True), frozenset({"t"}))
+    for t in (0.0, 0.7, 2.0):
+        values = {"t": t, "a": 0.4}
+        assert evaluate(found, values) == pytest.approx(evaluate(cell(radians), values), rel=1e-15)
+
+
+def test_joint_values_are_in_the_units_of_the_file() -> None:
+    rows = "joints: [{type: revolute}, {type: prismatic}]\n"
+    head = "name: arm\nconvention: standard\n"
+    robot = Robot.from_text(head + "units: {angle: deg, length: mm}\n" + rows)
+    assert [evaluate(v, {}) for v in joint_values(robot, ["90", "250"])] == pytest.approx([math.pi / 2, 0.25])
+    plain = Robot.from_text(head + rows)
+    assert [evaluate(v, {}) for v in joint_values(plain, ["pi/2", "1/4"])] == pytest.approx([math.pi / 2, 0.25])
+    for texts in (["1"], ["1", "a1"], ["1", "2, 3"]):
+        with pytest.raises(DeriveError):
+            joint_values(plain, texts)

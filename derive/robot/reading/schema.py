@@ -154,12 +154,8 @@ _NAME, _BLOCK = "<name>", "<block>"
 FORMS = (_NAME, "<list>", _BLOCK)
 
 
-def _form_of_style(value: Any) -> str:
-    return _BLOCK if isinstance(value, dict) else _NAME
-
-
-def _form_of_task(value: Any) -> str:
-    return _BLOCK if isinstance(value, list) else _NAME
+def _block_if(kind: type) -> Any:
+    return Discriminator(lambda value: _BLOCK if isinstance(value, kind) else _NAME)
 
 
 class StyleRow(Strict):
@@ -200,9 +196,9 @@ class FigureRow(Strict):
 class InverseRow(Strict):
     """What inverse kinematics is asked for."""
 
-    task: Annotated[
-        Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], Discriminator(_form_of_task)
-    ] = Field(default="pose", description="The whole pose, the position, or some rows of the pose.")
+    task: Annotated[Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], _block_if(list)] = Field(
+        default="pose", description="The whole pose, the position, or some rows of the pose."
+    )
     given: list[Symbol] | None = Field(
         default=None, description="Joint variables that are arguments; default: the joints that are too many."
     )
@@ -237,9 +233,9 @@ class RobotFile(Strict):
         default={}, description="Numbers of symbols, in SI units and radians unless units say otherwise."
     )
     runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
-    style: Annotated[
-        Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], Discriminator(_form_of_style)
-    ] = Field(default=DEFAULT_STYLE, description="How printed expressions are grouped: a name, or a block of options.")
+    style: Annotated[Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], _block_if(dict)] = Field(
+        default=DEFAULT_STYLE, description="How printed expressions are grouped: a name, or a block of options."
+    )
     contraction: Literal["aligned", "opposed"] = Field(
         default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
     )

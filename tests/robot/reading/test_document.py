@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import pytest
 
-from derive.errors import RobotFileError
 from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.reading.document import KeyPath, Node, YamlMapping, YamlScalar, YamlSequence, read_document, read_tree
 
@@ -47,9 +46,3 @@ def test_of_a_corpus_file_only_the_robot_is_kept_at_its_places() -> None:
     document = read_document(b"notes: long\nrobot:\n  name: arm\nexpected: [x]\n", "notes.yaml")
     assert list(document.root.entries) == ["name"]
     assert (document.location(("name",)).line, document.location(("name",)).column) == (3, 9)
-
-
-@pytest.mark.parametrize("text", [b"a: [1", b"a: 1\na: 2\n", b"- 1\n", b"a: &x 1\nb: *x\n", b"\xff\xfe", b""])
-def test_what_is_no_document_is_refused_with_its_file(text: bytes) -> None:
-    with pytest.raises(RobotFileError, match=r"x\.yaml"):
-        read_document(text, "x.yaml")
