@@ -129,7 +129,13 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
         return np.concatenate([curves, _bridges(curves, gap)])
     rest = PlaneMap(plane.point, plane.picture, tuple(j for j in plane.joints if j != turn))
     way = plane.point.ranges[turn]
-    found = [np.zeros((0, 2, 2)), *(_circle(radius, 4 * cells) for radius in _extreme_radii(rest, cells))]
+    # Circles between a polygon inside and one outside: what ends on the circle crosses one of them.
+    angles, found = np.linspace(0.0, TURN, 4 * cells + 1), [np.zeros((0, 2, 2))]
+    points: Array = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points[-1] = points[0]
+    sides = np.stack([points[:-1], points[1:]], axis=1)
+    for radius in _extreme_radii(rest, cells):
+        found += [radius * sides, radius / math.cos(math.pi / (4 * cells)) * sides]
     if not way.full:
         curves = _curves(rest, cells)
         curves = np.concatenate([curves, _bridges(curves, gap), _whole_line(rest)])
@@ -260,15 +266,6 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
         np.stack([a, b], axis=1)[(a >= 0) & (b >= 0)] for a, b in combinations([side.ravel() for side in sides], 2)
     ]
     return ((low + high) / 2)[:, np.concatenate(joined)]
-
-
-def _circle(radius: float, corners: int) -> Array:
-    """A circle between a polygon inside of it and one outside: what ends on the circle crosses one of them."""
-    angle = np.linspace(0.0, TURN, corners + 1)
-    points: Array = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    points[-1] = points[0]
-    sides = np.stack([points[:-1], points[1:]], axis=1)
-    return np.concatenate([radius * sides, radius / math.cos(math.pi / corners) * sides])
 
 
 def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:

@@ -1,7 +1,4 @@
-"""Where the frames of a robot are, in numbers, for figures; symbols without a number get a length or an angle to draw.
-
-The chain is that of the mechanics over floats, or over NumPy arrays for many configurations at once.
-"""
+"""Where the frames of a robot are, in numbers, for figures; symbols without one get a length or an angle to draw."""
 
 from __future__ import annotations
 

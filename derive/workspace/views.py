@@ -109,9 +109,15 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
     if n < 3 or revolute[-3:] != [n - 3, n - 2, n - 1]:
         return None
     # Three last axes through one point, which stands still in the axes of the end effector.
-    centres = [_meeting(arm[-4:-1], axis[-3:]) for arm, axis in zip(origins, axes, strict=True)]
-    places = np.einsum("nji,nj->ni", hands, np.array([c for c, _ in centres]) - origins[:, -1])
-    if max(miss for _, miss in centres) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
+    centres, misses = [], []
+    for arm, axis in zip(origins[:, -4:-1], axes[:, -3:], strict=True):
+        # The point nearest to the axes: least squares of (1 - z z^T) (c - o) = 0.
+        across = np.eye(3) - axis[:, :, None] * axis[:, None, :]
+        right = np.einsum("kij,kj->ki", across, arm).ravel()
+        centres.append(np.linalg.lstsq(across.reshape(-1, 3), right, rcond=None)[0])
+        misses.append(float(np.abs(np.einsum("kij,kj->ki", across, centres[-1] - arm)).max()))
+    places = np.einsum("nji,nj->ni", hands, np.array(centres) - origins[:, -1])
+    if max(misses) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
         return None
     return _wrist(places, point, (n - 3, n - 2, n - 1), _turns_everywhere(point), planar=False)
 
@@ -121,14 +127,6 @@ def _wrist(places: Array, point: ArmPoint, joints: tuple[int, ...], complete: bo
     centre = np.where(np.abs(places[0]) < _SAME * point.size, 0.0, places[0])
     x, y, z = (float(part) for part in centre)
     return Wrist((x, y, z), float(np.linalg.norm(centre)), joints, complete, planar)
-
-
-def _meeting(origins: Array, axes: Array) -> tuple[Array, float]:
-    """The point nearest to some lines, and how far it is from them."""
-    # Least squares of (1 - z z^T) (c - o) = 0 over the lines.
-    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
-    centre = np.linalg.lstsq(across.reshape(-1, 3), np.einsum("kij,kj->ki", across, origins).ravel(), rcond=None)[0]
-    return centre, float(np.abs(np.einsum("kij,kj->ki", across, centre - origins)).max())
 
 
 def _turns_everywhere(point: ArmPoint) -> bool:
@@ -177,27 +175,28 @@ class _Search:
     @cached_property
     def views(self) -> tuple[WorkspaceView, ...]:
         """The pictures with what is reached and what is dexterous."""
-        return tuple(self._view(picture) for picture in self.pictures)
+        found = []
+        for picture in self.pictures:
+            self.tell(str(picture))
+            plane = PlaneMap.of(self.point, picture)
+            reachable, exact = self._reachable(plane)
+            if reachable.region.is_empty:
+                low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
+                line = low + (high - low) * np.linspace(0.0, 1.0, 721)
+                found.append(WorkspaceView(picture, reachable, None, exact, plane.values(line)[0].T))
+                continue
+            postures, numbers = self._postures(plane), tuple[tuple[int, Region], ...]()
+            if reachable.cells and postures is not None and postures.are_counted:
+                numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
+            dexterous = self._dexterous(picture, reachable)
+            by_formula = bool(reachable.cells) and self._with_formulas(plane) is not None
+            found.append(WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula))
+        return tuple(found)
 
     @property
     def revolves(self) -> bool:
         """Whether the workspace is a solid of revolution."""
         return self.point.turn is not None and self.point.ranges[self.point.turn].full
-
-    def _view(self, picture: Picture) -> WorkspaceView:
-        self.tell(str(picture))
-        plane = PlaneMap.of(self.point, picture)
-        reachable, exact = self._reachable(plane)
-        if reachable.region.is_empty:
-            low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
-            line = low + (high - low) * np.linspace(0.0, 1.0, 721)
-            return WorkspaceView(picture, reachable, None, exact, plane.values(line)[0].T)
-        postures, numbers = self._postures(plane), tuple[tuple[int, Region], ...]()
-        if reachable.cells and postures is not None and postures.are_counted:
-            numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
-        dexterous = self._dexterous(picture, reachable)
-        by_formula = bool(reachable.cells) and self._with_formulas(plane) is not None
-        return WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula)
 
     def _postures(self, plane: PlaneMap) -> Postures | None:
         """In how many postures places of a picture are reached; None where it does not show places of the point."""

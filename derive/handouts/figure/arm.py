@@ -1,8 +1,4 @@
-"""The drawing of an arm: shaded joints and links in depth, and what is written on top of them.
-
-These are the axes of the frames with their names, dimension lines with the lengths of the table, and the joint
-variables.
-"""
+"""The drawing of an arm: shaded joints and links in depth, on top of them axes, lengths and joint variables by name."""
 
 from __future__ import annotations
 

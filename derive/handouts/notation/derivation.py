@@ -1,13 +1,9 @@
-"""The derivation of the inverse kinematics as lines of text, of LaTeX and of Python.
-
-Every step says where its equation comes from, prints it, and then what follows: named quantities, the unknown as an
-atan2 with its signs, when it exists and where it is free.
-"""
+"""The derivation of the inverse kinematics as lines of text, of LaTeX and of Python."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import sympy
@@ -90,21 +86,13 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
         if step.exists is not sympy.true:
             real = step.exists  # a relation such as Abs(D) <= 1
             lines.append(f"   real for {write(real.lhs)} {real.rel_op} {write(real.rhs)}")
-        lines += [f"   {text}" for text in _failing(found, step, write)]
+        where = f"if {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
+        if step.fails and step.instead:
+            shown = " and ".join(_equation(equation, write) for equation in step.instead[0])
+            lines.append(f"   {where}, solved by {shown} instead, {_sources(found.robot, step.instead[0])}")
+        elif step.fails:
+            lines.append(f"   arbitrary {where}")
     return lines
-
-
-def _failing(found: InverseKinematics, step: PrintedStep, write: Print) -> Iterator[str]:
-    """Where the equations of a step do not determine its unknown, and what then does."""
-    if not step.fails:
-        return
-    where = f"if {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
-    if not step.instead:
-        yield f"arbitrary {where}"
-        return
-    equations = step.instead[0]
-    shown = " and ".join(_equation(equation, write) for equation in equations)
-    yield f"{where}, solved by {shown} instead, {_sources(found.robot, equations)}"
 
 
 def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
@@ -167,12 +155,8 @@ def reason(found: InverseKinematics, step: PrintedStep) -> str:
             return "given"
         case NodeKind.SUM:
             return "from the angles already found"
-        case NodeKind.GENERAL:
-            return _general_reason(found, step)
-    return _sources(found.robot, step.equations)
-
-
-def _general_reason(found: InverseKinematics, step: PrintedStep) -> str:
+    if step.kind is not NodeKind.GENERAL:
+        return _sources(found.robot, step.equations)
     formula = next(node.formulas[0] for node in found.graph.nodes if node.kind is NodeKind.GENERAL).payload
     hidden, others, eliminated = formula.joints
     (joint,) = step.joints
@@ -191,16 +175,14 @@ def _sources(robot: Robot, equations: Iterable[PrintedEquation]) -> str:
     origins = [origin for equation in equations for origin in equation.origins]
     for matrix, entry in (_place(robot, origin) for origin in origins):
         by_matrix.setdefault(matrix, []).append(entry)
-    text = "; ".join(f"{_listed(tuple(dict.fromkeys(entries)))} {matrix}" for matrix, entries in by_matrix.items())
+    phrases = []
+    for matrix, named in by_matrix.items():
+        entries = tuple(dict.fromkeys(named))
+        if len(entries) > 1 and all(re.fullmatch(r"entry \([\d,]+\)", entry) for entry in entries):
+            entries = ("entries " + " and ".join(entry.removeprefix("entry ") for entry in entries),)
+        phrases.append(f"{' and '.join(entries)} {matrix}")
     eliminated = any(len(equation.origins) > 1 for equation in equations)
-    return f"{text}; another unknown eliminated" if eliminated else text
-
-
-def _listed(entries: tuple[str, ...]) -> str:
-    """``entries (1,4) and (2,4)``."""
-    if len(entries) > 1 and all(re.fullmatch(r"entry \([\d,]+\)", entry) for entry in entries):
-        return f"entries {' and '.join(entry.removeprefix('entry ') for entry in entries)}"
-    return " and ".join(entries)
+    return "; ".join([*phrases, *(["another unknown eliminated"] if eliminated else [])])
 
 
 def _place(robot: Robot, origin: Origin) -> tuple[str, str]:

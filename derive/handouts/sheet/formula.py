@@ -1,7 +1,4 @@
-"""From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot.
-
-Small matrices stand side by side; entries can be copied, and an exercise has blanks in their place.
-"""
+"""From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot."""
 
 from __future__ import annotations
 

@@ -14,10 +14,8 @@ from derive.handouts.sheet.document import (
     Paragraph,
     Rows,
     Section,
-    SheetFormula,
     Steps,
     blocks_of,
-    rows_of,
     spans,
 )
 from derive.handouts.sheet.formula import component_namer, entry_namer, formula, side_by_side, small, textbook
@@ -114,9 +112,3 @@ def test_a_text_has_words_mathematics_and_code() -> None:
 def test_blocks_inside_of_steps_are_blocks_of_the_section() -> None:
     texts = [block.text for block in blocks_of(SECTION) if isinstance(block, Paragraph)]
     assert texts == ["one", "three", "four"]
-
-
-def test_rows_stand_alone_or_in_a_formula() -> None:
-    assert rows_of(ROWS) == (ROWS,)
-    assert rows_of(SheetFormula((ROWS, ROWS))) == (ROWS, ROWS)
-    assert rows_of(SECTION.blocks[1]) == ()
