@@ -7,7 +7,7 @@ Kumar and Waldron, The workspaces of a mechanical manipulator, 1981.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -270,7 +270,26 @@ class _Search:
         if any(view.reachable.region.is_empty for view in self.views):
             return Measure(0.0, 0.0), None
         self.tell("volume")
-        whole = _counted_volume(self.point, self.views)
+        # The places of a box that are reached, spread evenly (Kronecker's sequence), several times.
+        package, top = shapely(), self.views[1]
+        left, near, right, far = top.reachable.region.bounds
+        _, low, _, high = first.reachable.region.bounds
+        corner, sides = np.array([[left], [near], [low]]), np.array([[right - left], [far - near], [high - low]])
+        steps = np.array([[0.8191725133961645], [0.6710436067037893], [0.5497004779019703]])  # powers of 1/1.2207440846
+        space = PlaneMap(self.point, Picture.SPACE, self.point.moving)
+        shares: list[float] = []
+        for k in range(_ESTIMATES):
+            shift = np.random.default_rng(k).random((3, 1))
+            places = corner + sides * ((shift + steps * np.arange(1, _PLACES + 1)) % 1.0)
+            x, y, z = places
+            across = np.hypot(x, y) if first.picture is Picture.SECTION else x
+            inside = package.contains_xy(first.reachable.region, across, z)
+            inside &= package.contains_xy(top.reachable.region, x, y)
+            shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
+        # Twice the standard error of the mean of the estimates.
+        box = float(np.prod(sides))
+        error = 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5
+        whole = Measure(box * float(np.mean(shares)), error)
         return whole, whole if first.dexterous is first.reachable else None
 
 
@@ -285,26 +304,3 @@ def _seen_along_axis(section: Region) -> Region:
         ring = package.Point(0.0, 0.0).buffer(outer, quad_segs=512)
         rings.append(ring.difference(package.Point(0.0, 0.0).buffer(inner, quad_segs=512)) if inner > 0.0 else ring)
     return package.unary_union(rings)
-
-
-def _counted_volume(point: ArmPoint, views: Sequence[WorkspaceView]) -> Measure:
-    """A volume from the places of a box that are reached, spread evenly (Kronecker's sequence), several times."""
-    package = shapely()
-    front, top = views
-    left, near, right, far = top.reachable.region.bounds
-    _, low, _, high = front.reachable.region.bounds
-    corner, sides = np.array([[left], [near], [low]]), np.array([[right - left], [far - near], [high - low]])
-    steps = np.array([[0.8191725133961645], [0.6710436067037893], [0.5497004779019703]])  # powers of 1/1.2207440846
-    space = PlaneMap(point, Picture.SPACE, point.moving)
-    shares: list[float] = []
-    for k in range(_ESTIMATES):
-        shift = np.random.default_rng(k).random((3, 1))
-        places = corner + sides * ((shift + steps * np.arange(1, _PLACES + 1)) % 1.0)
-        x, y, z = places
-        across = np.hypot(x, y) if front.picture is Picture.SECTION else x
-        inside = package.contains_xy(front.reachable.region, across, z)
-        inside &= package.contains_xy(top.reachable.region, x, y)
-        shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
-    # Twice the standard error of the mean of the estimates.
-    box = float(np.prod(sides))
-    return Measure(box * float(np.mean(shares)), 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5)

@@ -29,9 +29,17 @@ def derivation_lines(found: InverseKinematics, form: str, notation: Notation) ->
     notation = with_names(notation, found)
     if form == "latex":
         return derivation_latex(found, SignLatexPrinter(notation, found).latex)
-    if form == "python":
-        return _script(found)
-    return derivation_text(found, SignPrinter(found.robot, notation, pose_names(found)).doprint)
+    if form != "python":
+        return derivation_text(found, SignPrinter(found.robot, notation, pose_names(found)).doprint)
+    # Python, and as comments what has no formula: joints that are given, roots of quartics, eigenvalues.
+    write, texts = PlainPrinter().doprint, iter(derivation_python(found))
+    lines = [next(texts) for _ in found.definitions]
+    for step in found.steps:
+        if not step.lines:
+            lines.append(f"# {write(step.unknown)}: {reason(found, step)}")
+            lines += [f"#   {_equation(equation, write)}" for equation in step.equations]
+        lines += [next(texts) for _ in step.lines]
+    return lines or [f"# {headline(found)}"]
 
 
 def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
@@ -122,18 +130,6 @@ def derivation_python(found: InverseKinematics) -> list[str]:
             parts = {}
         lines.append(f"{write(symbol)} = {write(value)}{''.join(f'  # {sign}: 1 or -1' for sign in line.signs)}")
     return lines
-
-
-def _script(found: InverseKinematics) -> list[str]:
-    """The formulas as Python, and as comments what has none: joints that are given, roots of quartics, eigenvalues."""
-    write, texts = PlainPrinter().doprint, iter(derivation_python(found))
-    lines = [next(texts) for _ in found.definitions]
-    for step in found.steps:
-        if not step.lines:
-            lines.append(f"# {write(step.unknown)}: {reason(found, step)}")
-            lines += [f"#   {_equation(equation, write)}" for equation in step.equations]
-        lines += [next(texts) for _ in step.lines]
-    return lines or [f"# {headline(found)}"]
 
 
 def headline(found: InverseKinematics) -> str:
