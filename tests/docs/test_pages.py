@@ -1,6 +1,5 @@
 """The pages show what a reader gets, the errata what the command finds, the map of the code what is there."""
 
-import ast
 import re
 import subprocess
 from pathlib import Path
@@ -155,8 +154,8 @@ def test_the_map_answers_at_least_thirty_questions() -> None:
 
 @pytest.mark.parametrize(("question", "file", "name"), ROW.findall(MAP))
 def test_every_answer_of_the_map_is_there(question: str, file: str, name: str) -> None:
-    tree = ast.parse((ROOT / file).read_text(encoding="utf-8"))
-    assert name in set(defined(tree)), question
+    defined = re.compile(rf"^ *(?:def|class) {name}\b|^{name}(?::| =)", re.MULTILINE)
+    assert defined.search((ROOT / file).read_text(encoding="utf-8")), question
 
 
 @pytest.mark.parametrize("text", [MAP, RECIPES], ids=["architecture", "contributing"])
@@ -172,16 +171,6 @@ def test_every_place_that_is_named_exists(text: str) -> None:
 def test_every_folder_of_the_package_is_on_the_map() -> None:
     folders = {path.name for path in (ROOT / "derive").iterdir() if (path / "__init__.py").exists()}
     assert not [folder for folder in sorted(folders) if f"`derive/{folder}/`" not in MAP]
-
-
-def defined(tree: ast.Module) -> list[str]:
-    found = [node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.ClassDef)]
-    for node in tree.body:
-        targets = (
-            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
-        )
-        found += [target.id for target in targets if isinstance(target, ast.Name)]
-    return found
 
 
 def test_every_decision_stands_in_the_index() -> None:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from itertools import accumulate
 from typing import Any
 
 import sympy
@@ -172,13 +173,8 @@ def omitted(item: Item, word: str, *, comma: bool = False) -> Box:
 def _within(sizes: Sequence[int], longest: int, total: int) -> list[int]:
     """Indices of what is not empty and within the budget, the shortest first until it is used up, in their order."""
     wanted = sorted((size, index) for index, size in enumerate(sizes) if 0 < size <= longest)
-    chosen, used = [], 0
-    for size, index in wanted:
-        used += size
-        if used > total:
-            break
-        chosen.append(index)
-    return sorted(chosen)
+    used = accumulate(size for size, _ in wanted)
+    return sorted(index for (_, index), so_far in zip(wanted, used, strict=True) if so_far <= total)
 
 
 def _with_shared_brackets_named(expressions: Sequence[Any]) -> tuple[list[Definition], list[Any]]:

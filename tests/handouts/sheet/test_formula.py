@@ -74,15 +74,12 @@ NAMES = [name for name in dir(macros(TEMPLATE)) if not name.startswith("_")]
 FLAGS = ("rotors", "armatures", "friction", "revolute", "prismatic")
 
 
-def template_arguments(name: str, flag: bool) -> dict[str, object]:
-    names = getattr(macros(TEMPLATE), name).arguments
-    return {argument: ("word" if flag else "") if argument in FLAGS else "X" for argument in names}
-
-
 @pytest.mark.parametrize("flag", [True, False])
 @pytest.mark.parametrize("name", NAMES)
 def test_every_formula_is_balanced(name: str, flag: bool) -> None:
-    lines = textbook(name, **template_arguments(name, flag)).lines
+    names = getattr(macros(TEMPLATE), name).arguments
+    given = {argument: ("word" if flag else "") if argument in FLAGS else "X" for argument in names}
+    lines = textbook(name, **given).lines
     assert lines or (name == "link_jacobians" and not flag)
     for line in lines:
         plain = re.sub(r"\\[{}]", "", line)
