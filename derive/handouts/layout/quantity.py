@@ -18,7 +18,7 @@ from typing import Any
 import sympy
 
 from derive.handouts.layout.lines import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import Box, concatenate, italic, joined, magnitude
+from derive.handouts.notation.pieces import EMPTY, Box, concatenate, italic, joined, magnitude
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.model.entries import Entries
@@ -70,6 +70,7 @@ class LaidOut:
     values: tuple[tuple[Box, Any], ...] = ()  # names and expressions of the printed entries
     # Left sides without their values, for an exercise; none where something is too long to print.
     blanks: tuple[str, ...] = ()
+    box: Box = EMPTY  # of a small matrix, which may share its line: ``symbol = [...]``
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,8 +27,17 @@ LONGEST_PAIR = 12  # operations of two arcs half a turn apart that are both writ
 def derivation_lines(found: InverseKinematics, form: str, notation: Notation) -> list[str]:
     """The derivation as lines."""
     notation = with_names(notation, found)
-    if form == "latex":
-        return derivation_latex(found, SignLatexPrinter(notation, found).latex)
+    if form == "latex":  # the formulas as rows of an ``aligned`` environment
+        tex = SignLatexPrinter(notation, found).latex
+        rows = [_equation(condition, tex).replace("=", "&=", 1) for condition in found.conditions]
+        rows += [formula(line, tex, " &= ", " \\text{ or } ", " + \\pi") for line in found.definitions]
+        for step in found.steps:
+            if not step.lines:
+                rows += [_equation(equation, tex).replace("=", "&=", 1) for equation in step.equations]
+            rows += [formula(line, tex, " &= ", " \\text{ or } ", " + \\pi") for line in step.lines]
+        if not rows:
+            return [f"% {headline(found)}", *(f"% {step.unknown}: {reason(found, step)}" for step in found.steps)]
+        return ["\\begin{aligned}", *(f"  {row} \\\\" for row in rows), "\\end{aligned}"]
     if form != "python":
         return derivation_text(found, SignPrinter(found.robot, notation, pose_names(found)).doprint)
     # Python, and as comments what has no formula: joints that are given, roots of quartics, eigenvalues.
@@ -101,20 +110,6 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
         elif step.fails:
             lines.append(f"   arbitrary {where}")
     return lines
-
-
-def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
-    """The formulas as rows of an ``aligned`` environment."""
-    rows = [_equation(condition, write).replace("=", "&=", 1) for condition in found.conditions]
-    rows += [formula(line, write, " &= ", " \\text{ or } ", " + \\pi") for line in found.definitions]
-    for step in found.steps:
-        if not step.lines:
-            rows += [_equation(equation, write).replace("=", "&=", 1) for equation in step.equations]
-        rows += [formula(line, write, " &= ", " \\text{ or } ", " + \\pi") for line in step.lines]
-    body = [f"  {row} \\\\" for row in rows]
-    if not body:
-        return [f"% {headline(found)}", *(f"% {step.unknown}: {reason(found, step)}" for step in found.steps)]
-    return ["\\begin{aligned}", *body, "\\end{aligned}"]
 
 
 def derivation_python(found: InverseKinematics) -> list[str]:

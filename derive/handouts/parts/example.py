@@ -10,7 +10,7 @@ from fractions import Fraction
 
 from derive.errors import ExpressionError
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import EMPTY, MINUS_WIDTH, Box, TexPiece, concatenate, italic, magnitude, script
+from derive.handouts.notation.pieces import EMPTY, Box, TexPiece, concatenate, italic, magnitude, minus, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula
@@ -146,7 +146,7 @@ def _cleaned(rows: Values) -> list[list[float]]:
 def _number(context: Context, value: float) -> Box:
     rounded = Fraction(f"{value:.{_DIGITS}g}")
     size = magnitude(rounded, decimals=True, digits=_DIGITS, comma=context.notation.comma)
-    return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
+    return minus(size) if rounded < 0 else size
 
 
 def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> SheetFormula:

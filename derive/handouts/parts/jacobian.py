@@ -13,12 +13,12 @@ from functools import cached_property, partial
 
 from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import BINARY_WIDTH, MINUS_WIDTH, Box, bracketed, concatenate, italic, script
+from derive.handouts.notation.pieces import BINARY_WIDTH, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.orientation import euler_names
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
-from derive.handouts.sheet.formula import Small, component_namer, formula, side_by_side, small, textbook
+from derive.handouts.sheet.formula import component_namer, formula, side_by_side, small, textbook
 
 _UPPER = (1, 2, 3)
 _ALL = (1, 2, 3, 4, 5, 6)
@@ -31,7 +31,7 @@ class Vector:
     """A vector of a step."""
 
     box: Box  # ``symbol = ...`` without its entries, where these are too long
-    small: Small | None = None  # the vector with its entries; None where these are too wide
+    small: LaidOut | None = None  # the vector with its entries; None where these are too wide
     # Its entries one by one, in that case; None where these are too long, or stand elsewhere.
     entries: LaidOut | None = None
 
@@ -194,8 +194,7 @@ class _JointAxes:
 def halves(index: str, *, is_revolute: bool = True, is_opposed: bool = False) -> tuple[Box, Box]:
     """Linear and angular half of a column, by z and o of the frame with that index."""
     z, o = (script(bold(letter), italic(index)) for letter in "zo")
-    if is_opposed:
-        z = concatenate(Box("-", MINUS_WIDTH), z)
+    z = minus(z) if is_opposed else z
     if not is_revolute:
         return z, _ZERO
     return concatenate(z, _CROSS, bracketed(bold("p"), Box(" - ", BINARY_WIDTH), o)), z

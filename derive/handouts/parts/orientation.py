@@ -14,7 +14,6 @@ from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import (
     BINARY_WIDTH,
     BRACKET_WIDTH,
-    MINUS_WIDTH,
     Box,
     Break,
     TexPiece,
@@ -22,6 +21,7 @@ from derive.handouts.notation.pieces import (
     fraction,
     greek,
     italic,
+    minus,
     operator,
     script,
     upright,
@@ -75,8 +75,8 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     )
     task = _("Find roll, pitch and yaw of the end effector.")
     if not _terms(context, (1, 1), (2, 1)):
-        upright_pitch = (TexPiece(_minus(concatenate(_RIGHT_ANGLE, t(3, 1)))),)
-        angles: Angles = ((TexPiece(italic("0")),), upright_pitch, _atan2(_minus(t(1, 2)), t(2, 2)))
+        upright_pitch = (TexPiece(minus(concatenate(_RIGHT_ANGLE, t(3, 1)))),)
+        angles: Angles = ((TexPiece(italic("0")),), upright_pitch, _atan2(minus(t(1, 2)), t(2, 2)))
         yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy, task)
         yield context.answer(
             "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
@@ -86,7 +86,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
             yaw=yaw,
         )
         return
-    by_sine = _atan2(_minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
+    by_sine = _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
     angles = _atan2(t(3, 2), t(3, 3)), by_sine, _atan2(t(2, 1), t(1, 1))
     used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
     yield from _angles(context, names, angles, used, context.entries.rpy, task)
@@ -138,7 +138,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         )
         return
     by_cosine = _atan2(_root(t(1, 3), t(2, 3)), cosine)
-    angles = _atan2(t(2, 3), t(1, 3)), by_cosine, _atan2(t(3, 2), _minus(t(3, 1)))
+    angles = _atan2(t(2, 3), t(1, 3)), by_cosine, _atan2(t(3, 2), minus(t(3, 1)))
     used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
     yield from _angles(context, names, angles, used, context.entries.euler_zyz, task)
     if not _terms(context, (3, 3)):
@@ -186,10 +186,6 @@ def _angles(
 def _terms(context: Context, *places: Place) -> int:
     """Number of terms of some entries of T together; 0 if they vanish in every configuration."""
     return sum(context.entries.T.terms(*place) for place in places)
-
-
-def _minus(box: Box) -> Box:
-    return concatenate(Box("-", MINUS_WIDTH), box)
 
 
 def _root(first: Box, second: Box) -> Box:
