@@ -268,6 +268,7 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
     q = np.stack([part.ravel() for part in np.meshgrid(*grids, indexing="ij")])
     shape = tuple(len(grid) for grid in grids)
     radius = np.hypot(*plane.values(q)[0]).reshape(shape)
+    around = np.stack(np.meshgrid(*[(-1.0, -0.5, 0.0, 0.5, 1.0)] * len(grids), indexing="ij")).reshape(len(grids), -1)
     found: list[float] = []
     for sign in (1.0, -1.0):
         # Configurations of the grid that are nearest (farthest) among their neighbours, refined below.
@@ -278,21 +279,16 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
                 if not way.full:
                     np.moveaxis(beside, k, 0)[0 if step > 0 else -1] = np.inf  # what was rolled around
                 lowest &= sign * radius <= beside + 1e-12 * plane.point.size
-        found += list(_lowest_nearby(plane, q[:, lowest.ravel()], sign, [float(np.ptp(g)) / cells for g in grids]))
+        # The smallest of sign*radius around them, by looking around in ever smaller steps.
+        near, size = q[:, lowest.ravel()], np.array([[float(np.ptp(g)) / cells] for g in grids])
+        rows, best = np.arange(near.shape[1]), np.zeros(near.shape[1])
+        for _ in range(_ZOOMS):
+            tried = plane.inside((near[:, :, None] + (size * around)[:, None, :]).reshape(len(size), -1))
+            distance = np.hypot(*plane.values(tried)[0]).reshape(near.shape[1], -1)
+            chosen = np.argmin(sign * distance, axis=1)
+            best = distance[rows, chosen]
+            near = tried.reshape(len(size), near.shape[1], -1)[:, rows, chosen]
+            size = size * 0.6
+        found += list(best)
     # Radii of one circle from different configurations are one.
     return sorted({round(r / plane.point.size / _ALIKE) * _ALIKE * plane.point.size for r in found if r > 0.0})
-
-
-def _lowest_nearby(plane: PlaneMap, q: Array, sign: float, steps: list[float]) -> Array:
-    """The smallest of sign*radius around configurations, by looking around in ever smaller steps."""
-    around = np.stack(np.meshgrid(*[(-1.0, -0.5, 0.0, 0.5, 1.0)] * len(steps), indexing="ij")).reshape(len(steps), -1)
-    size, best = np.array(steps)[:, None], np.zeros(q.shape[1])
-    for _ in range(_ZOOMS):
-        tried = plane.inside((q[:, :, None] + (size * around)[:, None, :]).reshape(len(steps), -1))
-        radius = np.hypot(*plane.values(tried)[0]).reshape(q.shape[1], -1)
-        chosen = np.argmin(sign * radius, axis=1)
-        rows = np.arange(q.shape[1])
-        best = radius[rows, chosen]
-        q = tried.reshape(len(steps), q.shape[1], -1)[:, rows, chosen]
-        size = size * 0.6
-    return best
