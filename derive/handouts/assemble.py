@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
 
 from derive.errors import DeriveError
 from derive.handouts.parts.bodies import energies, has_rotors, inertia, link_jacobians
@@ -28,13 +27,8 @@ from derive.robot.robot import Robot
 from derive.version import __version__
 from derive.workspace.poses import RobotPoses
 
-
-class HandoutPart(NamedTuple):
-    """A part of the handout."""
-
-    title: str  # its heading
-    blocks: Callable[[Context], Iterable[Block]]  # its content; nothing where the robot has nothing to show
-    needs_closed_dynamics: bool = False  # whether it is left out where the closed form of the dynamics is not derived
+# Left out where the closed form of the dynamics is not derived.
+CLOSED_FORMS = ("link-jacobians", "energies", "christoffel", "coriolis", "skew", "gravity", "motion", "newton-euler")
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
@@ -51,37 +45,37 @@ def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
 def section_of(context: Context, name: str) -> Section | None:
     """One part; None where the robot has nothing to show there."""
     _ = context.text
-    of_motors = has_rotors(context.robot)
-    parts = {
-        "figure": HandoutPart(_("The arm"), arm),
-        "table": HandoutPart(_("Denavit-Hartenberg table"), dh_table),
-        "convention": HandoutPart(_("Convention"), convention),
-        "parameters": HandoutPart(_("Parameters"), parameters),
-        "transforms": HandoutPart(_("Transforms between successive frames"), transforms),
-        "conversion": HandoutPart(_("The other convention"), conversion),
-        "kinematics": HandoutPart(_("End effector"), end_effector),
-        "orientation": HandoutPart(_("Position and orientation"), orientation),
-        "jacobian": HandoutPart(_("Geometric Jacobian"), jacobian),
-        "singularities": HandoutPart(_("Singularities"), singularities),
-        "inverse": HandoutPart(_("Inverse kinematics"), inverse),
-        "link-jacobians": HandoutPart(
-            _("Jacobians of links and motors") if of_motors else _("Jacobians of links"), link_jacobians, True
+    parts: dict[str, tuple[str, Callable[[Context], Iterable[Block]]]] = {  # heading, and what makes the content
+        "figure": (_("The arm"), arm),
+        "table": (_("Denavit-Hartenberg table"), dh_table),
+        "convention": (_("Convention"), convention),
+        "parameters": (_("Parameters"), parameters),
+        "transforms": (_("Transforms between successive frames"), transforms),
+        "conversion": (_("The other convention"), conversion),
+        "kinematics": (_("End effector"), end_effector),
+        "orientation": (_("Position and orientation"), orientation),
+        "jacobian": (_("Geometric Jacobian"), jacobian),
+        "singularities": (_("Singularities"), singularities),
+        "inverse": (_("Inverse kinematics"), inverse),
+        "link-jacobians": (
+            _("Jacobians of links and motors") if has_rotors(context.robot) else _("Jacobians of links"),
+            link_jacobians,
         ),
-        "energies": HandoutPart(_("Energies"), energies, True),
-        "inertia": HandoutPart(_("Inertia matrix"), inertia),
-        "christoffel": HandoutPart(_("Christoffel symbols"), christoffel, True),
-        "coriolis": HandoutPart(_("Coriolis matrix"), coriolis, True),
-        "skew": HandoutPart(_("Skew symmetry"), skew, True),
-        "gravity": HandoutPart(_("Gravity"), gravity, True),
-        "motion": HandoutPart(_("Equations of motion"), equations_of_motion, True),
-        "newton-euler": HandoutPart(_("Newton-Euler recursion"), newton_euler, True),
-        "example": HandoutPart(_("Example in numbers"), example),
+        "energies": (_("Energies"), energies),
+        "inertia": (_("Inertia matrix"), inertia),
+        "christoffel": (_("Christoffel symbols"), christoffel),
+        "coriolis": (_("Coriolis matrix"), coriolis),
+        "skew": (_("Skew symmetry"), skew),
+        "gravity": (_("Gravity"), gravity),
+        "motion": (_("Equations of motion"), equations_of_motion),
+        "newton-euler": (_("Newton-Euler recursion"), newton_euler),
+        "example": (_("Example in numbers"), example),
     }
-    part = parts[name]
-    if part.needs_closed_dynamics and not context.has_closed_dynamics:
+    title, make = parts[name]
+    if name in CLOSED_FORMS and not context.has_closed_dynamics:
         return None
-    blocks = tuple(part.blocks(context))
-    return Section(name, part.title, blocks) if blocks else None
+    blocks = tuple(make(context))
+    return Section(name, title, blocks) if blocks else None
 
 
 def document(context: Context) -> Document:

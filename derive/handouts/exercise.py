@@ -12,19 +12,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from derive.handouts.sheet.document import (
-    Blank,
-    Block,
-    Document,
-    Figure,
-    Gap,
-    Paragraph,
-    Rows,
-    Section,
-    SheetFormula,
-    Steps,
-    Table,
-)
+from derive.handouts.sheet.document import Blank, Block, Document, Gap, Paragraph, Section, SheetFormula, Steps
 from derive.handouts.sheet.language import Text
 
 _LEAST_LINES = 2.0  # lines of room for one answer
@@ -56,8 +44,18 @@ class _Question:
 
     def blank(self, text: Text) -> Blank:
         """The question with room for its answers."""
-        gaps = tuple(gap for formula in self.formulas for gap in _gaps(formula))
-        return Blank(f"{self.number}.", self.formulas[0].task, f"({_points(self.points, text)})", gaps)
+        gaps: list[Gap] = []
+        for formula in self.formulas:
+            lines, count = _lines(formula), len(formula.blanks)
+            # Answers that share lines in print share them in the exercise, two on each.
+            if lines and len(lines) < count:
+                each = max(_LEAST_LINES, _HANDWRITING * max(map(_rows, lines)))
+                gaps += [Gap(name, each, is_half=True) for name in formula.blanks]
+                continue
+            room = max(_HANDWRITING * sum(map(_rows, lines)), _symbols(formula) / _SYMBOLS_OF_A_LINE)
+            each = max(_LEAST_LINES, min(_MOST_LINES / count, room / count))
+            gaps += [Gap(name, each if name else max(_LEAST_OPEN, each)) for name in formula.blanks]
+        return Blank(f"{self.number}.", self.formulas[0].task, f"({_points(self.points, text)})", tuple(gaps))
 
 
 def exercise(document: Document, text: Text) -> Document:
@@ -97,7 +95,7 @@ def _asked(document: Document) -> Iterator[tuple[Section, Sequence[Block | _Ques
     for section in document.sections:
         items: list[Block | _Question] = []
         for block in section.blocks:
-            if isinstance(block, Steps) or (isinstance(block, Paragraph | Rows | Table | Figure) and block.is_answer):
+            if isinstance(block, Steps) or getattr(block, "is_answer", False):
                 continue
             if not isinstance(block, SheetFormula):
                 items.append(block)
@@ -118,17 +116,6 @@ def _asked(document: Document) -> Iterator[tuple[Section, Sequence[Block | _Ques
 def _leads_in(item: Block | _Question) -> bool:
     """Whether a paragraph is the beginning of a sentence that ends with a formula."""
     return isinstance(item, Paragraph) and item.text.endswith(":")
-
-
-def _gaps(formula: SheetFormula) -> list[Gap]:
-    """Room for the answers of one formula; those that share lines in print share them in the exercise, two on each."""
-    lines, count = _lines(formula), len(formula.blanks)
-    if lines and len(lines) < count:
-        each = max(_LEAST_LINES, _HANDWRITING * max(map(_rows, lines)))
-        return [Gap(name, each, is_half=True) for name in formula.blanks]
-    room = max(_HANDWRITING * sum(map(_rows, lines)), _symbols(formula) / _SYMBOLS_OF_A_LINE)
-    each = max(_LEAST_LINES, min(_MOST_LINES / count, room / count))
-    return [Gap(name, each if name else max(_LEAST_OPEN, each)) for name in formula.blanks]
 
 
 def _rows(line: str) -> int:

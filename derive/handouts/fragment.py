@@ -62,11 +62,11 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str =
     return fragment(section, context.text, name=name, robot=robot.name, version=context.version, width=width)
 
 
-def _asked(context: Context, name: str) -> tuple[Quantity, tuple[int, ...], tuple[int, ...] | None]:
-    """What a name asks for, in the words of `derive.model.quantity_names`; what is none may be meant for a part."""
+def _quantity(context: Context, name: str) -> Section:
+    """A section that holds one quantity, as the handout prints it where it does."""
     try:
-        return parse(context.entries.model, name)
-    except QuantityError as error:
+        row, indices, entry = parse(context.entries.model, name)
+    except QuantityError as error:  # what is no quantity may be meant for a part
         word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
         part = near_miss(word, PARTS)
         if error.remedy and not part:
@@ -76,11 +76,6 @@ def _asked(context: Context, name: str) -> tuple[Quantity, tuple[int, ...], tupl
             allowed=f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
             remedy=part or near_miss(word, REGISTRY),
         ) from None
-
-
-def _quantity(context: Context, name: str) -> Section:
-    """A section that holds one quantity, as the handout prints it where it does."""
-    row, indices, entry = _asked(context, name)
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
     if row.name == "inverse" and entry is None:

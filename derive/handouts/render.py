@@ -106,10 +106,9 @@ def handout_files(
 
 def _arm(context: Context) -> Viewer | None:
     """The arm to move where it can be drawn."""
-    from derive.handouts.figure.planar import plane_normal
+    from derive.handouts.figure.projection import plane_normal
     from derive.handouts.figure.scene import arm_scene
-    from derive.handouts.page.target import dragging
-    from derive.handouts.page.viewer import FUNCTIONS, symbol_values, viewer
+    from derive.handouts.page.viewer import FUNCTIONS, dragging, symbol_values, viewer
 
     if context.poses is None:
         return None

@@ -25,7 +25,7 @@ from derive.arrays import Array
 from derive.errors import DeriveError
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.robot.evaluate import to_float
-from derive.workspace.point import TURN, ArmPoint, Picture, PlaneMap
+from derive.workspace.point import TURN, Picture, PlaneMap
 
 Determinant = Callable[[Array, Array], Array]  # a function of two joint variables, zero where the map folds
 MAX_TERMS = 3_000  # determinants with more terms are followed in floats, not as exact factors
@@ -56,7 +56,21 @@ def _exact_factors(plane: PlaneMap) -> Iterator[Determinant]:
     """The factors of det (w, J_u, J_v): w is the column of the joint that turns in a section, else the axis."""
     point, turn = plane.point, plane.point.turn
     domain = PolynomialDomain(point.poses.robot, rates=False, max_terms=MAX_TERMS)
-    columns, kinematics = _exact_columns(point, domain)
+    kinematics = Kinematics(point.poses.robot, domain)
+    n, everything = point.poses.robot.n, tuple(range(point.poses.robot.n))
+    # The point is the end effector's origin or that of a frame before it: which one, is told by its columns of J_v in
+    # floats at three configurations.
+    q = point.random(3, everything, seed=5)
+    wanted = np.einsum("ij,jkn->ikn", point.axis[0], point.motion(q, everything)[1])
+    whole = PlaneMap(point, Picture.SIDE, everything)
+    for place in (kinematics.end.position, *(kinematics.frame(i).position for i in range(n, max(n - 4, 0), -1))):
+        columns = kinematics.linear_columns(place)
+        values = [[_evaluated(entry, domain, whole, *q) for entry in column] for column in columns]
+        found = np.stack([[np.broadcast_to(x, q.shape[1:]) for x in column] for column in values], axis=1)
+        if np.abs(found - wanted).max() <= 1e-9 * point.size:
+            break
+    else:
+        raise DeriveError("the point is no origin of a frame")
     if plane.picture is Picture.SIDE or turn is None:
         raise DeriveError("the plane of the picture has no exact normal")
     # In a section distances from the axis and heights count, whatever the turn of the first joint does: the picture
@@ -69,24 +83,6 @@ def _exact_factors(plane: PlaneMap) -> Iterator[Determinant]:
     for factor in Factoring(domain).factors(product):
         if any(domain.derivative(factor.value, j) for j in plane.joints):
             yield partial(_evaluated, factor.value, domain, plane)
-
-
-def _exact_columns(point: ArmPoint, domain: PolynomialDomain) -> tuple[list[tuple[Polynomial, ...]], Kinematics]:
-    """Columns of J_v of the point, which is the end effector's origin or that of a frame before it."""
-    kinematics = Kinematics(point.poses.robot, domain)
-    n, everything = point.poses.robot.n, tuple(range(point.poses.robot.n))
-    # Which frame's origin the point is, is told by its columns of J in floats at three configurations.
-    q = point.random(3, everything, seed=5)
-    rotation, _ = point.axis
-    wanted = np.einsum("ij,jkn->ikn", rotation, point.motion(q, everything)[1])
-    for place in (kinematics.end.position, *(kinematics.frame(i).position for i in range(n, max(n - 4, 0), -1))):
-        columns = kinematics.linear_columns(place)
-        whole = PlaneMap(point, Picture.SIDE, everything)
-        values = [[_evaluated(entry, domain, whole, *q) for entry in column] for column in columns]
-        found = np.stack([[np.broadcast_to(x, q.shape[1:]) for x in column] for column in values], axis=1)
-        if np.abs(found - wanted).max() <= 1e-9 * point.size:
-            return list(columns), kinematics
-    raise DeriveError("the point is no origin of a frame")
 
 
 def _evaluated(p: Polynomial, domain: PolynomialDomain, plane: PlaneMap, *q: Array) -> Array:
@@ -129,25 +125,27 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
         return np.concatenate([curves, _bridges(curves, gap)])
     rest = PlaneMap(plane.point, plane.picture, tuple(j for j in plane.joints if j != turn))
     way = plane.point.ranges[turn]
-    found = [np.zeros((0, 2, 2)), *(_circle(radius, 4 * cells) for radius in _extreme_radii(rest, cells))]
+    # Circles between a polygon inside and one outside: what ends on the circle crosses one of them.
+    angles, found = np.linspace(0.0, TURN, 4 * cells + 1), [np.zeros((0, 2, 2))]
+    points: Array = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points[-1] = points[0]
+    sides = np.stack([points[:-1], points[1:]], axis=1)
+    for radius in _extreme_radii(rest, cells):
+        found += [radius * sides, radius / math.cos(math.pi / (4 * cells)) * sides]
     if not way.full:
         curves = _curves(rest, cells)
-        curves = np.concatenate([curves, _bridges(curves, gap), _whole_line(rest)])
+        curves = np.concatenate([curves, _bridges(curves, gap)])
+        places = rest.places(rest.point.random(64, rest.joints))
+        middle = places.mean(axis=1)
+        directions, spread, _ = np.linalg.svd(places - middle[:, None], full_matrices=False)
+        # An arm that is seen from its edge has no fold: the line of all its places; more cells do no harm.
+        if spread[1] <= _ALIKE * rest.point.size:
+            along = 3.0 * rest.point.size * directions[:, 0]
+            curves = np.concatenate([curves, [[middle - along, middle + along]]])
         for angle in (way.lower, way.upper):
             c, s = math.cos(angle), math.sin(angle)
             found.append(curves @ np.array([[c, -s], [s, c]]).T)
     return np.concatenate(found)
-
-
-def _whole_line(plane: PlaneMap) -> Array:
-    """The line of all places of an arm that is seen from its edge, and has no fold; more cells do no harm."""
-    places = plane.places(plane.point.random(64, plane.joints))
-    middle = places.mean(axis=1)
-    directions, spread, _ = np.linalg.svd(places - middle[:, None], full_matrices=False)
-    if spread[1] > _ALIKE * plane.point.size:
-        return np.zeros((0, 2, 2))
-    along = 3.0 * plane.point.size * directions[:, 0]
-    return np.stack([middle - along, middle + along])[None]
 
 
 def _bridges(segments: Array, gap: float) -> Array:
@@ -262,15 +260,6 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     return ((low + high) / 2)[:, np.concatenate(joined)]
 
 
-def _circle(radius: float, corners: int) -> Array:
-    """A circle between a polygon inside of it and one outside: what ends on the circle crosses one of them."""
-    angle = np.linspace(0.0, TURN, corners + 1)
-    points: Array = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    points[-1] = points[0]
-    sides = np.stack([points[:-1], points[1:]], axis=1)
-    return np.concatenate([radius * sides, radius / math.cos(math.pi / corners) * sides])
-
-
 def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
     """Distances from the axis that are smallest or largest among those of configurations nearby."""
     if not plane.joints:
@@ -279,6 +268,7 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
     q = np.stack([part.ravel() for part in np.meshgrid(*grids, indexing="ij")])
     shape = tuple(len(grid) for grid in grids)
     radius = np.hypot(*plane.values(q)[0]).reshape(shape)
+    around = np.stack(np.meshgrid(*[(-1.0, -0.5, 0.0, 0.5, 1.0)] * len(grids), indexing="ij")).reshape(len(grids), -1)
     found: list[float] = []
     for sign in (1.0, -1.0):
         # Configurations of the grid that are nearest (farthest) among their neighbours, refined below.
@@ -289,21 +279,16 @@ def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:
                 if not way.full:
                     np.moveaxis(beside, k, 0)[0 if step > 0 else -1] = np.inf  # what was rolled around
                 lowest &= sign * radius <= beside + 1e-12 * plane.point.size
-        found += list(_lowest_nearby(plane, q[:, lowest.ravel()], sign, [float(np.ptp(g)) / cells for g in grids]))
+        # The smallest of sign*radius around them, by looking around in ever smaller steps.
+        near, size = q[:, lowest.ravel()], np.array([[float(np.ptp(g)) / cells] for g in grids])
+        rows, best = np.arange(near.shape[1]), np.zeros(near.shape[1])
+        for _ in range(_ZOOMS):
+            tried = plane.inside((near[:, :, None] + (size * around)[:, None, :]).reshape(len(size), -1))
+            distance = np.hypot(*plane.values(tried)[0]).reshape(near.shape[1], -1)
+            chosen = np.argmin(sign * distance, axis=1)
+            best = distance[rows, chosen]
+            near = tried.reshape(len(size), near.shape[1], -1)[:, rows, chosen]
+            size = size * 0.6
+        found += list(best)
     # Radii of one circle from different configurations are one.
     return sorted({round(r / plane.point.size / _ALIKE) * _ALIKE * plane.point.size for r in found if r > 0.0})
-
-
-def _lowest_nearby(plane: PlaneMap, q: Array, sign: float, steps: list[float]) -> Array:
-    """The smallest of sign*radius around configurations, by looking around in ever smaller steps."""
-    around = np.stack(np.meshgrid(*[(-1.0, -0.5, 0.0, 0.5, 1.0)] * len(steps), indexing="ij")).reshape(len(steps), -1)
-    size, best = np.array(steps)[:, None], np.zeros(q.shape[1])
-    for _ in range(_ZOOMS):
-        tried = plane.inside((q[:, :, None] + (size * around)[:, None, :]).reshape(len(steps), -1))
-        radius = np.hypot(*plane.values(tried)[0]).reshape(q.shape[1], -1)
-        chosen = np.argmin(sign * radius, axis=1)
-        rows = np.arange(q.shape[1])
-        best = radius[rows, chosen]
-        q = tried.reshape(len(steps), q.shape[1], -1)[:, rows, chosen]
-        size = size * 0.6
-    return best

@@ -1,7 +1,4 @@
-"""Where the frames of a robot are, in numbers, for figures; symbols without a number get a length or an angle to draw.
-
-The chain is that of the mechanics over floats, or over NumPy arrays for many configurations at once.
-"""
+"""Where the frames of a robot are, in numbers, for figures; symbols without one get a length or an angle to draw."""
 
 from __future__ import annotations
 
@@ -45,7 +42,16 @@ class RobotPoses:
         known = parameter_values(self.robot)
         known |= {name: to_float(value, known) for name, value in robot.figure.values}
         missing = [name for name in robot_symbols(self.robot) if name not in known]
-        angles, unit = _angle_names(self.robot), _longest(self.robot, known)
+        # Symbols of angles: in cells theta and alpha, or under a sine, cosine or tangent anywhere else.
+        joints, unit = self.robot.joints, _longest(self.robot, known)
+        angles = {name for joint in joints for cell in (joint.theta, joint.alpha) for name in names(cell)}
+        pending = [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
+        pending += [cell for joint in joints for cell in (joint.d, joint.a)]
+        while pending:
+            node = pending.pop()
+            if isinstance(node, Call) and node.function in _TRIGONOMETRIC:
+                angles |= set(names(node))
+            pending += children(node)
         for pattern in PATTERNS:
             lengths = cycle(float(f"{unit * length:.1g}") for length in pattern)
             assumed = {name: ASSUMED_ANGLE if name in angles else next(lengths) for name in missing}
@@ -184,19 +190,3 @@ def _longest(robot: Robot, known: Numbers) -> float:
     cells = (cell for joint in robot.joints for cell in (joint.d, joint.a))
     lengths = (abs(to_float(cell, known)) for cell in cells if all(name in known for name in names(cell)))
     return max(lengths, default=0.0) or 1.0
-
-
-def _angle_names(robot: Robot) -> set[str]:
-    """Symbols of angles: in cells theta and alpha, or under a sine, cosine or tangent anywhere else."""
-    cells = [cell for joint in robot.joints for cell in (joint.theta, joint.alpha)]
-    found = {name for cell in cells for name in names(cell)}
-    pending = [
-        *(cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row),
-        *(cell for joint in robot.joints for cell in (joint.d, joint.a)),
-    ]
-    while pending:
-        node = pending.pop()
-        if isinstance(node, Call) and node.function in _TRIGONOMETRIC:
-            found |= set(names(node))
-        pending += children(node)
-    return found

@@ -46,12 +46,6 @@ class _Cells:
             order = np.random.default_rng(kept).permutation(q.shape[1])
             self.known[kept][:, at[0, order], at[1, order]] = q[:, order]
 
-    @property
-    def is_cut(self) -> bool:
-        """Whether what is reached comes so near to the grid's edge that it may go on beyond."""
-        inner = self.reached[2:-2, 2:-2]
-        return bool(inner.sum() < self.reached.sum())
-
     def places(self, nodes: Array | Indices) -> Array:
         """Where nodes are, by rows and columns, (2, k), whole or not."""
         return np.asarray(self.origin[:, None] + self.width * nodes)
@@ -131,7 +125,8 @@ def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
     package = shapely()
     grid, far = _Cells(plane, cells), plane.point.size / 4.0
     _spread(grid)
-    while grid.is_cut:  # samples of many joints seldom stretch the arm
+    # What is reached so near to the grid's edge may go on beyond: samples of many joints seldom stretch the arm.
+    while grid.reached[2:-2, 2:-2].sum() < grid.reached.sum():
         grid, far = _Cells(plane, cells, far), 2.0 * far
         _spread(grid)
     grid.settle()

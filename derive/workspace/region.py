@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from derive.arrays import Array, Flags, Indices
+from derive.arrays import Array, Flags
 from derive.errors import DeriveError, install_extra
 from derive.workspace.critical import boundary_candidates
 from derive.workspace.point import TURN, Picture, PlaneMap
@@ -187,7 +187,11 @@ def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> Flags:
         return np.zeros(0, dtype=bool)
     configurations = plane.point.random(seeds, plane.joints)
     known = plane.places(configurations)
-    starts = np.stack([_closest(known, place) for place in places.T])
+    starts = np.empty((places.shape[1], _STARTS), dtype=int)  # of each place the samples that come closest
+    for row, place in zip(starts, places.T, strict=True):
+        squared = np.sum((known - place[:, None]) ** 2, axis=0)
+        found = np.argpartition(squared, _STARTS)[:_STARTS]
+        row[:] = found[np.argsort(squared[found], kind="stable")]
     reached = np.zeros(len(starts), dtype=bool)
     for some in (slice(0, _FIRST), slice(_FIRST, None)):  # most places are reached from the nearest ones
         left = np.flatnonzero(~reached)
@@ -196,13 +200,6 @@ def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> Flags:
         distances = plane.nearest(targets, configurations[:, chosen.ravel()])[2].reshape(chosen.shape)
         reached[left] = distances.min(axis=1) <= _REACHED * plane.point.size
     return reached
-
-
-def _closest(known: Array, place: Array) -> Indices:
-    """Indices of the samples that come closest to a place, the closest first."""
-    squared = np.sum((known - place[:, None]) ** 2, axis=0)
-    found = np.argpartition(squared, _STARTS)[:_STARTS]
-    return found[np.argsort(squared[found], kind="stable")]
 
 
 def dexterous(region: Region, radius: float, revolves: bool) -> Region:

@@ -7,7 +7,7 @@ Kumar and Waldron, The workspaces of a mechanical manipulator, 1981.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -109,9 +109,15 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
     if n < 3 or revolute[-3:] != [n - 3, n - 2, n - 1]:
         return None
     # Three last axes through one point, which stands still in the axes of the end effector.
-    centres = [_meeting(arm[-4:-1], axis[-3:]) for arm, axis in zip(origins, axes, strict=True)]
-    places = np.einsum("nji,nj->ni", hands, np.array([c for c, _ in centres]) - origins[:, -1])
-    if max(miss for _, miss in centres) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
+    centres, misses = [], []
+    for arm, axis in zip(origins[:, -4:-1], axes[:, -3:], strict=True):
+        # The point nearest to the axes: least squares of (1 - z z^T) (c - o) = 0.
+        across = np.eye(3) - axis[:, :, None] * axis[:, None, :]
+        right = np.einsum("kij,kj->ki", across, arm).ravel()
+        centres.append(np.linalg.lstsq(across.reshape(-1, 3), right, rcond=None)[0])
+        misses.append(float(np.abs(np.einsum("kij,kj->ki", across, centres[-1] - arm)).max()))
+    places = np.einsum("nji,nj->ni", hands, np.array(centres) - origins[:, -1])
+    if max(misses) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
         return None
     return _wrist(places, point, (n - 3, n - 2, n - 1), _turns_everywhere(point), planar=False)
 
@@ -121,14 +127,6 @@ def _wrist(places: Array, point: ArmPoint, joints: tuple[int, ...], complete: bo
     centre = np.where(np.abs(places[0]) < _SAME * point.size, 0.0, places[0])
     x, y, z = (float(part) for part in centre)
     return Wrist((x, y, z), float(np.linalg.norm(centre)), joints, complete, planar)
-
-
-def _meeting(origins: Array, axes: Array) -> tuple[Array, float]:
-    """The point nearest to some lines, and how far it is from them."""
-    # Least squares of (1 - z z^T) (c - o) = 0 over the lines.
-    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
-    centre = np.linalg.lstsq(across.reshape(-1, 3), np.einsum("kij,kj->ki", across, origins).ravel(), rcond=None)[0]
-    return centre, float(np.abs(np.einsum("kij,kj->ki", across, centre - origins)).max())
 
 
 def _turns_everywhere(point: ArmPoint) -> bool:
@@ -177,27 +175,28 @@ class _Search:
     @cached_property
     def views(self) -> tuple[WorkspaceView, ...]:
         """The pictures with what is reached and what is dexterous."""
-        return tuple(self._view(picture) for picture in self.pictures)
+        found = []
+        for picture in self.pictures:
+            self.tell(str(picture))
+            plane = PlaneMap.of(self.point, picture)
+            reachable, exact = self._reachable(plane)
+            if reachable.region.is_empty:
+                low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
+                line = low + (high - low) * np.linspace(0.0, 1.0, 721)
+                found.append(WorkspaceView(picture, reachable, None, exact, plane.values(line)[0].T))
+                continue
+            postures, numbers = self._postures(plane), tuple[tuple[int, Region], ...]()
+            if reachable.cells and postures is not None and postures.are_counted:
+                numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
+            dexterous = self._dexterous(picture, reachable)
+            by_formula = bool(reachable.cells) and self._with_formulas(plane) is not None
+            found.append(WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula))
+        return tuple(found)
 
     @property
     def revolves(self) -> bool:
         """Whether the workspace is a solid of revolution."""
         return self.point.turn is not None and self.point.ranges[self.point.turn].full
-
-    def _view(self, picture: Picture) -> WorkspaceView:
-        self.tell(str(picture))
-        plane = PlaneMap.of(self.point, picture)
-        reachable, exact = self._reachable(plane)
-        if reachable.region.is_empty:
-            low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
-            line = low + (high - low) * np.linspace(0.0, 1.0, 721)
-            return WorkspaceView(picture, reachable, None, exact, plane.values(line)[0].T)
-        postures, numbers = self._postures(plane), tuple[tuple[int, Region], ...]()
-        if reachable.cells and postures is not None and postures.are_counted:
-            numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
-        dexterous = self._dexterous(picture, reachable)
-        by_formula = bool(reachable.cells) and self._with_formulas(plane) is not None
-        return WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula)
 
     def _postures(self, plane: PlaneMap) -> Postures | None:
         """In how many postures places of a picture are reached; None where it does not show places of the point."""
@@ -271,7 +270,26 @@ class _Search:
         if any(view.reachable.region.is_empty for view in self.views):
             return Measure(0.0, 0.0), None
         self.tell("volume")
-        whole = _counted_volume(self.point, self.views)
+        # The places of a box that are reached, spread evenly (Kronecker's sequence), several times.
+        package, top = shapely(), self.views[1]
+        left, near, right, far = top.reachable.region.bounds
+        _, low, _, high = first.reachable.region.bounds
+        corner, sides = np.array([[left], [near], [low]]), np.array([[right - left], [far - near], [high - low]])
+        steps = np.array([[0.8191725133961645], [0.6710436067037893], [0.5497004779019703]])  # powers of 1/1.2207440846
+        space = PlaneMap(self.point, Picture.SPACE, self.point.moving)
+        shares: list[float] = []
+        for k in range(_ESTIMATES):
+            shift = np.random.default_rng(k).random((3, 1))
+            places = corner + sides * ((shift + steps * np.arange(1, _PLACES + 1)) % 1.0)
+            x, y, z = places
+            across = np.hypot(x, y) if first.picture is Picture.SECTION else x
+            inside = package.contains_xy(first.reachable.region, across, z)
+            inside &= package.contains_xy(top.reachable.region, x, y)
+            shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
+        # Twice the standard error of the mean of the estimates.
+        box = float(np.prod(sides))
+        error = 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5
+        whole = Measure(box * float(np.mean(shares)), error)
         return whole, whole if first.dexterous is first.reachable else None
 
 
@@ -286,26 +304,3 @@ def _seen_along_axis(section: Region) -> Region:
         ring = package.Point(0.0, 0.0).buffer(outer, quad_segs=512)
         rings.append(ring.difference(package.Point(0.0, 0.0).buffer(inner, quad_segs=512)) if inner > 0.0 else ring)
     return package.unary_union(rings)
-
-
-def _counted_volume(point: ArmPoint, views: Sequence[WorkspaceView]) -> Measure:
-    """A volume from the places of a box that are reached, spread evenly (Kronecker's sequence), several times."""
-    package = shapely()
-    front, top = views
-    left, near, right, far = top.reachable.region.bounds
-    _, low, _, high = front.reachable.region.bounds
-    corner, sides = np.array([[left], [near], [low]]), np.array([[right - left], [far - near], [high - low]])
-    steps = np.array([[0.8191725133961645], [0.6710436067037893], [0.5497004779019703]])  # powers of 1/1.2207440846
-    space = PlaneMap(point, Picture.SPACE, point.moving)
-    shares: list[float] = []
-    for k in range(_ESTIMATES):
-        shift = np.random.default_rng(k).random((3, 1))
-        places = corner + sides * ((shift + steps * np.arange(1, _PLACES + 1)) % 1.0)
-        x, y, z = places
-        across = np.hypot(x, y) if front.picture is Picture.SECTION else x
-        inside = package.contains_xy(front.reachable.region, across, z)
-        inside &= package.contains_xy(top.reachable.region, x, y)
-        shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
-    # Twice the standard error of the mean of the estimates.
-    box = float(np.prod(sides))
-    return Measure(box * float(np.mean(shares)), 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5)

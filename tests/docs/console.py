@@ -1,10 +1,15 @@
-"""Reads the console blocks of a Markdown page and runs them as a reader would: in order, in one empty folder."""
+"""Reads the console blocks of a Markdown page and runs them as a reader would: in order, in one empty folder.
+
+``python -m tests.docs.console README.md docs/*.md`` writes what commands print now into the pages. Only what no longer
+agrees is rewritten, so ``...`` stays where a page has it on purpose.
+"""
 
 import os
 import re
 import shlex
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,3 +115,33 @@ def agrees(shown: tuple[str, ...], printed: list[str]) -> bool:
 
 def _line(part: str) -> str:
     return _ANY_ROUNDING_ERROR.join(re.escape(text) for text in _ROUNDING_ERROR.split(part))
+
+
+def refreshed(block: Block, folder: Path, variables: dict[str, str]) -> str:
+    return "".join(_shown(command, *run(command, folder, variables)) for command in commands(block))
+
+
+def _shown(command: Command, printed: list[str], status: int) -> str:
+    output = command.output if agrees(command.output, printed) else [line.rstrip() for line in printed]
+    note = [f"[exit status {status}]"] if status else []
+    return "".join(f"{line}\n" for line in (f"$ {command.text}", *output, *note))
+
+
+def refresh(page: Path) -> None:
+    """Run the blocks of one page in order, in an empty folder."""
+    text = page.read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        variables = environment(folder / "path")
+        (folder / "work").mkdir()
+        for block in blocks(page):
+            if block.file:
+                (folder / "work" / block.file).write_text(block.body, encoding="utf-8")
+            if block.language == "console":
+                text = text.replace(block.body, refreshed(block, folder / "work", variables), 1)
+    page.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    for argument in sys.argv[1:]:
+        refresh(Path(argument))

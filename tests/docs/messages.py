@@ -1,13 +1,11 @@
 """Collects the texts of the handout and brings the message catalogues up to date: ``python -m tests.docs.messages``.
 
 Messages that are new come into ``derive.pot`` and, without a translation, into every catalogue; those that are gone
-leave. The files name no date and no line, so that they change only when a text does. With ``--check`` nothing is
-written, and the exit status is 1 where something would be.
+leave. The files name no date and no line, so that they change only when a text does.
 """
 
 import ast
 import io
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -104,20 +102,16 @@ def wanted() -> dict[Path, bytes]:
     return {TEMPLATE: written(template), **{path: updated(path, template) for path in catalogues()}}
 
 
-def main(check: bool = False) -> int:
-    status = 0
+def main() -> None:
     for path, content in wanted().items():
         if not path.exists() or path.read_bytes() != content:
             print(path.relative_to(ROOT))
-            status = int(check)
-            if not check:
-                path.write_bytes(content)
+            path.write_bytes(content)
     for path in catalogues():
         open_messages = [message for message in read(path) if message.id and not message.string]
         if open_messages:
             print(f"{path.relative_to(ROOT)}: {len(open_messages)} messages without a translation")
-    return status
 
 
 if __name__ == "__main__":
-    sys.exit(main("--check" in sys.argv))
+    main()

@@ -1,18 +1,25 @@
-"""What the README and the pages under docs/ show is what a reader gets, the page of errata what the command finds."""
+"""The pages and the notebook show what a reader gets, the errata what is found, the map of the code what is there."""
 
+import json
 import re
 import subprocess
 from pathlib import Path
+from typing import Any
 
+import nbclient
+import nbformat
 import pytest
 
+from derive import Model, Robot
 from derive.api.build import build
 from derive.api.robots import load
 from derive.model.quantities import REGISTRY
+from derive.notebook import MOST_LINES
+from derive.robot.load import catalogue_names
 from derive.verification.octave_model import OPTIONS, find_octave
-from tests.docs.console import ROOT, Command, agrees, blocks, commands, environment, run
-from tests.docs.errata import PAGE, TITLES, page
-from tests.docs.motion_errata import section
+from tests.docs.console import Command, agrees, blocks, commands, environment, run
+from tests.docs.errata import PAGE, TITLES, page, section
+from tests.places import ROOT
 from tests.targets.generated_models import needs_octave
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs" / "decisions").glob("*.md"))]
@@ -139,3 +146,98 @@ def test_section_of_motions_proves_its_items_with_numbers() -> None:
     assert "points `rest`, `C`, `D`" in text
     assert "`L{1}.m`, ..., `L{4}.B` and `fkine(SCARA,q)`" in text
     assert "rank of J: rest 3, A 4, B 4, C 3, D 3" in text
+
+
+MAP = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+RECIPES = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+ROW = re.compile(r"^\| ([^|]+?) \| `(derive/[a-z_/]+\.py)` \| `(\w+)` \|$", re.MULTILINE)
+PLACE = re.compile(r"`((?:derive|templates|tests|docs|bench|generated)/[\w./-]*)`")
+INNER = re.compile(r"`((?:[a-z_]+/)+[a-z_]+\.py)`")
+
+
+def test_the_map_answers_at_least_thirty_questions() -> None:
+    assert len(ROW.findall(MAP)) >= 30
+
+
+@pytest.mark.parametrize(("question", "file", "name"), ROW.findall(MAP))
+def test_every_answer_of_the_map_is_there(question: str, file: str, name: str) -> None:
+    defined = re.compile(rf"^ *(?:def|class) {name}\b|^{name}(?::| =)", re.MULTILINE)
+    assert defined.search((ROOT / file).read_text(encoding="utf-8")), question
+
+
+@pytest.mark.parametrize("text", [MAP, RECIPES], ids=["architecture", "contributing"])
+def test_every_place_that_is_named_exists(text: str) -> None:
+    named = {place for place in PLACE.findall(text) if "<" not in place}
+    inner = {
+        f"derive/{place}" for place in INNER.findall(text) if place.split("/")[0] not in ("derive", "tests", "docs")
+    }
+    assert named
+    assert not [place for place in sorted(named | inner) if not (ROOT / place).exists()]
+
+
+def test_every_folder_of_the_package_is_on_the_map() -> None:
+    folders = {path.name for path in (ROOT / "derive").iterdir() if (path / "__init__.py").exists()}
+    assert not [folder for folder in sorted(folders) if f"`derive/{folder}/`" not in MAP]
+
+
+def test_every_decision_stands_in_the_index() -> None:
+    folder = ROOT / "docs" / "decisions"
+    index = (folder / "index.md").read_text(encoding="utf-8")
+    assert [path.name for path in sorted(folder.glob("0*.md")) if f"({path.name})" not in index] == []
+
+
+TOUR = ROOT / "examples" / "tour.ipynb"
+
+
+@pytest.fixture(scope="module")
+def executed() -> Any:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(ROOT))
+        notebook = nbformat.read(TOUR, as_version=4)
+        nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3", record_timing=False).execute()
+    return notebook
+
+
+def outputs(notebook: Any) -> list[dict[str, Any]]:
+    """What each cell displays; a printed text, which reaches us in as many pieces as the machine likes, as one."""
+    shown: list[dict[str, Any]] = []
+    for cell in notebook.cells:
+        results = cell.get("outputs", ())
+        shown += [{"printed": "".join(result["text"] for result in results if result.get("name") == "stdout")}]
+        shown += [result["data"] for result in results if "data" in result]
+    return shown
+
+
+def test_the_tour_shows_what_it_stores(executed: Any) -> None:
+    assert outputs(executed) == outputs(nbformat.read(TOUR, as_version=4))
+
+
+def test_every_result_of_the_tour_is_set_as_a_formula_or_a_table(executed: Any) -> None:
+    shown = outputs(executed)
+    assert sum("text/latex" in data for data in shown) >= 9
+    assert sum("text/html" in data for data in shown) == 2
+
+
+def test_the_tour_is_a_valid_notebook_without_traces_of_a_machine() -> None:
+    nbformat.validate(nbformat.read(TOUR, as_version=4))
+    text = TOUR.read_text(encoding="utf-8")
+    assert "0x" not in text
+    assert str(Path.home()) not in json.dumps(text)
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_every_robot_and_model_shows_itself(name: str) -> None:
+    robot = Robot.load(name)
+    table = robot._repr_html_()
+    assert table.count("<tr>") == robot.n + 1
+    model: Any = Model(robot)
+    latex = model._repr_latex_()
+    assert latex.startswith("$")
+    assert latex.count("\\begin") == latex.count("\\end")
+    assert latex.count("\\\\\n") <= 4 * MOST_LINES
+    assert model.singularities._repr_latex_().startswith("$")
+
+
+def test_texts_of_the_user_are_escaped() -> None:
+    text = "name: arm\ntitle: <script>alert(1)</script>\nconvention: modified\njoints:\n  - {type: revolute, a: a0}\n"
+    assert "<script>" not in Robot.from_text(text)._repr_html_()

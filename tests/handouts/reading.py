@@ -5,8 +5,13 @@ from dataclasses import replace
 from typing import Any
 
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.sheet.document import Block, Figure, Paragraph, Rows, Section, SheetFormula, blocks_of
-from derive.robot.options.handout import Derivation
+from derive.handouts.layout.quantity import POLICY, SheetPolicy
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, SheetFormula, blocks_of
+from derive.handouts.sheet.language import Text
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
+from derive.robot.options.handout import Derivation, HandoutOptions, NotationOptions
 from derive.robot.robot import Robot
 
 REACHED = """
@@ -33,6 +38,20 @@ def part(robot: Robot | str, name: str, *, steps: bool = False, **options: Any) 
     found = section_of(context_of(robot, replace(robot.handout, derivation=derivation, **options)), name)
     assert found is not None
     return found
+
+
+def bare_context(robot: Robot, *, steps: bool = True, policy: SheetPolicy = POLICY, **notation: Any) -> Context:
+    """What the parts of a handout in English are made from, without figures."""
+    derivation = Derivation.STEPS if steps else Derivation.RESULT
+    options = HandoutOptions(derivation=derivation, notation=NotationOptions(**notation))
+    return Context(ModelEntries(Model(robot)), options, Text(), "0.0.0", policy=policy)
+
+
+def document_of(context: Context, parts: Iterable[str]) -> Document:
+    """A sheet of some parts, as far as the robot has them."""
+    found = (section_of(context, part) for part in parts)
+    sections = tuple(section for section in found if section is not None)
+    return Document("Arm", "", context.robot.name, "en", "0" * 64, "0.0.0", "", sections)
 
 
 def words(section: Section) -> str:

@@ -10,7 +10,6 @@ import pytest
 
 from derive.errors import DeriveError, QuantityError, TargetError
 from derive.handouts.fragment import fragment, fragment_text
-from derive.handouts.pdf import LatexLog
 from derive.handouts.sheet.document import Paragraph, Rows, Section, Table
 from derive.handouts.sheet.language import Text
 from derive.model.quantities import REGISTRY
@@ -146,29 +145,21 @@ def fragments_of(name: str, folder: Path) -> list[str]:
     return texts
 
 
-def compiled(texts: list[str], document_class: str, folder: Path) -> LatexLog:
+def assert_fits(texts: list[str], document_class: str, folder: Path) -> None:
     packages = sorted({name for text in texts for name in re.findall(r"\\usepackage\{(\w+)\}", text.split("\n")[0])})
     is_beamer = "beamer" in document_class
     before, after = ("\\begin{frame}[allowframebreaks]{A}\n", "\n\\end{frame}") if is_beamer else ("", "")
     inputs = [f"{before}\\input{{fragment-{k}}}{after}" for k in range(1, len(texts) + 1)]
-    return run_latex(
-        "\n".join(
-            [
-                f"\\documentclass{document_class}",
-                *(f"\\usepackage{{{name}}}" for name in packages),
-                "\\hfuzz=0.1pt\\vfuzz=0.1pt",
-                "\\begin{document}",
-                SLIDE_SIZE if document_class == SLIDE else "",
-                *inputs,
-                "\\end{document}",
-            ]
-        ),
-        folder,
-    )
-
-
-def assert_fits(texts: list[str], document_class: str, folder: Path) -> None:
-    log = compiled(texts, document_class, folder)
+    lines = [
+        f"\\documentclass{document_class}",
+        *(f"\\usepackage{{{name}}}" for name in packages),
+        "\\hfuzz=0.1pt\\vfuzz=0.1pt",
+        "\\begin{document}",
+        SLIDE_SIZE if document_class == SLIDE else "",
+        *inputs,
+        "\\end{document}",
+    ]
+    log = run_latex("\n".join(lines), folder)
     assert not log.errors, document_class
     assert not overfull_boxes(log), document_class
 

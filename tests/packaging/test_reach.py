@@ -72,7 +72,7 @@ def test_a_file_that_is_gone_reaches_no_more_than_what_imported_it(graph: dict[s
         ("derive/motion/paths/segments.py", "tests/motion/paths/test_segments.py"),
         ("derive/motion/simulation/held.py", "tests/cli/test_plot_command.py"),  # over the commands, imported by name
         ("derive/exchange/rotors.py", "tests/exchange/test_rotors.py"),
-        ("derive/robot/robot.py", "tests/handouts/test_page_breaks.py"),
+        ("derive/robot/robot.py", "tests/handouts/test_paper.py"),
     ],
 )
 def test_a_module_reaches_the_sweep_that_proves_it(ours: dict[str, set[str]], changed: str, test: str) -> None:
@@ -81,4 +81,4 @@ def test_a_module_reaches_the_sweep_that_proves_it(ours: dict[str, set[str]], ch
 
 def test_one_module_of_motion_reaches_no_sweep_of_other_folders(ours: dict[str, set[str]]) -> None:
     found = set(reached(["derive/motion/paths/segments.py"], ours) or [])
-    assert not found & {"tests/handouts/test_page_breaks.py", "tests/targets/test_octave.py"}
+    assert not found & {"tests/handouts/test_paper.py", "tests/targets/test_octave.py"}

@@ -1,8 +1,4 @@
-"""The drawing of an arm: shaded joints and links in depth, and what is written on top of them.
-
-These are the axes of the frames with their names, dimension lines with the lengths of the table, and the joint
-variables.
-"""
+"""The drawing of an arm: shaded joints and links in depth, on top of them axes, lengths and joint variables by name."""
 
 from __future__ import annotations
 
@@ -100,7 +96,19 @@ class _Stage:
         for line in outlines:
             flat = self.view.project(line)[:, :2]
             self.paper.line([(float(x), float(y)) for x, y in flat], weight=0.8)
-        self._draw_axes(sizes)
+        # Arrows first, the longest at the back, then names of x and z: y follows from them.
+        arrows = []
+        for axis in sorted(self.scene.axes, key=lambda axis: (-sizes.arrow[axis.letter], axis.frames)):
+            origin = axis.origin * self.scale
+            end = origin + axis.direction * sizes.arrow[axis.letter]
+            arrows.append((axis, self.view.flat(origin), self.view.flat(end)))
+        for axis, start, tip in arrows:
+            self.paper.arrow(start, tip, AXIS_COLORS[axis.letter], 0.9)
+        for axis, (x, y), tip in arrows:
+            if LETTERS[axis.letter] != "y":
+                latex = ",".join(f"{LETTERS[axis.letter]}_{{{'e' if k < 0 else k}}}" for k in axis.frames)
+                places = around(tip, (tip[0] - x, tip[1] - y), 6.5, label_width(latex))
+                self.paper.label(latex, places, AXIS_COLORS[axis.letter])
         for segment in self.scene.segments:
             self._draw_length(segment)
         if self.robot.n <= _MOST_NAMES:
@@ -110,23 +118,6 @@ class _Stage:
                 places = around(self.view.flat(center), (1.0, 0.3), 11.0 + 4.0 * sizes.factor)
                 self.paper.label(latex, places, DIMENSION)
         return self.paper.items
-
-    def _draw_axes(self, sizes: Sizes) -> None:
-        """Arrows first, the longest at the back, then names of x and z: y follows from them."""
-        arrows = []
-        for axis in sorted(self.scene.axes, key=lambda axis: (-sizes.arrow[axis.letter], axis.frames)):
-            origin = axis.origin * self.scale
-            end = origin + axis.direction * sizes.arrow[axis.letter]
-            arrows.append((axis, self.view.flat(origin), self.view.flat(end)))
-        for axis, (x, y), tip in arrows:
-            self.paper.arrow((x, y), tip, AXIS_COLORS[axis.letter], 0.9)
-        for axis, (x, y), tip in arrows:
-            if LETTERS[axis.letter] == "y":
-                continue
-            latex = ",".join(f"{LETTERS[axis.letter]}_{{{'e' if k < 0 else k}}}" for k in axis.frames)
-            direction = (tip[0] - x, tip[1] - y)
-            places = around(tip, direction, 6.5, label_width(latex))
-            self.paper.label(latex, places, AXIS_COLORS[axis.letter])
 
     def _draw_length(self, segment: LinkSegment) -> None:
         """A dimension line beside a link, where it crosses least; only the name beside a short one."""

@@ -1,8 +1,4 @@
-"""The drawing of an arm in several configurations over each other: one line for each, with the numbers of its branches.
-
-Configurations whose links cover each other, such as those of a wrist that is flipped or not, are one line; of many
-lines half stand in a drawing beside the other half.
-"""
+"""The drawing of an arm in several configurations over each other: a line for all whose links cover each other."""
 
 from __future__ import annotations
 
@@ -16,8 +12,7 @@ from derive.arrays import Array
 from derive.handouts.figure.arm import HEIGHT, arm_view
 from derive.handouts.figure.drawing import Color, Drawing, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, moved
-from derive.handouts.figure.planar import view_along
-from derive.handouts.figure.projection import View
+from derive.handouts.figure.projection import View, view_along
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.robot.robot import Robot
 

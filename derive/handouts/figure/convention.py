@@ -49,7 +49,7 @@ def _standard(paper: Paper) -> None:
     _dashes(paper, second - 68 * z_after, second + 44 * z_after)
     _dashes(paper, second, second + 52 * _Z)
     _dashes(paper, foot, foot + 60 * x_before)
-    _line(paper, foot, second)
+    paper.draw(Path((_VIEW.flat(foot), _VIEW.flat(second)), width=1.1))
     _axis(paper, origin, _Z, 2, "z_{i-1}")
     _axis(paper, origin, x_before, 0, "x_{i-1}")
     _axis(paper, second, z_after, 2, "z_{i}")
@@ -71,9 +71,9 @@ def _modified(paper: Paper) -> None:
     _dashes(paper, foot - 68 * z_after, second + 80 * z_after)
     _dashes(paper, foot, foot + 62 * _Z)
     _dashes(paper, second, second + 60 * _X)
-    _line(paper, origin, foot)
-    _line(paper, foot, second)
     a, b = _VIEW.flat(foot), _VIEW.flat(second)
+    paper.draw(Path((_VIEW.flat(origin), a), width=1.1))
+    paper.draw(Path((a, b), width=1.1))
     paper.label("d_{i}", around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), (a[1] - b[1], b[0] - a[0]), 9.0))
     _axis(paper, origin, _Z, 2, "z_{i-1}")
     _axis(paper, origin, _X, 0, "x_{i-1}")
@@ -92,11 +92,6 @@ def _joint(paper: Paper, center: Array, axis: Array) -> None:
 def _dashes(paper: Paper, start: Array, end: Array) -> None:
     """An axis, or a direction carried over from elsewhere."""
     paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), stroke=_GREY, width=0.5, dashed=True), weight=0.7)
-
-
-def _line(paper: Paper, start: Array, end: Array) -> None:
-    """The common normal, or the offset along an axis."""
-    paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), width=1.1))
 
 
 def _axis(paper: Paper, origin: Array, direction: Array, letter: int, latex: str) -> None:

@@ -1,8 +1,4 @@
-"""A paper on which items are put one by one, and which finds room for labels.
-
-A label stands near what it names, off lines and off other labels. At last all items become a drawing, on a canvas that
-starts at the origin.
-"""
+"""A paper on which items are put one by one; it finds room for labels, off lines and off other labels."""
 
 from __future__ import annotations
 
@@ -86,7 +82,7 @@ class Paper:
 
 def arrow_head(start: Point, tip: Point, color: Color, width: float) -> Path:
     """The head of an arrow."""
-    length = math.hypot(tip[0] - start[0], tip[1] - start[1])
+    length = math.dist(start, tip)
     head = min(5.5 if width > 0.7 else 4.0, 0.6 * length)
     dx, dy = (tip[0] - start[0]) / length, (tip[1] - start[1]) / length
     back = (tip[0] - head * dx, tip[1] - head * dy)

@@ -14,6 +14,7 @@ import numpy as np
 
 from derive.arrays import Array
 from derive.handouts.figure.drawing import Color, Path, Point
+from derive.handouts.figure.scene import Scene
 from derive.handouts.figure.solids import OUTLINE, Faces, shade
 
 ELEVATIONS = (20, 28, 36)  # candidate heights of the viewer above the horizon [degrees]
@@ -22,6 +23,8 @@ _LIKED_AZIMUTHS = ((-75, -30), (20, 65))
 _LIKED_ELEVATION = 24
 _NARROW = math.radians(16.0)  # axes nearer to each other on the page are hard to tell apart
 _GRAZING = 1e-6  # a face whose normal points less towards the viewer is not seen
+_SAME = 1e-6  # difference of two unit vectors below which they are one, and of heights relative to the arm's size
+_TOP = 89.999  # elevation from which an arm in a horizontal plane is seen, x to the right [degrees]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +65,7 @@ def best_view(
 ) -> View:
     """The view in which axes, links and origins are told apart best; ties go to the usual directions.
 
-    Args:
-        stars: For each place, (m, 3) the distinct unit vectors of axes that start there.
-        segments: (2, 3) each, the links with a length.
+    A star is the unit vectors of the axes that start at one place, (m, 3); a segment a link with a length, (2, 3).
     """
     views = [View(math.radians(a), math.radians(e), up) for e in ELEVATIONS for a in AZIMUTHS]
     return min(views, key=lambda view: round(_badness(view, origins, stars, segments), 6))
@@ -99,16 +100,52 @@ def _crowding(star: Array) -> float:
     return short + close
 
 
+# -- planar arms, which are seen as they are: from a point far away on the normal of their plane
+
+
+def plane_normal(scenes: Sequence[Scene]) -> Array | None:
+    """The unit normal of the plane in which an arm moves; None where it moves in space, or along a line alone."""
+    normals = [normal for normal in map(_normal, scenes) if normal is not None]
+    if len(normals) < len(scenes) or any(np.linalg.norm(np.cross(normals[0], other)) > _SAME for other in normals):
+        return None
+    heights = np.concatenate([scene.places @ normals[0] for scene in scenes])
+    return normals[0] if np.ptp(heights) <= _SAME * scenes[0].size else None
+
+
+def _normal(scene: Scene) -> Array | None:
+    """What all revolute joints turn about and no prismatic one goes along."""
+    turning = [joint.direction for joint in scene.joints if joint.revolute]
+    sliding = [joint.direction for joint in scene.joints if not joint.revolute]
+    crossed = turning if turning else [np.cross(sliding[0], other) for other in sliding[1:]]
+    normal = max(crossed, key=lambda vector: float(vector @ vector), default=np.zeros(3))
+    size = float(np.linalg.norm(normal))
+    if size < _SAME:
+        return None
+    normal = normal / size
+    turns = all(np.linalg.norm(np.cross(normal, axis)) < _SAME for axis in turning)
+    return normal if turns and all(abs(normal @ axis) < _SAME for axis in sliding) else None
+
+
+def view_along(normal: Array, up: tuple[float, float, float]) -> View:
+    """A plane as it is."""
+    above = np.array(up)
+    height = float(normal @ above)
+    if abs(height) > 0.99:
+        return View(math.radians(-90.0), math.radians(_TOP), up)
+    first = np.array((1.0, 0.0, 0.0)) if abs(above[0]) < 0.9 else np.array((0.0, 1.0, 0.0))
+    first = first - above * (first @ above)
+    second = np.cross(above, first)
+    return View(math.atan2(float(normal @ second), float(normal @ first)), math.asin(height), up)
+
+
+# -- faces on the page
+
 # x and y of the corners on the page one after the other, the colour in between, and the faces of which it is one.
 Area = tuple[list[float], Color, Faces]
 
 
 def seen(solids: Sequence[Faces], view: View, page: Array | None = None) -> list[Area]:
-    """Faces on the page from back to front, those seen from behind left out.
-
-    Args:
-        page: What is done with places, (2, 3): a linear map and a shift; None for nothing.
-    """
+    """Faces on the page, which maps and shifts them (2, 3), from back to front; those seen from behind are left out."""
     found: list[tuple[float, Area]] = []
     for faces in solids:
         corners = view.project(faces.corners)

@@ -85,7 +85,15 @@ def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scen
     for point in points:
         if all(np.linalg.norm(point - other) > SAME_PLACE * size for other in places):
             places.append(point)
-    approach, opening = _hand(poses, segments, robot.n)
+    # The hand continues the last link along an axis of the end effector, or points along z; it opens along y or x.
+    end = poses[-1, :3, :3]
+    approach = end[:, 2]
+    if last := [s for s in segments if s.row >= robot.n - 1]:
+        components = end.T @ ((last[-1].end - last[-1].start) / last[-1].length)
+        best = int(np.argmax(np.abs(np.round(components, 9))))
+        if abs(components[best]) > _SAME_DIRECTION:
+            approach = end[:, best] * np.sign(components[best])
+    opening = end[:, 1] if abs(approach @ end[:, 1]) < 0.5 else end[:, 0]
     return Scene(
         axes=_axes(poses, SAME_PLACE * size),
         joints=tuple(joints),
@@ -149,18 +157,3 @@ def _axes(poses: Array, near: float) -> tuple[FrameAxis, ...]:
             else:
                 found.append(FrameAxis(origin, direction, letter, (index,)))
     return tuple(found)
-
-
-def _hand(poses: Array, segments: Sequence[LinkSegment], n: int) -> tuple[Array, Array]:
-    """The hand continues the last link along an axis of the end effector, or points along z; it opens along y or x."""
-    end = poses[-1, :3, :3]
-    last = [s for s in segments if s.row >= n - 1]
-    approach = end[:, 2]
-    if last:
-        along = (last[-1].end - last[-1].start) / last[-1].length
-        parts = end.T @ along
-        best = int(np.argmax(np.abs(np.round(parts, 9))))
-        if abs(parts[best]) > _SAME_DIRECTION:
-            approach = end[:, best] * np.sign(parts[best])
-    opening = end[:, 1] if abs(approach @ end[:, 1]) < 0.5 else end[:, 0]
-    return approach, opening

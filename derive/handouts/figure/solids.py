@@ -11,7 +11,7 @@ import numpy as np
 
 from derive.arrays import Array
 from derive.handouts.figure.drawing import Color
-from derive.handouts.figure.scene import JointAxis, Scene
+from derive.handouts.figure.scene import Scene
 
 LIGHT = np.array((-0.35, 0.75, 0.56))  # direction of the light: right, up, towards the viewer
 OUTLINE: Color = (0.25, 0.25, 0.28)
@@ -25,22 +25,14 @@ _SHIFTS = (1.25, -1.25, 2.5, -2.5, 3.75)  # places of a joint along its axis, in
 
 
 class Sizes:
-    """How large things are drawn [pt].
-
-    Attributes:
-        factor: As given.
-        arrow: Lengths of x, y and z axes: z the longest, so that axes on one line can be told apart.
-        cylinder: Radius and length of a revolute joint.
-        box: Half of the diagonal and length of a prismatic joint.
-        tube: Radius of a link.
-    """
+    """How large things are drawn [pt]."""
 
     def __init__(self, factor: float) -> None:
         self.factor = factor
-        self.arrow = (30.0 * factor, 24.0 * factor, 34.0 * factor)
-        self.cylinder = (7.0 * factor, 17.0 * factor)
-        self.box = (9.0 * factor, 20.0 * factor)
-        self.tube = 2.6 * factor
+        self.arrow = (30.0 * factor, 24.0 * factor, 34.0 * factor)  # x, y and z axes; on one line z is still seen
+        self.cylinder = (7.0 * factor, 17.0 * factor)  # radius and length of a revolute joint
+        self.box = (9.0 * factor, 20.0 * factor)  # half of the diagonal and length of a prismatic joint
+        self.tube = 2.6 * factor  # radius of a link
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +95,18 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
         lines += _sides(start, end, sizes.tube, _perpendicular((end - start) / _length(end - start)))
     centers = joint_centers(scene, scale, sizes)
     for joint, center in zip(scene.joints, centers, strict=True):
-        solid, along = _joint(joint, center, joint.anchor * scale, sizes)
-        faces += solid
-        lines += along
+        # A cylinder or a box, for a prismatic joint with the rod that slides in it; a tube to its origin if it is away.
+        axis, anchor = joint.direction, joint.anchor * scale
+        radius, length = sizes.cylinder if joint.revolute else sizes.box
+        start, end = center - axis * length / 2, center + axis * length / 2
+        if joint.revolute:
+            faces += prism(start, end, radius, REVOLUTE)
+        else:
+            slide = _tube(center - axis * length, center + axis * length, 0.7 * sizes.tube, LINK)
+            faces += [*prism(start, end, radius, PRISMATIC, sides=4), slide]
+        if _length(center - anchor) > 1e-6:
+            faces.append(_tube(anchor, center, 0.8 * sizes.tube, LINK))
+        lines += [np.stack([start, end]), *_sides(start, end, radius, _perpendicular(axis))]
     hand, hand_lines = _hand(scene, scale, sizes, centers[-1])
     foot = scene.places[0] * scale - scene.base_axis * sizes.cylinder[1] * 0.55
     thick = scene.base_axis * 4.0 * sizes.factor
@@ -129,22 +130,6 @@ def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
         free = [k for k, gap in enumerate(gaps) if gap > 1.05 * length]
         centers.append(options[free[0] if free else int(np.argmax(np.round(gaps, 6)))])
     return centers
-
-
-def _joint(joint: JointAxis, center: Array, anchor: Array, sizes: Sizes) -> tuple[list[Faces], list[Array]]:
-    """A cylinder or a box, for a prismatic joint with the rod that slides in it; a tube to its origin if it is away."""
-    axis = joint.direction
-    radius, length = sizes.cylinder if joint.revolute else sizes.box
-    start, end = center - axis * length / 2, center + axis * length / 2
-    if joint.revolute:
-        faces = prism(start, end, radius, REVOLUTE)
-    else:
-        rod = axis * length
-        slide = _tube(center - rod, center + rod, 0.7 * sizes.tube, LINK)
-        faces = [*prism(start, end, radius, PRISMATIC, sides=4), slide]
-    if _length(center - anchor) > 1e-6:
-        faces.append(_tube(anchor, center, 0.8 * sizes.tube, LINK))
-    return faces, [np.stack([start, end]), *_sides(start, end, radius, _perpendicular(axis))]
 
 
 def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[Faces], list[Array]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import Enum
 
 from derive.handouts.layout.lines import INDENTS
 
@@ -26,33 +26,19 @@ _PHANTOM = re.compile(r"\\phantom\{(.*)\}")
 
 
 class _Kind(Enum):
-    """What an atom is for the breaking of lines."""
+    """What an atom is for the breaking of lines, and how it is written; of several kinds the first counts."""
 
-    ATOM = auto()
-    NAME = auto()
-    COEFFICIENT = auto()
-    OPERATOR = auto()
-    OPENING = auto()
-    CLOSING = auto()
-    SIGN = auto()
-    RELATION = auto()
-    COMMA = auto()
-    SPACE = auto()
-    GAP = auto()
-
-
-_KINDS = {
-    _Kind.OPENING: re.compile(r"[(\[]|\\\{|\\[bB]igl\\?."),
-    _Kind.CLOSING: re.compile(r"([)\]]|\\\}|\\[bB]igr\\?.).*", re.DOTALL),
-    _Kind.SIGN: re.compile(r"[+-]|\\times ?|\\cdot ?"),
-    _Kind.RELATION: re.compile(r"[=<>]|\\(iff|approx|neq|leq|geq|colon) ?"),
-    _Kind.COMMA: re.compile(","),
-    _Kind.GAP: re.compile(r"\\qquad ?"),
-    _Kind.SPACE: re.compile(r"\s+|\\[,;: ]|\\quad ?"),
-    _Kind.OPERATOR: re.compile(r"\\(cos|sin|tan|det|sum|partial|Delta|pm|operatorname)(?![A-Za-z]).*", re.DOTALL),
-    _Kind.COEFFICIENT: re.compile(r"(?:[0-9.]|\{,\})+|\\tfrac.*"),
-    _Kind.NAME: re.compile(r"(\\(math|boldsymbol|text)|[A-Za-z]$).*", re.DOTALL),
-}
+    OPENING = re.compile(r"[(\[]|\\\{|\\[bB]igl\\?.")
+    CLOSING = re.compile(r"([)\]]|\\\}|\\[bB]igr\\?.).*", re.DOTALL)
+    SIGN = re.compile(r"[+-]|\\times ?|\\cdot ?")
+    RELATION = re.compile(r"[=<>]|\\(iff|approx|neq|leq|geq|colon) ?")
+    COMMA = re.compile(",")
+    GAP = re.compile(r"\\qquad ?")
+    SPACE = re.compile(r"\s+|\\[,;: ]|\\quad ?")
+    OPERATOR = re.compile(r"\\(cos|sin|tan|det|sum|partial|Delta|pm|operatorname)(?![A-Za-z]).*", re.DOTALL)
+    COEFFICIENT = re.compile(r"(?:[0-9.]|\{,\})+|\\tfrac.*")
+    NAME = re.compile(r"(\\(math|boldsymbol|text)|[A-Za-z]$).*", re.DOTALL)
+    ATOM = re.compile(".*", re.DOTALL)
 
 
 _WIDE = ("\\ ", "\\quad ")  # spaces at which a line may end
@@ -72,18 +58,15 @@ def whole_equations(lines: Iterable[str]) -> list[str]:
             # what shows that a line continues another: ``{}`` before a sign, ``{}\\cdot`` before a factor
             rest = line.removeprefix(indent).removeprefix("{}\\cdot ").removeprefix("{}")
             joined[-1] = f"{whole}{space}{rest}"
-    return [equation for line in joined for equation in _side_by_side(line)]
-
-
-def _side_by_side(line: str) -> Iterator[str]:
-    start: list[str] = []
-    for kind, text in _atoms(line):
-        if kind is _Kind.GAP:
-            yield "".join(start).strip()
-            start = []
-        else:
-            start.append(text)
-    yield "".join(start).strip()
+    equations: list[str] = []
+    for line in joined:
+        equations.append("")
+        for kind, text in _atoms(line):
+            if kind is _Kind.GAP:
+                equations.append("")
+            else:
+                equations[-1] += text
+    return [equation.strip() for equation in equations]
 
 
 def breakable(equation: str) -> str:
@@ -143,7 +126,7 @@ def _atoms(equation: str) -> Iterator[tuple[_Kind, str]]:
 
 
 def _kind(atom: str) -> _Kind:
-    return next((kind for kind, pattern in _KINDS.items() if pattern.fullmatch(atom)), _Kind.ATOM)
+    return next(kind for kind in _Kind if kind.value.fullmatch(atom))
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,12 +12,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from itertools import accumulate
 from typing import Any
 
 import sympy
 
 from derive.handouts.layout.lines import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import Box, concatenate, italic, joined, magnitude
+from derive.handouts.notation.pieces import EMPTY, Box, concatenate, italic, joined, magnitude
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.model.entries import Entries
@@ -69,6 +70,7 @@ class LaidOut:
     values: tuple[tuple[Box, Any], ...] = ()  # names and expressions of the printed entries
     # Left sides without their values, for an exercise; none where something is too long to print.
     blanks: tuple[str, ...] = ()
+    box: Box = EMPTY  # of a small matrix, which may share its line: ``symbol = [...]``
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,13 +174,8 @@ def omitted(item: Item, word: str, *, comma: bool = False) -> Box:
 def _within(sizes: Sequence[int], longest: int, total: int) -> list[int]:
     """Indices of what is not empty and within the budget, the shortest first until it is used up, in their order."""
     wanted = sorted((size, index) for index, size in enumerate(sizes) if 0 < size <= longest)
-    chosen, used = [], 0
-    for size, index in wanted:
-        used += size
-        if used > total:
-            break
-        chosen.append(index)
-    return sorted(chosen)
+    used = accumulate(size for size, _ in wanted)
+    return sorted(index for (_, index), so_far in zip(wanted, used, strict=True) if so_far <= total)
 
 
 def _with_shared_brackets_named(expressions: Sequence[Any]) -> tuple[list[Definition], list[Any]]:

@@ -1,13 +1,9 @@
-"""The derivation of the inverse kinematics as lines of text, of LaTeX and of Python.
-
-Every step says where its equation comes from, prints it, and then what follows: named quantities, the unknown as an
-atan2 with its signs, when it exists and where it is free.
-"""
+"""The derivation of the inverse kinematics as lines of text, of LaTeX and of Python."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import sympy
@@ -31,11 +27,28 @@ LONGEST_PAIR = 12  # operations of two arcs half a turn apart that are both writ
 def derivation_lines(found: InverseKinematics, form: str, notation: Notation) -> list[str]:
     """The derivation as lines."""
     notation = with_names(notation, found)
-    if form == "latex":
-        return derivation_latex(found, SignLatexPrinter(notation, found).latex)
-    if form == "python":
-        return _script(found)
-    return derivation_text(found, SignPrinter(found.robot, notation, pose_names(found)).doprint)
+    if form == "latex":  # the formulas as rows of an ``aligned`` environment
+        tex = SignLatexPrinter(notation, found).latex
+        rows = [_equation(condition, tex).replace("=", "&=", 1) for condition in found.conditions]
+        rows += [formula(line, tex, " &= ", " \\text{ or } ", " + \\pi") for line in found.definitions]
+        for step in found.steps:
+            if not step.lines:
+                rows += [_equation(equation, tex).replace("=", "&=", 1) for equation in step.equations]
+            rows += [formula(line, tex, " &= ", " \\text{ or } ", " + \\pi") for line in step.lines]
+        if not rows:
+            return [f"% {headline(found)}", *(f"% {step.unknown}: {reason(found, step)}" for step in found.steps)]
+        return ["\\begin{aligned}", *(f"  {row} \\\\" for row in rows), "\\end{aligned}"]
+    if form != "python":
+        return derivation_text(found, SignPrinter(found.robot, notation, pose_names(found)).doprint)
+    # Python, and as comments what has no formula: joints that are given, roots of quartics, eigenvalues.
+    write, texts = PlainPrinter().doprint, iter(derivation_python(found))
+    lines = [next(texts) for _ in found.definitions]
+    for step in found.steps:
+        if not step.lines:
+            lines.append(f"# {write(step.unknown)}: {reason(found, step)}")
+            lines += [f"#   {_equation(equation, write)}" for equation in step.equations]
+        lines += [next(texts) for _ in step.lines]
+    return lines or [f"# {headline(found)}"]
 
 
 def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
@@ -90,35 +103,13 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
         if step.exists is not sympy.true:
             real = step.exists  # a relation such as Abs(D) <= 1
             lines.append(f"   real for {write(real.lhs)} {real.rel_op} {write(real.rhs)}")
-        lines += [f"   {text}" for text in _failing(found, step, write)]
+        where = f"if {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
+        if step.fails and step.instead:
+            shown = " and ".join(_equation(equation, write) for equation in step.instead[0])
+            lines.append(f"   {where}, solved by {shown} instead, {_sources(found.robot, step.instead[0])}")
+        elif step.fails:
+            lines.append(f"   arbitrary {where}")
     return lines
-
-
-def _failing(found: InverseKinematics, step: PrintedStep, write: Print) -> Iterator[str]:
-    """Where the equations of a step do not determine its unknown, and what then does."""
-    if not step.fails:
-        return
-    where = f"if {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
-    if not step.instead:
-        yield f"arbitrary {where}"
-        return
-    equations = step.instead[0]
-    shown = " and ".join(_equation(equation, write) for equation in equations)
-    yield f"{where}, solved by {shown} instead, {_sources(found.robot, equations)}"
-
-
-def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
-    """The formulas as rows of an ``aligned`` environment."""
-    rows = [_equation(condition, write).replace("=", "&=", 1) for condition in found.conditions]
-    rows += [formula(line, write, " &= ", " \\text{ or } ", " + \\pi") for line in found.definitions]
-    for step in found.steps:
-        if not step.lines:
-            rows += [_equation(equation, write).replace("=", "&=", 1) for equation in step.equations]
-        rows += [formula(line, write, " &= ", " \\text{ or } ", " + \\pi") for line in step.lines]
-    body = [f"  {row} \\\\" for row in rows]
-    if not body:
-        return [f"% {headline(found)}", *(f"% {step.unknown}: {reason(found, step)}" for step in found.steps)]
-    return ["\\begin{aligned}", *body, "\\end{aligned}"]
 
 
 def derivation_python(found: InverseKinematics) -> list[str]:
@@ -134,18 +125,6 @@ def derivation_python(found: InverseKinematics) -> list[str]:
             parts = {}
         lines.append(f"{write(symbol)} = {write(value)}{''.join(f'  # {sign}: 1 or -1' for sign in line.signs)}")
     return lines
-
-
-def _script(found: InverseKinematics) -> list[str]:
-    """The formulas as Python, and as comments what has none: joints that are given, roots of quartics, eigenvalues."""
-    write, texts = PlainPrinter().doprint, iter(derivation_python(found))
-    lines = [next(texts) for _ in found.definitions]
-    for step in found.steps:
-        if not step.lines:
-            lines.append(f"# {write(step.unknown)}: {reason(found, step)}")
-            lines += [f"#   {_equation(equation, write)}" for equation in step.equations]
-        lines += [next(texts) for _ in step.lines]
-    return lines or [f"# {headline(found)}"]
 
 
 def headline(found: InverseKinematics) -> str:
@@ -167,12 +146,8 @@ def reason(found: InverseKinematics, step: PrintedStep) -> str:
             return "given"
         case NodeKind.SUM:
             return "from the angles already found"
-        case NodeKind.GENERAL:
-            return _general_reason(found, step)
-    return _sources(found.robot, step.equations)
-
-
-def _general_reason(found: InverseKinematics, step: PrintedStep) -> str:
+    if step.kind is not NodeKind.GENERAL:
+        return _sources(found.robot, step.equations)
     formula = next(node.formulas[0] for node in found.graph.nodes if node.kind is NodeKind.GENERAL).payload
     hidden, others, eliminated = formula.joints
     (joint,) = step.joints
@@ -191,16 +166,14 @@ def _sources(robot: Robot, equations: Iterable[PrintedEquation]) -> str:
     origins = [origin for equation in equations for origin in equation.origins]
     for matrix, entry in (_place(robot, origin) for origin in origins):
         by_matrix.setdefault(matrix, []).append(entry)
-    text = "; ".join(f"{_listed(tuple(dict.fromkeys(entries)))} {matrix}" for matrix, entries in by_matrix.items())
+    phrases = []
+    for matrix, named in by_matrix.items():
+        entries = tuple(dict.fromkeys(named))
+        if len(entries) > 1 and all(re.fullmatch(r"entry \([\d,]+\)", entry) for entry in entries):
+            entries = ("entries " + " and ".join(entry.removeprefix("entry ") for entry in entries),)
+        phrases.append(f"{' and '.join(entries)} {matrix}")
     eliminated = any(len(equation.origins) > 1 for equation in equations)
-    return f"{text}; another unknown eliminated" if eliminated else text
-
-
-def _listed(entries: tuple[str, ...]) -> str:
-    """``entries (1,4) and (2,4)``."""
-    if len(entries) > 1 and all(re.fullmatch(r"entry \([\d,]+\)", entry) for entry in entries):
-        return f"entries {' and '.join(entry.removeprefix('entry ') for entry in entries)}"
-    return " and ".join(entries)
+    return "; ".join([*phrases, *(["another unknown eliminated"] if eliminated else [])])
 
 
 def _place(robot: Robot, origin: Origin) -> tuple[str, str]:

@@ -13,7 +13,7 @@ expression.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -53,12 +53,19 @@ class Notation:
         labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
         uses = Counter(labels.values())
         positions = {name: (0, index) for index, name in enumerate(robot_symbols(robot))}
+        variables = [joint.variable for joint in robot.joints]
+        everything = dict.fromkeys((*variables, *robot_symbols(robot), *(name for name, _ in robot.parameters)))
+        printed = dict.fromkeys((*everything, *limit_symbols(robot)))
+        glyphs = dict(distinct(everything, variable_glyphs(robot, printed, options)))
+        for name in variables:
+            glyphs[velocity_name(name)] = replace(glyphs[name], accent="\\dot")
+            glyphs[acceleration_name(name)] = replace(glyphs[name], accent="\\ddot")
         for index, joint in enumerate(robot.joints):
             positions[joint.variable] = (1, index)
             positions[velocity_name(joint.variable)] = (2, index)
             positions[acceleration_name(joint.variable)] = (3, index)
         return cls(
-            glyphs=dict(_glyphs(robot, options)),
+            glyphs=glyphs,
             positions=positions,
             labels={variable: label for variable, label in labels.items() if label and uses[label] == 1},
             inertial=_inertial(robot),
@@ -94,17 +101,6 @@ class Notation:
         """The abbreviated cosine or sine of a sum of joint angles, raised to a power."""
         text = self.separator.join(self.labels[variable] for variable in variables)
         return script(italic(letter), italic(text), exponent)
-
-
-def _glyphs(robot: Robot, options: NotationOptions) -> Iterator[tuple[str, Glyph]]:
-    variables = [joint.variable for joint in robot.joints]
-    everything = dict.fromkeys((*variables, *robot_symbols(robot), *(name for name, _ in robot.parameters)))
-    printed = dict.fromkeys((*everything, *limit_symbols(robot)))
-    for name, glyph in distinct(everything, variable_glyphs(robot, printed, options)):
-        yield name, glyph
-        if name in variables:
-            yield velocity_name(name), glyph.dotted("\\dot")
-            yield acceleration_name(name), glyph.dotted("\\ddot")
 
 
 def _inertial(robot: Robot) -> dict[str, int]:

@@ -119,6 +119,11 @@ def bracketed(*boxes: Box) -> Box:
     return concatenate(Box("(", BRACKET_WIDTH), *boxes, Box(")", BRACKET_WIDTH))
 
 
+def minus(box: Box) -> Box:
+    """A box with a minus sign in front of it."""
+    return Box(f"-{box.tex}", MINUS_WIDTH + box.width)
+
+
 class Break(IntEnum):
     """Whether a new line may start before a piece, and with what."""
 

@@ -1,7 +1,4 @@
-"""SymPy expressions and cells of the robot file in the notation of lecture notes, as pieces that the layout can break.
-
-Cells are printed with every digit; angles in multiples of pi or in degrees.
-"""
+"""SymPy expressions and cells of the robot file in the notation of lecture notes, as pieces that lines are made of."""
 
 from __future__ import annotations
 

@@ -57,7 +57,16 @@ def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None
     if found.why_not:
         return [f"aspects cannot be computed: {found.why_not}"]
     joints = [joint.variable for joint in found.inverse.robot.joints]
-    lines = [_counted(found, joints)]
+    task = f" of the task {', '.join(found.task)}" if found.task else ""
+    what = f"sets of configurations that no singularity{task} divides"
+    if found.count is None:
+        group = next(group for group in found.groups if group.parts is None)
+        named = listed(joints[k] for k in group.joints)
+        lines = [f"aspects ({what}) are not counted: det J depends on {named} together"]
+    else:
+        told = "by the signs of" if found.factors else "by the sign of det J"
+        aspects = f"{found.count} aspect{'s' if found.count > 1 else ''}"
+        lines = [f"{aspects}, if no joint has limits: {what}; they differ {told}"]
     for number, factor in enumerate(found.factors, 1):
         posture = f" ({factor.posture.value})" if factor.posture else ""
         lines.append(f"   {number}. {write(factor.expression)}{posture}")
@@ -78,17 +87,6 @@ def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None
         numbers = ", ".join(f"{name} = {found.values[name]:.4g}" for name in assumed)
         lines.append(f"looked at with {numbers}, for which the file has no numbers")
     return lines
-
-
-def _counted(found: Aspects, joints: list[str]) -> str:
-    task = f" of the task {', '.join(found.task)}" if found.task else ""
-    what = f"sets of configurations that no singularity{task} divides"
-    if found.count is None:
-        group = next(group for group in found.groups if group.parts is None)
-        named = listed(joints[k] for k in group.joints)
-        return f"aspects ({what}) are not counted: det J depends on {named} together"
-    told = "by the signs of" if found.factors else "by the sign of det J"
-    return f"{found.count} aspect{'s' if found.count > 1 else ''}, if no joint has limits: {what}; they differ {told}"
 
 
 def _crossing(found: Aspects, joints: list[str], digits: int | None) -> list[str]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from derive.handouts.notation.pieces import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
 from derive.robot.names import joint_label
@@ -51,22 +51,13 @@ class Glyph:
             head = Box(f"{self.accent}{{{head.tex.rstrip()}}}", head.width)
         return script(head, self.sub, exponent)
 
-    def dotted(self, accent: str) -> Glyph:
-        r"""The same symbol under dots: a velocity or an acceleration."""
-        return replace(self, accent=accent)
-
-
-def literal(name: str) -> Glyph:
-    """A name in monospace letters, as the user typed it."""
-    return Glyph(monospace(name))
-
 
 def natural(name: str) -> Glyph:
     """A name as a textbook would print it, else in monospace letters."""
     parts = name.split("_")
     match = re.fullmatch(r"([A-Za-z]+)([0-9][A-Za-z0-9]*)?", parts[0])
     if match is None or not all(parts):
-        return literal(name)
+        return Glyph(monospace(name))
     letters, suffix = match.group(1), ""
     if letters in GREEK and letters != "pi":
         head = greek(letters)
@@ -96,7 +87,7 @@ def distinct(names: Iterable[str], chosen: Mapping[str, Glyph] | None = None) ->
     for name in names:
         glyph = (chosen or {}).get(name) or natural(name)
         if glyph.box.tex in taken or _ABBREVIATION.fullmatch(glyph.box.tex):
-            glyph = literal(name)
+            glyph = Glyph(monospace(name))
         taken.add(glyph.box.tex)
         yield name, glyph
 

@@ -14,28 +14,36 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
+import mpmath
+import numpy as np
+import sympy
+
 from derive.arrays import Array
 from derive.handouts.figure.drawing import label_runs
-from derive.handouts.figure.planar import view_along
+from derive.handouts.figure.projection import view_along
 from derive.handouts.figure.scene import upwards
 from derive.handouts.notation.notation import Notation
 from derive.handouts.page.player import Playback, function_names, player_texts
-from derive.handouts.page.target import Dragging
 from derive.handouts.parts.inverse_words import branch_name
 from derive.handouts.sheet.language import Text
 from derive.inverse.closed.solve import solve
+from derive.inverse.numeric.in_numbers import ArrayDomain, Numbers
 from derive.inverse.words.postures import postures
+from derive.mechanics.chain import build_chain
+from derive.mechanics.forward_kinematics import jacobian
 from derive.programs.program import Program
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names
 from derive.robot.names import number_of
+from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 from derive.targets.escape import html_text
 from derive.targets.javascript import javascript_body
 from derive.targets.templating import render
 
 FUNCTIONS = ("forward_kinematics", "link_transforms")  # what the figure needs of a robot's program
+_SMALL = 1e-7  # singular values below it, of a matrix whose largest one is 1, are zero
 _FALLBACK = 1.0  # drawn for a symbol of which nothing is known
 _STYLES = {"italic": "i", "mono": "code"}
 _SHIFTS = {-1: "sub", 1: "sup"}
@@ -64,29 +72,28 @@ class Viewer:
     script: str  # a classic script, to run after the element; holds no end of a script element
 
 
+@dataclass(frozen=True, slots=True)
+class Dragging:
+    """What of an arm's end effector is dragged."""
+
+    task: InverseOptions  # what the inverse kinematics is asked for
+    # The direction in which the target cannot go; None where it goes anywhere in space.
+    normal: tuple[float, float, float] | None
+
+
 def viewer(
     robot: Robot,
     program: Program,
     values: Mapping[str, float],
     text: Text,
     *,
-    start: Sequence[float] | None = None,
-    notation: Notation | None = None,
-    dragged: Dragging | None = None,
-    playback: Playback | None = None,
-    normal: Array | None = None,
+    start: Sequence[float] | None = None,  # configuration at first, see `travels`
+    notation: Notation | None = None,  # how symbols are written; None for the robot file's way
+    dragged: Dragging | None = None,  # how its end effector is dragged, by the inverse kinematics of the program
+    playback: Playback | None = None,  # a motion that is played
+    normal: Array | None = None,  # of the plane in which the arm moves, towards the viewer; None in space
 ) -> Viewer:
-    """The figure of a robot.
-
-    Args:
-        values: Numbers to draw for symbols that have none [m, rad]; 1 for those that are missing here, too.
-        start: Configuration at first [rad, m]; None for the robot's figure configuration, else zero, prismatic joints
-            half way out.
-        notation: How symbols are written; None for the robot file's way.
-        dragged: How its end effector is dragged, for which the program then has an inverse kinematics; None for not.
-        playback: A motion that is played; None for none.
-        normal: Of the plane in which the arm moves, towards the viewer; None where it moves in space.
-    """
+    """The figure of a robot, in which symbols without a number have one of ``values`` [m, rad], else 1."""
     numbers = symbol_values(robot, program.parameters, values)
     ways = travels(robot, numbers, start)
     if playback is not None:
@@ -146,9 +153,7 @@ def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, 
 def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] | None) -> tuple[Travel, ...]:
     """The way of every joint: its limits where they are numbers in order, else a turn, or the longest link.
 
-    Args:
-        numbers: A number for every symbol [m, rad].
-        start: Configuration at first [rad or m]; None for the robot's own, else zero, prismatic joints half way out.
+    It starts where ``start`` says [rad or m], else at the configuration of the figure, else at zero or half way out.
     """
     if start is None and robot.figure.q is not None:
         start = [evaluate(value, numbers) for value in robot.figure.q]
@@ -276,3 +281,54 @@ def _words(_: Text) -> dict[str, str]:
         "drag": _("Drag the ball at the end effector, or set the coordinates of the target: the arm follows."),
         "legend": _("Axes x red, y green, z blue."),
     }
+
+
+# -- the target that the reader drags: the position with the orientation kept where that moves, else the position alone
+
+
+def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
+    """How an end effector can be dragged; None where it moves neither in a plane nor in space. Numbers in m and rad."""
+    # The Jacobian at five generic configurations: ranks that all of them agree on are those of the arm.
+    columns = [_jacobian(robot, numbers, q) for q in np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, 5)).T]
+    linear = np.hstack([own[:3] for own in columns])
+    kept = min(_rank(own) - _rank(own[3:]) for own in columns)  # directions with the orientation kept
+    directions = _rank(linear)
+    if directions < 2:
+        return None
+    normal = None if directions == 3 else _normal(linear)
+    if robot.inverse != InverseOptions():
+        axes = [axis for axis in "xyz" if axis in robot.inverse.task]
+        if len(axes) < 2:
+            return None
+        missing = next((k for k, axis in enumerate("xyz") if axis not in axes), None)
+        x, y, z = (float(k == missing) for k in range(3))
+        return Dragging(robot.inverse, normal if missing is None else (x, y, z))
+    if kept == directions:
+        return Dragging(InverseOptions(POSE), normal)
+    if min(_rank(own[:3]) for own in columns) < directions:
+        return None
+    if normal is None:
+        return Dragging(InverseOptions(("x", "y", "z")), None)
+    left_out = int(np.argmax(np.abs(normal)))
+    return Dragging(InverseOptions(tuple(axis for k, axis in enumerate("xyz") if k != left_out)), normal)
+
+
+def _jacobian(robot: Robot, numbers: Mapping[str, float], q: Array) -> Array:
+    """(6, n), lengths in parts of the largest one."""
+    bare = replace(robot, links=(), gravity=None)
+    known: Numbers = {sympy.Symbol(name): mpmath.mpf(value) for name, value in numbers.items()}
+    rows = np.array(jacobian(build_chain(bare, ArrayDomain(bare, list(q), known))), dtype=float)
+    rows[:3] /= float(np.abs(rows[:3]).max()) or 1.0
+    return rows
+
+
+def _rank(matrix: Array) -> int:
+    return int(np.linalg.matrix_rank(matrix, tol=_SMALL * max(1.0, float(np.abs(matrix).max(initial=0.0)))))
+
+
+def _normal(columns: Array) -> tuple[float, float, float]:
+    """What is normal to all columns, which lie in a plane; its largest component is positive."""
+    normal = np.linalg.svd(columns)[0][:, 2]
+    sign = 1.0 if max(normal, key=abs) > 0 else -1.0
+    x, y, z = (0.0 if abs(part) < _SMALL else float(sign * part) for part in normal)  # without what rounding left
+    return x, y, z

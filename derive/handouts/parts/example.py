@@ -1,7 +1,4 @@
-"""The part with an example: T, J, B and g in numbers at one configuration, with units.
-
-The configuration is that of the figure, or a generic one within the limits.
-"""
+"""The part with an example: T, J, B and g in numbers at the configuration of the figure or a generic one."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ from fractions import Fraction
 
 from derive.errors import ExpressionError
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import EMPTY, MINUS_WIDTH, Box, TexPiece, concatenate, italic, magnitude, script
+from derive.handouts.notation.pieces import EMPTY, Box, TexPiece, concatenate, italic, magnitude, minus, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula
@@ -108,13 +105,12 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
 def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
     _ = context.text
     square = "\\mathrm{kg\\,m^2}"
-    joint_types = {joint.is_revolute for joint in robot.joints}
     if robot.n > _LARGEST:
         yield context.paragraph("The inertia matrix is too large to print; `inertia_matrix` computes it.")
     else:
-        if joint_types == {True}:
+        if all(joint.is_revolute for joint in robot.joints):
             text = _("The inertia matrix, in $%(square)s$:", square=square)
-        elif joint_types == {False}:
+        elif not any(joint.is_revolute for joint in robot.joints):
             text = _("The inertia matrix, in kg:")
         else:
             text = _(
@@ -126,7 +122,16 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
         task = _("Compute the inertia matrix in numbers.")
         yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
     yield context.paragraph("The gravity vector:")
-    yield _gravity(context, robot, q)
+    values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
+    names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
+    numbers = [_number(context, value) for value in values]
+    units = [_NEWTON_METRE if joint.is_revolute else _NEWTON for joint in context.robot.joints]
+    lines = pack(concatenate(name, EQUALS, *pair) for name, *pair in zip(names, numbers, units, strict=True))
+    rows = zip(names, numbers, values, strict=True)
+    entries = tuple(Entry(name.tex, number.tex, _copied(value)) for name, number, value in rows)
+    blanks = tuple(name.tex for name in names)
+    task = _("Compute the gravity vector in numbers, each component with its unit.")
+    yield SheetFormula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
 
 
 # -- numbers
@@ -141,7 +146,7 @@ def _cleaned(rows: Values) -> list[list[float]]:
 def _number(context: Context, value: float) -> Box:
     rounded = Fraction(f"{value:.{_DIGITS}g}")
     size = magnitude(rounded, decimals=True, digits=_DIGITS, comma=context.notation.comma)
-    return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
+    return minus(size) if rounded < 0 else size
 
 
 def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> SheetFormula:
@@ -160,23 +165,6 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, python),)
     return SheetFormula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
-
-
-def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> SheetFormula:
-    """g component by component, each with its unit."""
-    values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
-    names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
-    units = [_NEWTON_METRE if joint.is_revolute else _NEWTON for joint in context.robot.joints]
-    lines = pack(
-        concatenate(name, EQUALS, _number(context, value), unit)
-        for name, value, unit in zip(names, values, units, strict=True)
-    )
-    entries = tuple(
-        Entry(name.tex, _number(context, value).tex, _copied(value)) for name, value in zip(names, values, strict=True)
-    )
-    blanks = tuple(name.tex for name in names)
-    task = context.text("Compute the gravity vector in numbers, each component with its unit.")
-    return SheetFormula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
 
 
 # -- the configuration

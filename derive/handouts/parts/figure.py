@@ -16,7 +16,6 @@ from derive.handouts.sheet.document import Block, Figure, Paragraph
 from derive.handouts.sheet.formula import textbook
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression
-from derive.robot.options.handout import Functions
 from derive.workspace.poses import RobotPoses
 
 _DIGITS = 4  # significant digits of a number in a caption
@@ -90,33 +89,29 @@ def convention(context: Context) -> Iterator[Block]:
     name = "standard_convention" if context.is_standard else "modified_convention"
     yield textbook(name, A=symbol, blank=f"\\phantom{{{symbol}}}")
     yield Figure(convention_drawing(context.robot.convention), _("The four parameters of row $i$."))
-    texts = [*_abbreviations(context), _("A dot is a derivative with respect to time.")]
-    if context.notation.decimals:
+    texts, notation, labelled = [], context.notation, tuple(context.notation.labels)
+    if labelled and notation.abbreviates:
+        angle = notation.glyph(labelled[0]).box.tex
+        short = [
+            f"${notation.abbreviation('c', labelled[:1], EMPTY).tex} = \\cos {angle}$",
+            f"${notation.abbreviation('s', labelled[:1], EMPTY).tex} = \\sin {angle}$",
+        ]
+        if len(labelled) > 1:
+            total = " + ".join(notation.glyph(name).box.tex for name in labelled[:2])
+            short.append(f"${notation.abbreviation('c', labelled[:2], EMPTY).tex} = \\cos({total})$")
+        texts.append(
+            _(
+                "%(examples)s, and so on: the labels are the digits in the names of the joint variables.",
+                examples=", ".join(short),
+            )
+        )
+    texts.append(_("A dot is a derivative with respect to time."))
+    if notation.decimals:
         texts.append(
             _(
                 "Decimal numbers in the equations are rounded to %(digits)s significant digits; "
                 "the generated code is not.",
-                digits=context.notation.digits,
+                digits=notation.digits,
             )
         )
     yield Paragraph(" ".join(texts))
-
-
-def _abbreviations(context: Context) -> Iterator[str]:
-    notation = context.notation
-    labelled = tuple(notation.labels)
-    if not labelled or context.options.notation.functions is Functions.FULL:
-        return
-    _ = context.text
-    angle = notation.glyph(labelled[0]).box.tex
-    short = [
-        f"${notation.abbreviation('c', labelled[:1], EMPTY).tex} = \\cos {angle}$",
-        f"${notation.abbreviation('s', labelled[:1], EMPTY).tex} = \\sin {angle}$",
-    ]
-    if len(labelled) > 1:
-        total = " + ".join(notation.glyph(name).box.tex for name in labelled[:2])
-        short.append(f"${notation.abbreviation('c', labelled[:2], EMPTY).tex} = \\cos({total})$")
-    yield _(
-        "%(examples)s, and so on: the labels are the digits in the names of the joint variables.",
-        examples=", ".join(short),
-    )

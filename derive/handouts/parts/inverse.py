@@ -1,8 +1,4 @@
-"""The part with the inverse kinematics: from the pose of the end effector to every configuration that reaches it.
-
-As a teacher writes it: what is given, how many solutions there are, how the problem decouples, then for each joint the
-equation, whence it comes, the formulas, when they are real and where the joint is free; the branches and an example.
-"""
+"""The part with the inverse kinematics: from the pose of the end effector to every configuration that reaches it."""
 
 from __future__ import annotations
 
@@ -59,7 +55,13 @@ def inverse(context: Context) -> Iterator[Block]:
     yield from part.decoupled()
     yield from part.derived()
     if task != context.entries.model.inverse.graph.task:
-        yield from _InversePart(context, context.entries.model.inverse).of_whole_pose()
+        whole = _InversePart(context, context.entries.model.inverse)
+        yield context.paragraph(
+            "If the orientation is also given, the arm has fewer joints than the pose has coordinates, and fewer "
+            "solutions remain."
+        )
+        yield from whole.conditions()
+        yield whole.number_of_solutions()
     yield from part.branches()
     if context.robot.n > 1:
         yield from example(context, found)
@@ -137,7 +139,7 @@ class _InversePart:
                 given=and_list(_, given),
             )
         yield from self.conditions()
-        yield Paragraph(self._number_of_solutions(), is_answer=True)
+        yield self.number_of_solutions()
         if found.count > 1 and found.is_explicit:
             yield self.context.answer(
                 "Three cases can occur: finitely many solutions; none, where a root is not real, for the pose lies "
@@ -161,17 +163,18 @@ class _InversePart:
         if any(not variables.isdisjoint(map(str, e.free_symbols)) for c in conditions for e in (c.left, c.right)):
             yield self.context.answer("with the joint variables of the solution.")
 
-    def _number_of_solutions(self) -> str:
-        _, found = self.context.text, self.found
+    def number_of_solutions(self) -> Paragraph:
+        """How many solutions a pose has that is reached at all."""
+        _, found, answer = self.context.text, self.found, self.context.answer
         if not found.complete:
-            return _("A reachable pose has at most %(leaves)s solutions.", leaves=found.graph.leaves)
+            return answer("A reachable pose has at most %(leaves)s solutions.", leaves=found.graph.leaves)
         if not found.everywhere:
-            return _(
+            return answer(
                 "Solutions, real or complex, of almost all reachable poses: %(count)s. Special poses may have more.",
                 count=found.count,
             )
         if found.count == 1:
-            return _("A reachable pose has exactly one solution.")
+            return answer("A reachable pose has exactly one solution.")
         words = _(
             "A reachable pose has %(count)s solutions, real or complex; the list below is complete.",
             count=found.count,
@@ -182,7 +185,7 @@ class _InversePart:
                 leaves=found.graph.leaves,
                 end=bold("T").tex,
             )
-        return words
+        return Paragraph(words, is_answer=True)
 
     # -- the way
 
@@ -244,8 +247,25 @@ class _InversePart:
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
             if step.kind not in (NodeKind.GIVEN, NodeKind.GENERAL):
                 yield from self._step(step, merged, free)
-        if any(step.kind is NodeKind.GENERAL for step in found.steps):
-            yield Paragraph(self._eigenvalues(), is_answer=True)
+        node = next((node for node in found.graph.nodes if node.kind is NodeKind.GENERAL), None)
+        if node is None:
+            return
+        hidden, others, eliminated = node.formulas[0].payload.joints
+
+        def _names(*joints: int) -> str:
+            symbols = (self.context.notation.glyph(self._variable(k)).box.tex.strip() for k in sorted(joints))
+            return and_list(self.context.text, [f"${symbol}$" for symbol in symbols])
+
+        yield self.context.answer(
+            "No joint follows from the pose by itself. Equations between %(between)s that hold whatever %(without)s "
+            "are form an eigenvalue problem of a matrix with %(size)s rows: its eigenvalues give %(hidden)s, its "
+            "eigenvectors %(others)s, and linear equations then %(without)s.",
+            between=_names(hidden, *others),
+            without=_names(*eliminated),
+            hidden=_names(hidden),
+            others=_names(*others),
+            size=node.formulas[0].payload.solution.eliminations[0].eigenvalues,
+        )
 
     def _step(
         self, step: PrintedStep, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]
@@ -254,8 +274,11 @@ class _InversePart:
         if step.kind is NodeKind.SUM:
             words = _("%(unknown)s follows from the angles already found:", unknown=unknown)
         else:
-            source = sources(self.context, step.equations)
-            if _is_law_of_cosines(step):
+            source, equation = sources(self.context, step.equations), step.equations[0]
+            # What the sides of a triangle make of the cosine of one of its angles.
+            squared = any(origin.form in (OriginForm.SQUARES, OriginForm.DISTANCE) for origin in equation.origins)
+            is_alone = len(step.equations) == len(step.joints) == len(equation.left.atoms(sympy.cos, sympy.sin)) == 1
+            if squared and is_alone and equation.left.is_Mul:
                 source = _("%(source)s: the law of cosines", source=source)
             words = f"{unknown}: {source}."
         yield Paragraph(words, is_answer=True)
@@ -321,27 +344,6 @@ class _InversePart:
             found.append(f"{zero} ({posture})" if posture else zero)
         return or_list(_, found)
 
-    def _eigenvalues(self) -> str:
-        """How several joints follow at once."""
-        _ = self.context.text
-        node = next(node for node in self.found.graph.nodes if node.kind is NodeKind.GENERAL)
-        hidden, others, eliminated = node.formulas[0].payload.joints
-
-        def _names(*joints: int) -> str:
-            symbols = (self.context.notation.glyph(self._variable(k)).box.tex.strip() for k in sorted(joints))
-            return and_list(_, [f"${symbol}$" for symbol in symbols])
-
-        return _(
-            "No joint follows from the pose by itself. Equations between %(between)s that hold whatever %(without)s "
-            "are form an eigenvalue problem of a matrix with %(size)s rows: its eigenvalues give %(hidden)s, its "
-            "eigenvectors %(others)s, and linear equations then %(without)s.",
-            between=_names(hidden, *others),
-            without=_names(*eliminated),
-            hidden=_names(hidden),
-            others=_names(*others),
-            size=node.formulas[0].payload.solution.eliminations[0].eigenvalues,
-        )
-
     # -- the branches
 
     def branches(self) -> Iterator[Block]:
@@ -365,22 +367,3 @@ class _InversePart:
         heads = [_("Posture")] if has_names else []
         heads += [self._math(unknown) for unknown in columns.values()]
         yield Table((_("Branch"), *heads), tuple(rows), is_answer=True)
-
-    def of_whole_pose(self) -> Iterator[Block]:
-        """What changes where the orientation is given, too, of an arm solved for its position."""
-        yield self.context.paragraph(
-            "If the orientation is also given, the arm has fewer joints than the pose has coordinates, and fewer "
-            "solutions remain."
-        )
-        yield from self.conditions()
-        yield Paragraph(self._number_of_solutions(), is_answer=True)
-
-
-def _is_law_of_cosines(step: PrintedStep) -> bool:
-    """Whether an equation says what the sides of a triangle make of the cosine of one of its angles."""
-    if len(step.equations) != 1:
-        return False
-    (equation,) = step.equations
-    angles = equation.left.atoms(sympy.cos, sympy.sin)
-    squared = any(origin.form in (OriginForm.SQUARES, OriginForm.DISTANCE) for origin in equation.origins)
-    return squared and len(angles) == 1 and len(step.joints) == 1 and bool(equation.left.is_Mul)

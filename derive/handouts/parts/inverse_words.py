@@ -129,7 +129,17 @@ def words_alone(name: str) -> str:
 
 def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str], str] | None = None) -> str:
     """The name of a branch in the reader's language; ``plain`` writes its symbols in running text, None: as LaTeX."""
-    words = _branch_words(text)
+    _ = text
+    words: dict[str, str] = {
+        Word.SHOULDER_RIGHT: _("shoulder right"),
+        Word.SHOULDER_LEFT: _("shoulder left"),
+        Word.ELBOW_UP: _("elbow up"),
+        Word.ELBOW_DOWN: _("elbow down"),
+        Word.ELBOW_LEFT: _("elbow left"),
+        Word.ELBOW_RIGHT: _("elbow right"),
+        Word.WRIST: _("wrist not flipped"),
+        Word.WRIST_FLIPPED: _("wrist flipped"),
+    }
 
     def _of(part: str) -> str:
         side, number = _SIDE_OF_ZERO.fullmatch(part), _NUMBER.fullmatch(part)
@@ -141,16 +151,3 @@ def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str]
         return words.get(part, part)
 
     return ", ".join(map(_of, name.split(", "))) if name else ""
-
-
-def _branch_words(_: Text) -> dict[str, str]:
-    return {
-        Word.SHOULDER_RIGHT: _("shoulder right"),
-        Word.SHOULDER_LEFT: _("shoulder left"),
-        Word.ELBOW_UP: _("elbow up"),
-        Word.ELBOW_DOWN: _("elbow down"),
-        Word.ELBOW_LEFT: _("elbow left"),
-        Word.ELBOW_RIGHT: _("elbow right"),
-        Word.WRIST: _("wrist not flipped"),
-        Word.WRIST_FLIPPED: _("wrist flipped"),
-    }

@@ -13,12 +13,12 @@ from functools import cached_property, partial
 
 from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import BINARY_WIDTH, MINUS_WIDTH, Box, bracketed, concatenate, italic, script
+from derive.handouts.notation.pieces import BINARY_WIDTH, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.orientation import euler_names
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
-from derive.handouts.sheet.formula import Small, component_namer, formula, side_by_side, small, textbook
+from derive.handouts.sheet.formula import component_namer, formula, side_by_side, small, textbook
 
 _UPPER = (1, 2, 3)
 _ALL = (1, 2, 3, 4, 5, 6)
@@ -31,7 +31,7 @@ class Vector:
     """A vector of a step."""
 
     box: Box  # ``symbol = ...`` without its entries, where these are too long
-    small: Small | None = None  # the vector with its entries; None where these are too wide
+    small: LaidOut | None = None  # the vector with its entries; None where these are too wide
     # Its entries one by one, in that case; None where these are too long, or stand elsewhere.
     entries: LaidOut | None = None
 
@@ -82,15 +82,17 @@ def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
             p="\\mathbf{p}",
         )
     yield Paragraph(text)
+    column, index = script(bold("J"), italic("i")), "i-1" if context.is_standard else "i"
     if any(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a revolute joint is")
-        yield Rows((axes.general(is_revolute=True).tex,))
+        yield Rows((concatenate(column, EQUALS, matrix([[half] for half in halves(index)])).tex,))
     if not all(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a prismatic joint is")
-        yield Rows((axes.general(is_revolute=False).tex,))
+        yield Rows((concatenate(column, EQUALS, matrix([[half] for half in halves(index, is_revolute=False)])).tex,))
     if any(joint.sign < 0 for joint in joints):
         yield context.paragraph("with the opposite sign where the joint variable has a minus sign in the table.")
-    summary = axes.summary()
+    upper, lower = zip(*map(axes.halves, range(1, context.robot.n + 1)), strict=True)
+    summary = concatenate(bold("J"), EQUALS, matrix([upper, lower]))
     if fits(summary, 2):
         yield context.answer("so that for this arm")
         yield Rows((summary.tex,), is_answer=True)
@@ -145,16 +147,6 @@ class _JointAxes:
 
     context: Context
 
-    def general(self, *, is_revolute: bool) -> Box:
-        """The column of joint i."""
-        upper, lower = _halves("i-1" if self.context.is_standard else "i", is_revolute=is_revolute, is_opposed=False)
-        return concatenate(script(bold("J"), italic("i")), EQUALS, matrix([[upper], [lower]]))
-
-    def summary(self) -> Box:
-        """J by the axes and origins of this robot."""
-        upper, lower = zip(*(self._halves(i) for i in range(1, self.context.robot.n + 1)), strict=True)
-        return concatenate(bold("J"), EQUALS, matrix([upper, lower]))
-
     def of_frame(self, letter: str, i: int) -> Vector:
         """The axis z of a joint, or the origin o on it, in the world."""
         frame, column = self._frame(i), 3 if letter == "z" else 4
@@ -176,8 +168,7 @@ class _JointAxes:
     def column(self, i: int) -> Vector:
         """A column of J."""
         symbol = script(bold("J"), italic(str(i)))
-        upper, lower = self._halves(i)
-        box = concatenate(symbol, EQUALS, matrix([[upper], [lower]]))
+        box = concatenate(symbol, EQUALS, matrix([[half] for half in self.halves(i)]))
         return Vector(box, small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)))
 
     @cached_property
@@ -194,16 +185,16 @@ class _JointAxes:
         """The frame about or along whose z axis joint i moves."""
         return i - 1 if self.context.is_standard else i
 
-    def _halves(self, i: int) -> tuple[Box, Box]:
+    def halves(self, i: int) -> tuple[Box, Box]:
+        """Linear and angular half of the column of a joint."""
         joint = self.context.robot.joints[i - 1]
-        return _halves(str(self._frame(i)), is_revolute=joint.is_revolute, is_opposed=joint.sign < 0)
+        return halves(str(self._frame(i)), is_revolute=joint.is_revolute, is_opposed=joint.sign < 0)
 
 
-def _halves(index: str, *, is_revolute: bool, is_opposed: bool) -> tuple[Box, Box]:
+def halves(index: str, *, is_revolute: bool = True, is_opposed: bool = False) -> tuple[Box, Box]:
     """Linear and angular half of a column, by z and o of the frame with that index."""
     z, o = (script(bold(letter), italic(index)) for letter in "zo")
-    if is_opposed:
-        z = concatenate(Box("-", MINUS_WIDTH), z)
+    z = minus(z) if is_opposed else z
     if not is_revolute:
         return z, _ZERO
     return concatenate(z, _CROSS, bracketed(bold("p"), Box(" - ", BINARY_WIDTH), o)), z

@@ -13,7 +13,7 @@ from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Rows, Steps
-from derive.handouts.sheet.formula import Small, entry_namer, formula, side_by_side, small, textbook
+from derive.handouts.sheet.formula import entry_namer, formula, side_by_side, small, textbook
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
 
@@ -26,7 +26,7 @@ def transforms(context: Context) -> Iterator[Block]:
     """A_1 ... A_n; those that fit share lines, the others are given entry by entry."""
     yield context.paragraph("The transform of each row of the table, from frame $i$ to frame $i-1$:")
     task = context.text("Write the transform of each row of the table.")
-    fitting: list[Small] = []
+    fitting: list[LaidOut] = []
     for i in range(1, context.robot.n + 1):
         symbol, quantity = context.symbols.frame("A", i, i - 1), context.entries.A(i)
         one = small(context, symbol, quantity, entry_namer(symbol))

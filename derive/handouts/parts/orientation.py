@@ -7,13 +7,13 @@ Roll, pitch, yaw: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll); Euler ZYZ: R = Rot
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import (
     BINARY_WIDTH,
     BRACKET_WIDTH,
-    MINUS_WIDTH,
     Box,
     Break,
     TexPiece,
@@ -21,6 +21,7 @@ from derive.handouts.notation.pieces import (
     fraction,
     greek,
     italic,
+    minus,
     operator,
     script,
     upright,
@@ -49,7 +50,7 @@ def orientation(context: Context) -> Iterator[Block]:
         "The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END
     )
     quantity = context.entries.T.part((1, 2, 3), (4,))
-    entries = [_t(context, i, 4) for i in (1, 2, 3)]
+    entries = [context.symbols.entry("t", i, 4) for i in (1, 2, 3)]
     if quantity.is_short(context.policy.compact_terms):
         letters = [script(italic("p"), italic(axis)) for axis in "xyz"]
         names = [t if p.tex in context.notation.taken else p for p, t in zip(letters, entries, strict=True)]
@@ -64,7 +65,7 @@ def orientation(context: Context) -> Iterator[Block]:
 
 def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     """Singular where t_11 = t_21 = 0, at t_31 = -+1."""
-    _ = context.text
+    _, t = context.text, partial(context.symbols.entry, "t")
     words = _("roll"), _("pitch"), _("yaw")
     names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in words)
     roll, pitch, yaw = (f"${name.tex}$" for name in names)
@@ -74,12 +75,8 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     )
     task = _("Find roll, pitch and yaw of the end effector.")
     if not _terms(context, (1, 1), (2, 1)):
-        pitch_by_entry = (TexPiece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
-        angles: Angles = (
-            (TexPiece(italic("0")),),
-            pitch_by_entry,
-            _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2)),
-        )
+        upright_pitch = (TexPiece(minus(concatenate(_RIGHT_ANGLE, t(3, 1)))),)
+        angles: Angles = ((TexPiece(italic("0")),), upright_pitch, _atan2(minus(t(1, 2)), t(2, 2)))
         yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy, task)
         yield context.answer(
             "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
@@ -89,20 +86,17 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
             yaw=yaw,
         )
         return
-    angles = (
-        _atan2(_t(context, 3, 2), _t(context, 3, 3)),
-        _atan2(_minus(_t(context, 3, 1)), _root(_t(context, 3, 2), _t(context, 3, 3))),
-        _atan2(_t(context, 2, 1), _t(context, 1, 1)),
-    )
+    by_sine = _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
+    angles = _atan2(t(3, 2), t(3, 3)), by_sine, _atan2(t(2, 1), t(1, 1))
     used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
     yield from _angles(context, names, angles, used, context.entries.rpy, task)
     if not _terms(context, (3, 1)):
-        yield _never_singular(context, _t(context, 3, 1))
+        yield context.answer("They are never singular for this arm, for %(zero)s.", zero=f"${t(3, 1).tex} = 0$")
         return
     yield context.answer(
         "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
         "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
-        zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$",
+        zeros=f"${t(1, 1).tex} = {t(2, 1).tex} = 0$",
         roll=roll,
         pitch=pitch,
         yaw=yaw,
@@ -122,8 +116,8 @@ def euler_names(context: Context) -> Names:
 
 def _euler_zyz(context: Context) -> Iterator[Block]:
     """Singular where t_13 = t_23 = 0, at t_33 = +-1."""
-    _ = context.text
-    names, cosine = euler_names(context), _t(context, 3, 3)
+    _, t = context.text, partial(context.symbols.entry, "t")
+    names, cosine = euler_names(context), t(3, 3)
     first, second, third = (f"${name.tex.strip()}$" for name in names)
     yield context.paragraph(
         "Euler angles ZYZ turn about the moving axes $z$, $y$ and $z$: $\\mathbf{R} = %(product)s$.",
@@ -131,7 +125,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     )
     task = _("Find the Euler angles ZYZ of the end effector.")
     if not _terms(context, (1, 3), (2, 3)):
-        signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
+        signed = [concatenate(cosine, t(i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
         angles: Angles = (_atan2(*signed), (TexPiece(concatenate(_RIGHT_ANGLE, inside)),), (TexPiece(italic("0")),))
         yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz, task)
@@ -143,30 +137,22 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
             third=third,
         )
         return
-    angles = (
-        _atan2(_t(context, 2, 3), _t(context, 1, 3)),
-        _atan2(_root(_t(context, 1, 3), _t(context, 2, 3)), cosine),
-        _atan2(_t(context, 3, 2), _minus(_t(context, 3, 1))),
-    )
+    by_cosine = _atan2(_root(t(1, 3), t(2, 3)), cosine)
+    angles = _atan2(t(2, 3), t(1, 3)), by_cosine, _atan2(t(3, 2), minus(t(3, 1)))
     used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
     yield from _angles(context, names, angles, used, context.entries.euler_zyz, task)
     if not _terms(context, (3, 3)):
-        yield _never_singular(context, cosine)
+        yield context.answer("They are never singular for this arm, for %(zero)s.", zero=f"${cosine.tex} = 0$")
         return
     yield context.answer(
         "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
         "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
-        zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$",
+        zeros=f"${t(1, 3).tex} = {t(2, 3).tex} = 0$",
         first=first,
         second=second,
         third=third,
         straight="180^{\\circ}" if context.notation.degrees else "\\pi",
     )
-
-
-def _never_singular(context: Context, zero: Box) -> Paragraph:
-    words = context.text("They are never singular for this arm, for %(zero)s.", zero=f"${zero.tex} = 0$")
-    return Paragraph(words, is_answer=True)
 
 
 def _rotations(axes: str, names: Sequence[Box]) -> str:
@@ -197,17 +183,9 @@ def _angles(
 # -- entries of T
 
 
-def _t(context: Context, row: int, column: int) -> Box:
-    return context.symbols.entry("t", row, column)
-
-
 def _terms(context: Context, *places: Place) -> int:
     """Number of terms of some entries of T together; 0 if they vanish in every configuration."""
     return sum(context.entries.T.terms(*place) for place in places)
-
-
-def _minus(box: Box) -> Box:
-    return concatenate(Box("-", MINUS_WIDTH), box)
 
 
 def _root(first: Box, second: Box) -> Box:

@@ -37,12 +37,7 @@ _DIGITS = 6
 def plan_section(
     context: Context, segments: Sequence[SegmentPeaks], profiles: Sequence[str], curves: Sequence[Array] = ()
 ) -> Section:
-    """The part.
-
-    Args:
-        profiles: Names of those that occur, or `HAND_SPLINE`.
-        curves: What is drawn: times [s], (k,), then q, qd, qdd and, where they are known, torques, (k, n) each.
-    """
+    """The part; curves are times [s], (k,), then q, qd, qdd and, where they are known, torques, (k, n) each."""
     return Section("plan", context.text("Motion plan"), tuple(_blocks(context, segments, profiles, curves)))
 
 

@@ -22,7 +22,6 @@ from derive.handouts.sheet.document import (
     SheetFormula,
     Steps,
     Table,
-    rows_of,
 )
 from derive.handouts.sheet.language import Text
 
@@ -165,11 +164,7 @@ class _Sparing:
 
 
 def within(document: Document, limit: int, text: Text, spare: int = 0) -> Document:
-    """The document, shortened until it has no more pages than that.
-
-    Entries on pages turned on their side go first, then what is longer than a page, then the steps, then the other long
-    formulas, then whole parts; in each of these the least useful part first, until the rest fits.
-    """
+    """The document, shortened until it has no more pages than that: see `_shortened` for what goes first."""
     most = limit - spare
     if not limit or pages(document) <= most:
         return document
@@ -195,7 +190,11 @@ def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tupl
     """One part after the other, shorter each time it comes; None in place of a part that is left out as a whole."""
     tests: tuple[Test, ...] = (
         lambda block: isinstance(block, Rows) and block.landscape,
-        lambda block: isinstance(block, SheetFormula | Steps) and _tallest(block) > PAGE,
+        # Of steps the tallest display counts, for they need not go as a whole.
+        lambda block: (
+            isinstance(block, SheetFormula | Steps)
+            and max(map(height, block.blocks if isinstance(block, Steps) else block.rows), default=0.0) > PAGE
+        ),
         lambda block: isinstance(block, Steps),
         lambda block: isinstance(block, SheetFormula) and height(block) > _LONG,
     )
@@ -206,12 +205,6 @@ def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tupl
     for part in USEFULNESS[:-1]:
         if part in sections:
             yield part, None
-
-
-def _tallest(block: Block) -> float:
-    """The height of the block; of steps that of their tallest display, for they need not go as a whole."""
-    inner = block.blocks if isinstance(block, Steps) else rows_of(block)
-    return max(map(height, inner), default=0.0)
 
 
 def _said(document: Document, sections: dict[str, Section], touched: list[str], limit: int, text: Text) -> Document:

@@ -170,13 +170,6 @@ def gap_rows(gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:
     return rows
 
 
-def rows_of(block: Block) -> tuple[Rows, ...]:
-    """The displayed mathematics of a block."""
-    if isinstance(block, SheetFormula):
-        return block.rows
-    return (block,) if isinstance(block, Rows) else ()
-
-
 _SPAN = re.compile(r"\$([^$]*)\$|`([^`]*)`")
 
 

@@ -1,8 +1,4 @@
-"""The dynamics of one robot on its way to the page: B, Christoffel symbols, C, N, energies, g and tau.
-
-What is short is printed multiplied out. Of longer robots C, N and tau are given in named terms, which are the entries
-of B, the Christoffel symbols and the components of g.
-"""
+"""The dynamics of one robot on its way to the page: multiplied out where short, else in entries of B, c_ijk and g."""
 
 from __future__ import annotations
 
@@ -141,38 +137,35 @@ class DynamicsLayout:
 
     def named_torque(self) -> LaidOut:
         """Each equation of motion by entries of B, Christoffel symbols, g and friction."""
-        joints = range(1, self.entries.robot.n + 1)
+        entries, rates, two, lines = self.entries, self._rates, italic("2"), list[str]()
+        joints = range(1, entries.robot.n + 1)
         names = {i: self.symbols.torque(i) for i in joints}
-        equations = [break_lines(concatenate(names[i], EQUALS), self._torque_pieces(i)) for i in joints]
-        short = [i for i in joints if self.entries.tau.terms(i, 1) <= self.layouter.policy.flat_terms]
+        glyph = self.layouter.printer.notation.glyph
+        for i in joints:
+            terms: list[Signed] = [
+                (1, (self.inertia_entry(i, j), glyph(acceleration_name(joint.variable)).box))
+                for j, joint in enumerate(entries.robot.joints, 1)
+                if entries.B.terms(min(i, j), max(i, j))
+            ]
+            for row, j, k in entries.triples:
+                if row == i:
+                    symbol = self.symbols.christoffel(i, j, k)
+                    square = (symbol, rates[j].power(two))
+                    terms.append((1, square if j == k else (two, symbol, rates[j].box, rates[k].box)))
+            if entries.g.terms(i, 1):
+                terms.append((1, (self.symbols.component("g", i),)))
+            value = entries.friction(i)
+            friction = self.layouter.printer.pieces(value) if value != 0 else []
+            if terms and friction:
+                friction = [binary("-", 0), *friction[1:]] if friction[0] == MINUS else [binary("+", 0), *friction]
+            pieces = (*(_signed_sum(terms) if terms or not friction else ()), *friction)
+            lines += break_lines(concatenate(names[i], EQUALS), pieces)
+        short = [i for i in joints if entries.tau.terms(i, 1) <= self.layouter.policy.flat_terms]
         return LaidOut(
-            tuple(line for lines in equations for line in lines),
-            values=tuple((names[i], self.entries.torque_value(i)) for i in short),
+            tuple(lines),
+            values=tuple((names[i], entries.torque_value(i)) for i in short),
             blanks=tuple(name.tex for name in names.values()),
         )
-
-    def _torque_pieces(self, i: int) -> tuple[TexPiece, ...]:
-        entries, rates, two = self.entries, self._rates, italic("2")
-        glyph = self.layouter.printer.notation.glyph
-        terms: list[Signed] = [
-            (1, (self.inertia_entry(i, j), glyph(acceleration_name(joint.variable)).box))
-            for j, joint in enumerate(entries.robot.joints, 1)
-            if entries.B.terms(min(i, j), max(i, j))
-        ]
-        for row, j, k in entries.triples:
-            if row == i:
-                symbol = self.symbols.christoffel(i, j, k)
-                square = (symbol, rates[j].power(two))
-                terms.append((1, square if j == k else (two, symbol, rates[j].box, rates[k].box)))
-        if entries.g.terms(i, 1):
-            terms.append((1, (self.symbols.component("g", i),)))
-        value = entries.friction(i)
-        friction = self.layouter.printer.pieces(value) if value != 0 else []
-        if not terms:
-            return tuple(friction) or (TexPiece(italic("0")),)
-        if friction:
-            friction = [binary("-", 0), *friction[1:]] if friction[0] == MINUS else [binary("+", 0), *friction]
-        return (*_signed_sum(terms), *friction)
 
     @cached_property
     def _rates(self) -> dict[int, Glyph]:

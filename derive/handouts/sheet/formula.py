@@ -1,7 +1,4 @@
-"""From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot.
-
-Small matrices stand side by side; entries can be copied, and an exercise has blanks in their place.
-"""
+"""From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot."""
 
 from __future__ import annotations
 
@@ -78,15 +75,7 @@ def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> 
 # -- small matrices
 
 
-@dataclass(frozen=True, slots=True)
-class Small:
-    """A matrix that fits on a line and may share it."""
-
-    box: Box  # ``symbol = [...]``
-    laid_out: LaidOut  # the same as a quantity of its own
-
-
-def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Small | None:
+def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> LaidOut | None:
     """A matrix as one box, which may share a line; None if it is too wide or has too many terms."""
     if not quantity.is_short(context.policy.matrix_terms):
         return None
@@ -97,15 +86,15 @@ def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Sma
     if not fits(box, len(rows)):
         return None
     values = tuple((namer(*place), value) for place, value in entries.items() if quantity.terms(*place))
-    return Small(box, LaidOut((box.tex,), values=values, blanks=(symbol.tex,)))
+    return LaidOut((box.tex,), values=values, blanks=(symbol.tex,), box=box)
 
 
-def side_by_side(items: Sequence[Small]) -> LaidOut:
+def side_by_side(items: Sequence[LaidOut]) -> LaidOut:
     """Small matrices that share lines, as one quantity."""
     return LaidOut(
         tuple(pack(item.box for item in items)),
-        values=tuple(value for item in items for value in item.laid_out.values),
-        blanks=tuple(blank for item in items for blank in item.laid_out.blanks),
+        values=tuple(value for item in items for value in item.values),
+        blanks=tuple(blank for item in items for blank in item.blanks),
     )
 
 
@@ -124,7 +113,7 @@ class BodyItem:
 
 def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
-    row: list[Small] = []
+    row: list[LaidOut] = []
     for item in items:
         fitting = small(context, item.symbol, item.quantity, entry_namer(item.symbol))
         if fitting is not None:

@@ -1,9 +1,7 @@
 """Texts of the handout in the reader's language: English, and one message catalogue for each other.
 
-Every text is written in English where it is used, as ``_("Link %(index)s", index=3)``.
-``derive/handouts/locale/<language>.po`` holds the translations in the format of gettext. A new language is one such
-file, made from ``locale/derive.pot``; ``make messages`` keeps all of them complete. A language with a country,
-``pt_BR``, has its own file or the one of the language.
+Every text is written in English where it is used, as ``_("Link %(index)s", index=3)``. A new language is one file,
+``derive/handouts/locale/<language>.po``, made from ``locale/derive.pot``; ``make messages`` keeps all of them complete.
 """
 
 from __future__ import annotations
@@ -39,12 +37,14 @@ class Text:
 
 
 ENGLISH = "en"  # the language of the messages in the code
+LOCALE = files("derive.handouts") / "locale"
+LOCALE = files("derive.handouts") / "locale"
 _SUFFIX = ".po"
 
 
 def languages(folder: Traversable | None = None) -> tuple[str, ...]:
     """Codes of all languages that have a catalogue in a folder, by default that of the package; sorted."""
-    names = (entry.name for entry in (folder or _locale_folder()).iterdir())
+    names = (entry.name for entry in (folder or LOCALE).iterdir())
     found = {name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)}
     return tuple(sorted(found | {ENGLISH}))
 
@@ -52,24 +52,15 @@ def languages(folder: Traversable | None = None) -> tuple[str, ...]:
 def text_for(language: str, folder: Traversable | None = None) -> Text:
     """Translates messages into a language, by the catalogues of a folder, by default that of the package."""
     known = languages(folder)
-    for code in (language, language.partition("_")[0]):
-        if code == ENGLISH:
-            return Text(language)
-        if code in known:
-            return _read(folder or _locale_folder(), code, language)
-    raise TargetError(
-        f"no message catalogue for the language {quoted(language)}",
-        allowed=f"allowed: {listed(known)}",
-        remedy=near_miss(language, known) or "a new language is one file in derive/handouts/locale",
-    )
-
-
-def _locale_folder() -> Traversable:
-    return files("derive.handouts") / "locale"
-
-
-def _read(folder: Traversable, code: str, language: str) -> Text:
-    """The catalogue without messages that nobody has confirmed yet."""
+    code = language if language in known else language.partition("_")[0]
+    if code == ENGLISH:
+        return Text(language)
+    if code not in known:
+        raise TargetError(
+            f"no message catalogue for the language {quoted(language)}",
+            allowed=f"allowed: {listed(known)}",
+            remedy=near_miss(language, known) or "a new language is one file in derive/handouts/locale",
+        )
     try:
         from babel.core import Locale, UnknownLocaleError
         from babel.messages.pofile import PoFileError, read_po
@@ -77,11 +68,13 @@ def _read(folder: Traversable, code: str, language: str) -> Text:
     except ImportError:
         raise TargetError(f"the language {quoted(language)} needs Babel", remedy=install_extra("handout")) from None
     try:
-        with (folder / f"{code}{_SUFFIX}").open("rb") as file:
+        with ((folder or LOCALE) / f"{code}{_SUFFIX}").open("rb") as file:
             messages = read_po(file, abort_invalid=True)
     except (PoFileError, UnicodeDecodeError) as error:
         found = f"the catalogue {code}{_SUFFIX} cannot be read: {error}"
         raise TargetError(found, remedy="compare it with derive.pot") from None
+    # Without messages that nobody has confirmed yet.
+    # Without messages that nobody has confirmed yet.
     pairs = ((message.id, message.string) for message in messages if message.id and not message.fuzzy)
     comma = False
     for name in (code, language):  # the country's own habit, where it is known

@@ -24,7 +24,6 @@ from derive.handouts.sheet.document import (
     Table,
     blocks_of,
     gap_rows,
-    rows_of,
     spans,
 )
 from derive.handouts.sheet.language import Text
@@ -43,7 +42,7 @@ _NO_SECTION_BREAK = "\\makeatletter\\global\\@secpenalty=10000 \\makeatother\n"
 def latex(document: Document, text: Text) -> str:
     """The document as ``sheet.tex``."""
     blocks = [block for section in document.sections for block in blocks_of(section)]
-    rows = [part for block in blocks for part in rows_of(block)]
+    rows = [part for block in blocks for part in (block.rows if isinstance(block, SheetFormula) else (block,))]
     words = (
         [word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in document.title.split()
     )
@@ -63,7 +62,7 @@ def latex(document: Document, text: Text) -> str:
         subtitle=latex_words(document.subtitle),
         form=[latex_words(word) for word in document.form],
         footer=latex_words(document.footer),
-        landscape=any(part.landscape for part in rows),
+        landscape=any(isinstance(part, Rows) and part.landscape for part in rows),
         figures=any(isinstance(block, Figure) for block in blocks),
         figure_preamble=PREAMBLE.rstrip(),
         sections=sections,

@@ -18,8 +18,7 @@ from derive.arrays import Array
 from derive.errors import OutputError, TargetError, install_extra, pip_install
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
-from derive.handouts.figure.planar import view_along
-from derive.handouts.figure.projection import View, seen
+from derive.handouts.figure.projection import View, seen, view_along
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder

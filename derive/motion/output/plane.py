@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from derive.arrays import Array
-from derive.handouts.figure.planar import plane_normal
+from derive.handouts.figure.projection import plane_normal
 from derive.handouts.figure.scene import arm_scene
 from derive.motion.motion import Motion
 from derive.workspace.poses import RobotPoses

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from derive.handouts.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
+from derive.handouts.figure.branches import branches_drawing
 from derive.handouts.figure.convention import convention_drawing
 from derive.handouts.figure.drawing import LABEL_HEIGHT, Drawing, Label, LabelRun, Path, label_runs, label_width
+from derive.handouts.figure.panels import COLORS, Panel, Panels
 from derive.handouts.figure.paper import AXIS_COLORS, Paper, around
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.figure.workspace_plot import workspace_bytes
@@ -101,10 +103,6 @@ def test_every_robot_is_drawn_inside_its_canvas(key: str | int) -> None:
         assert (points.max(axis=0) <= (drawing.width, drawing.height)).all()
 
 
-def test_same_robot_same_drawing() -> None:
-    assert drawn("stanford-deluca") == drawn("stanford-deluca")
-
-
 def test_numbers_of_the_figure_are_used_and_the_others_are_stated() -> None:
     robot = Robot.load("planar-2r-perugia")
     q = (Number(Fraction(1, 2)), Number(Fraction(1)))
@@ -177,9 +175,8 @@ def test_lengths_that_are_fractions_or_roots_are_drawn_as_the_symbols_of_their_c
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_same_drawing_same_bytes(suffix: str) -> None:
     pytest.importorskip("matplotlib")
-    drawing = drawn("scara-perugia")
-    first = drawing_bytes(drawing, suffix)
-    assert first == drawing_bytes(drawing, suffix)
+    first, again = (drawing_bytes(drawn("stanford-deluca"), suffix) for _ in range(2))
+    assert first == again
     assert first.startswith({".pdf": b"%PDF", ".svg": b"<?xml", ".png": b"\x89PNG"}[suffix])
 
 
@@ -231,3 +228,73 @@ def test_a_workspace_of_one_point_is_plotted_without_a_warning() -> None:
     found = find_workspace(RobotPoses(Robot.load("dh-modified-deluca")))
     assert all(view.reachable.region.is_empty for view in found.views)
     assert workspace_bytes(found.views, ".svg", "a point").startswith(b"<?xml")
+
+
+PLANAR_ARM = Robot.load("planar-2r-perugia")
+
+
+def branches(*configurations: tuple[float, float]) -> Drawing | None:
+    poses = RobotPoses(PLANAR_ARM)
+    names = [str(k) for k in range(1, len(configurations) + 1)]
+    return branches_drawing(PLANAR_ARM, [poses.frames(q) for q in configurations], names, "two elbows")
+
+
+def arms(drawing: Drawing | None) -> list[Path]:
+    assert drawing is not None
+    return [item for item in drawing.items if isinstance(item, Path) and item.width == 1.5]
+
+
+def test_a_planar_arm_is_seen_from_above_and_both_elbows_end_at_one_point() -> None:
+    up, down = arms(branches((0.2, 0.9), (1.1, -0.9)))
+    scale = math.dist(up.points[0], up.points[1])
+    assert math.dist(down.points[0], down.points[1]) == pytest.approx(scale, rel=1e-2)  # nothing is foreshortened
+    angle = math.atan2(up.points[1][1] - up.points[0][1], up.points[1][0] - up.points[0][0])
+    assert angle == pytest.approx(0.2, abs=1e-2)
+
+
+def test_configurations_that_cover_each_other_are_one_line_with_both_numbers() -> None:
+    drawing = branches((0.2, 0.9), (1.1, -0.9), (0.2, 0.9))
+    assert len(arms(drawing)) == 2
+    assert drawing is not None
+    assert [item.latex for item in drawing.items if isinstance(item, Label)] == ["1,3", "2"]
+
+
+def test_an_arm_that_looks_the_same_in_all_of_them_is_not_drawn() -> None:
+    assert branches((0.2, 0.9), (0.2, 0.9)) is None
+
+
+def test_many_lines_are_two_drawings_side_by_side_in_the_order_of_the_numbers() -> None:
+    few, many = (arms(branches(*((0.4 * k, 0.9) for k in range(count)))) for count in (4, 6))
+    assert len({line.points[0] for line in few}) == 1
+    left, right = sorted({line.points[0] for line in many})
+    assert [line.points[0] for line in many] == [left] * 3 + [right] * 3
+    assert max(x for line in many[:3] for x, _ in line.points) < min(x for line in many[3:] for x, _ in line.points)
+    assert [line.stroke for line in many[:3]] == [line.stroke for line in many[3:]]
+
+
+TIMES = np.linspace(0, 3, 31)
+
+
+def panels(*rows: tuple[Panel, ...]) -> Panels:
+    return Panels(TIMES, rows, (1.0,), ("q_1", "q_2"), lambda x: f"{x:g}")
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 700.0])
+def test_everything_lies_on_the_canvas_and_curves_have_their_colours(scale: float) -> None:
+    curves = ((0, scale * np.sin(TIMES)), (1, scale * TIMES))
+    drawing = panels((Panel("q", curves), Panel("d", curves[:1])), (Panel("v", curves), Panel("w", curves))).drawing(
+        "two"
+    )
+    points = np.array([point for item in drawing.items if isinstance(item, Path) for point in item.points])
+    assert (points >= 0).all()
+    assert (points <= (drawing.width, drawing.height)).all()
+    long = [item.stroke for item in drawing.items if isinstance(item, Path) and len(item.points) == TIMES.size]
+    assert long == [COLORS[0], COLORS[1], COLORS[0], COLORS[0], COLORS[1], COLORS[0], COLORS[1]]
+
+
+def test_numbers_at_the_axes_are_round_and_a_curve_that_stands_has_room() -> None:
+    drawing = panels((Panel("q", ((0, np.full(31, 2.0)),)),)).drawing("one")
+    labels = [item.latex for item in drawing.items if isinstance(item, Label)]
+    assert labels[:3] == ["1", "2", "3"]
+    assert labels[-2:] == ["q_1", "q_2"]
+    assert labels[4:11] == ["0", "0.5", "1", "1.5", "2", "2.5", "3"]

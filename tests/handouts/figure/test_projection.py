@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from derive.handouts.figure.planar import plane_normal, view_along
-from derive.handouts.figure.projection import AZIMUTHS, ELEVATIONS, View, best_view, paint
+from derive.handouts.figure.projection import AZIMUTHS, ELEVATIONS, View, best_view, paint, plane_normal, view_along
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import LINK, Faces, Sizes, joint_centers, prism, shade, solid_faces
 from derive.robot.load import catalogue_names

@@ -1,7 +1,8 @@
-"""Long expressions and quantities over several lines: nothing is lost, nothing is too wide, nothing else is changed."""
+"""Quantities and formulas over several lines: nothing is lost, nothing is too wide, nothing else is changed."""
 
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -22,12 +23,24 @@ from derive.handouts.layout.lines import (
     matrix_rows,
     pack,
 )
-from derive.handouts.layout.quantity import POLICY, Item, Layouter, omitted
+from derive.handouts.layout.quantity import POLICY, Item, LaidOut, Layouter, omitted
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, joined, script
 from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.document import (
+    Paragraph,
+    Rows,
+    Section,
+    Steps,
+    blocks_of,
+    spans,
+)
+from derive.handouts.sheet.formula import component_namer, entry_namer, formula, side_by_side, small, textbook
+from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries, of_matrix
 from derive.robot.robot import Robot
+from derive.targets.templating import template_folder
 from tests.random_robots import swept_catalogue
 
 HEAD = Box("b = ", 30.0)
@@ -205,3 +218,90 @@ def test_a_matrix_is_also_its_entries() -> None:
     assert spaced is not None
     assert spaced.entries() == ["(p)_{1} = \\tfrac{1}{2}", "(p)_{2} = \\tfrac{1}{3}"]
     assert matrix_equation("x = a + b") is None
+
+
+P, R = Box("P", 10.0), Box("R", 10.0)
+q1 = sympy.Symbol("q1")
+
+
+@pytest.fixture(scope="module")
+def context() -> Context:
+    return context_of(Robot.load("planar-3r"))
+
+
+def test_small_matrices_share_a_line(context: Context) -> None:
+    matrix = of_matrix(sympy.Matrix([[sympy.cos(q1), 0], [0, 1]]))
+    found = [small(context, symbol, matrix, entry_namer(symbol)) for symbol in (P, R)]
+    together = side_by_side([one for one in found if one is not None])
+    body = "\\begin{bmatrix} c_{1} & 0 \\\\ 0 & 1 \\end{bmatrix}"
+    assert together.lines == (f"P = {body} \\qquad R = {body}",)
+    assert together.blanks == ("P", "R")
+    assert [name.tex for name, _ in together.values] == ["(P)_{11}", "(P)_{22}", "(R)_{11}", "(R)_{22}"]
+
+
+def test_a_wide_matrix_is_not_small(context: Context) -> None:
+    wide = sympy.Matrix([[sympy.Symbol("a1") ** k * sympy.Symbol("a2") ** k for k in range(2, 22)]])
+    assert small(context, P, of_matrix(wide), entry_namer(P)) is None
+
+
+def test_components_of_a_vector_have_one_index() -> None:
+    assert component_namer(P)(2, 1).tex == "(P)_{2}"
+    assert entry_namer(P, ",")(2, 10).tex == "(P)_{2,10}"
+
+
+def test_what_is_left_out_is_said(context: Context) -> None:
+    plain = LaidOut(("P = 0",), by_entry=True)
+    assert formula(context, plain).note == ""
+    sparse = LaidOut(("P = 0",), by_entry=True, has_zeros=True)
+    assert formula(context, sparse).note == "Entries that are not listed are zero."
+    symmetric = LaidOut(("P = 0",), by_entry=True, has_zeros=True, symmetric=True)
+    assert formula(context, symmetric).note.startswith("The matrix is symmetric; ")
+
+
+def test_entries_are_copied_as_latex_and_python(context: Context) -> None:
+    laid_out = LaidOut(("P = c_{1}",), values=((P, sympy.cos(q1)),))
+    (entry,) = formula(context, laid_out).entries
+    assert (entry.name, entry.latex, entry.python) == ("P", "c_{1}", "cos(q1)")
+
+
+FOLDER = Path(str(template_folder())) / "handout"
+TEMPLATE = "textbook.tex.jinja"
+NAMES = [name for name in dir(macros(TEMPLATE)) if not name.startswith("_")]
+FLAGS = ("rotors", "armatures", "friction", "revolute", "prismatic")
+
+
+@pytest.mark.parametrize("flag", [True, False])
+@pytest.mark.parametrize("name", NAMES)
+def test_every_formula_is_balanced(name: str, flag: bool) -> None:
+    names = getattr(macros(TEMPLATE), name).arguments
+    given = {argument: ("word" if flag else "") if argument in FLAGS else "X" for argument in names}
+    lines = textbook(name, **given).lines
+    assert lines or (name == "link_jacobians" and not flag)
+    for line in lines:
+        plain = re.sub(r"\\[{}]", "", line)
+        assert plain.count("{") == plain.count("}")
+        assert line.count("\\left") == line.count("\\right")
+        assert line == line.strip()
+        assert not re.search(r"<<|>>|<%|%>|<#|#>|\n", line)
+
+
+def test_an_indented_line_continues_the_one_before() -> None:
+    assert textbook("rotor_jacobians").lines == (
+        "\\mathbf{J}_{v,i}^{m_i} = \\mathbf{0}, \\qquad \\mathbf{J}_{\\omega,i}^{m_i} = k_{r_i}\\,\\mathbf{z}_{m_i}",
+    )
+
+
+ROWS = Rows(("a = b",))
+SECTION = Section("table", "Table", (Paragraph("one"), Steps("two", (ROWS, Paragraph("three"))), Paragraph("four")))
+
+
+def test_a_text_has_words_mathematics_and_code() -> None:
+    found = list(spans("The matrix $\\mathbf{R}$ of `inertia_matrix`."))
+    assert [kind.value for kind, _ in found] == ["words", "mathematics", "words", "code", "words"]
+    assert [text for _, text in found] == ["The matrix ", "\\mathbf{R}", " of ", "inertia_matrix", "."]
+    assert list(spans("")) == []
+
+
+def test_blocks_inside_of_steps_are_blocks_of_the_section() -> None:
+    texts = [block.text for block in blocks_of(SECTION) if isinstance(block, Paragraph)]
+    assert texts == ["one", "three", "four"]

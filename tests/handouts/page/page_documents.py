@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from derive.handouts.figure.drawing import Drawing, Label, Path
-from derive.handouts.page.target import dragging
-from derive.handouts.page.viewer import symbol_values, viewer
+from derive.handouts.page.viewer import dragging, symbol_values, viewer
 from derive.handouts.sheet.document import (
     Blank,
     Block,

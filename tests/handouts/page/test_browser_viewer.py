@@ -1,4 +1,4 @@
-"""The figure in Chromium: sliders move the arm, and the pose that it shows is that of the NumPy model."""
+"""The figure in Chromium: sliders and the dragged target move the arm, and it shows the pose of the NumPy model."""
 
 import io
 import json
@@ -289,3 +289,112 @@ def test_the_figure_is_accessible(figure: Figure) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     found = axe.Axe().run(figure.page).response["violations"]
     assert [v["id"] for v in found if v["impact"] in ("serious", "critical")] == []
+
+
+USUAL = ("scara-perugia",)
+SWEPT = (
+    "planar-2r-perugia",
+    "puma560-laschi",
+    "stanford-laschi",
+    "planar-3r",
+    "spherical-arm",
+    "kuka-lwr4",
+    "thumb",
+    "kuka-kr5",
+)
+MARKS = [pytest.mark.sweep] * 3 + [pytest.mark.release] * (len(SWEPT) - 3)
+
+
+@pytest.fixture(params=[*USUAL, *(pytest.param(name, marks=mark) for name, mark in zip(SWEPT, MARKS, strict=True))])
+def dragged(request: pytest.FixtureRequest, browser: Any, tmp_path: Path) -> Iterator[Figure]:
+    made = Figure(browser, tmp_path, Robot.load(request.param))
+    yield made
+    made.close()
+
+
+def target(figure: Figure) -> np.ndarray:
+    return np.array(figure.page.evaluate("deriveViewer.target()"))
+
+
+def inner(figure: Figure, rng: np.random.Generator) -> np.ndarray:
+    low, high = (np.array([getattr(travel, end) for travel in figure.travels]) for end in ("lower", "upper"))
+    return low + rng.uniform(0.3, 0.7, len(low)) * (high - low)
+
+
+def on_screen(figure: Figure) -> tuple[float, float]:
+    x, y = figure.page.evaluate("deriveViewer.targetOnCanvas()")
+    box = figure.page.locator(".viewer-canvas").bounding_box()
+    return box["x"] + (0.5 + 0.5 * x) * box["width"], box["y"] + (0.5 - 0.5 * y) * box["height"]
+
+
+def test_the_arm_is_where_the_target_is_wherever_it_is_dragged(dragged: Figure) -> None:
+    rng = np.random.default_rng(6)
+    moved = 0
+    for _ in range(4):
+        dragged.set(inner(dragged, rng))
+        dragged.settle()
+        before, start = dragged.pose(), on_screen(dragged)
+        dragged.page.mouse.move(*start)
+        dragged.page.mouse.down()
+        for step in range(1, 4):
+            dragged.page.mouse.move(start[0] - 9 * step, start[1] - 5 * step)
+            if dragged.page.evaluate("deriveViewer.isReached()"):
+                moved += bool(np.abs(target(dragged) - before[:3, 3]).max() > 1e-3)
+                assert np.abs(dragged.pose()[:3, 3] - target(dragged)).max() <= 1e-9
+                assert "viewer-missed" not in dragged.page.get_attribute(".viewer-reached", "class")
+        dragged.page.mouse.up()
+    assert moved >= 2
+
+
+def test_every_branch_that_is_chosen_reaches_the_target(dragged: Figure) -> None:
+    dragged.set(inner(dragged, np.random.default_rng(2)))
+    wanted = target(dragged)
+    reached = []
+    for value in dragged.page.locator(".viewer-branch option").evaluate_all("(all) => all.map((one) => one.value)")[1:]:
+        dragged.page.locator(".viewer-branch").select_option(value)
+        if dragged.page.evaluate("deriveViewer.isReached()"):
+            assert np.abs(dragged.pose()[:3, 3] - wanted).max() <= 1e-9
+            name = dragged.page.locator(f'.viewer-branch option[value="{value}"]').inner_text()
+            assert dragged.page.locator(".viewer-reached").inner_text().endswith(name)
+            reached.append(dragged.page.evaluate("deriveViewer.configuration()"))
+    assert len({tuple(np.round(q, 6)) for q in reached}) == len(reached) >= 1
+
+
+def test_a_target_out_of_reach_is_said_and_leaves_the_arm(dragged: Figure) -> None:
+    before = dragged.transforms()
+    assert dragged.page.evaluate("deriveViewer.setTarget([90, 80, 70])") is False
+    assert np.array_equal(dragged.transforms(), before)
+    assert "No configuration" in dragged.page.locator(".viewer-reached").inner_text()
+    dragged.page.locator(".viewer-reset").click()
+    assert dragged.page.evaluate("deriveViewer.isReached()") is True
+
+
+def test_coordinates_and_arrow_keys_move_the_target(dragged: Figure) -> None:
+    dragged.set(inner(dragged, np.random.default_rng(2)))
+    field, before = dragged.page.locator(".viewer-coordinate").first, target(dragged)
+    field.focus()
+    dragged.page.keyboard.press("ArrowDown")
+    lower = target(dragged)
+    assert lower[0] < before[0]
+    assert np.abs(lower[1:] - before[1:]).max() <= 1e-12
+    field.fill(f"{before[0]:.6f}")
+    dragged.page.keyboard.press("Tab")
+    assert target(dragged)[0] == pytest.approx(before[0], abs=1e-6)
+    assert np.abs(dragged.pose()[:3, 3] - target(dragged)).max() <= 1e-9
+
+
+@pytest.mark.parametrize("robot", ["dh-general-laschi", pytest.param("human-body", marks=pytest.mark.sweep)])
+def test_without_a_closed_form_or_a_way_to_go_there_is_no_target(robot: str, browser: Any, tmp_path: Path) -> None:
+    figure = Figure(browser, tmp_path, Robot.load(robot))
+    assert figure.page.locator(".viewer-target").count() == 0
+    assert figure.page.evaluate("deriveViewer.setTarget") is None
+    figure.close()
+
+
+def test_without_webgl_coordinates_still_move_the_arm(browser: Any, tmp_path: Path) -> None:
+    figure = Figure(browser, tmp_path, Robot.load("planar-3r"), without_webgl=True)
+    figure.set([0.3, 0.8, -0.4])
+    wanted = target(figure) * [0.9, 0.9, 1.0]
+    assert figure.page.evaluate("(place) => deriveViewer.setTarget(place)", wanted.tolist())
+    assert np.abs(figure.pose()[:3, 3] - wanted).max() <= 1e-9
+    figure.close()

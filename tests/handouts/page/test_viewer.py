@@ -1,22 +1,38 @@
-"""The figure as text: inert, deterministic, with a way for every joint, and what of an end effector is dragged."""
+"""The web page as text: everything in one file and escaped, the figure with its joints and target, and the motion."""
 
+import ast
+import json
 import math
 import random
 import re
 from dataclasses import replace
+from html import unescape
+from html.parser import HTMLParser
+from itertools import chain, pairwise
 
 import pytest
 
 from derive.handouts.figure.scene import upwards
-from derive.handouts.page.target import dragging
-from derive.handouts.page.viewer import Viewer, html_symbol, symbol_values, three, travels, viewer
+from derive.handouts.page.player import (
+    Exceeded,
+    Playback,
+    PlayedPiece,
+    PlayedRun,
+    PlayedSegment,
+    function_names,
+    player_texts,
+)
+from derive.handouts.page.viewer import Viewer, dragging, html_symbol, symbol_values, three, travels, viewer
+from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
+from derive.handouts.sheet.document import SheetFormula, blocks_of
 from derive.handouts.sheet.language import Text
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
-from tests.handouts.page.page_documents import assumed
+from tests.handouts.page.page_documents import ENTRIES, TITLE, assumed, document
+from tests.handouts.reading import lines
 from tests.random_robots import random_robot, seeds
 
 BUNDLE_BUDGET = 600_000
@@ -95,25 +111,17 @@ def test_values_of_the_poses_are_those_of_the_figure() -> None:
     assert all(f"= {value:.4g}" in caption for _, value, _ in poses.assumed)
 
 
-VERTICAL = """
-name: vertical
-convention: standard
-base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]
-joints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}]
-"""
-HEAD = """
-name: head
-convention: standard
-joints: [{type: revolute, alpha: pi/2}, {type: revolute, a: 0.4}]
-"""
-
-
-def numbers(robot: Robot) -> dict[str, float]:
-    return symbol_values(robot, (), assumed(robot))
+# a plane that stands upright; an end that moves on a sphere alone
+VERTICAL = arm(
+    "  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}",
+    "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]\n",
+)
+HEAD = arm("  - {type: revolute, alpha: pi/2}\n  - {type: revolute, a: 0.4}")
+KEPT = replace(Robot.load("planar-3r"), inverse=InverseOptions(("x", "y", "phi")))  # the task of the file
 
 
 @pytest.mark.parametrize(
-    ("name", "task", "normal"),
+    ("robot", "task", "normal"),
     [
         ("planar-2r-perugia", ("x", "y"), (0.0, 0.0, 1.0)),
         ("planar-3r", POSE, (0.0, 0.0, 1.0)),
@@ -122,33 +130,235 @@ def numbers(robot: Robot) -> dict[str, float]:
         ("puma560-laschi", POSE, None),
         ("kuka-lwr4", POSE, None),
         ("thumb", ("x", "y", "z"), None),
+        (VERTICAL, ("x", "z"), (0.0, 1.0, 0.0)),
+        (KEPT, KEPT.inverse.task, (0.0, 0.0, 1.0)),
+        # what moves on a line, on a sphere or not at all is not dragged
+        *((robot, None, None) for robot in (HEAD, "dh-general-laschi", "spherical-wrist")),
     ],
 )
 def test_the_orientation_is_kept_where_the_arm_can_keep_it(
-    name: str, task: tuple[str, ...], normal: tuple[float, float, float] | None
+    robot: str | Robot, task: tuple[str, ...] | None, normal: tuple[float, float, float] | None
 ) -> None:
-    robot = Robot.load(name)
-    found = dragging(robot, numbers(robot))
-    assert found is not None
-    assert (found.task.task, found.normal) == (task, normal)
+    robot = Robot.load(robot) if isinstance(robot, str) else robot
+    found = dragging(robot, symbol_values(robot, (), assumed(robot)))
+    assert (found and (found.task.task, found.normal)) == (task and (task, normal))
 
 
-def test_a_plane_may_stand_upright() -> None:
-    robot = Robot.from_text(VERTICAL)
-    found = dragging(robot, numbers(robot))
-    assert found is not None
-    assert (found.task.task, found.normal) == (("x", "z"), (0.0, 1.0, 0.0))
+ARM = arm("  - {type: revolute, a: 1}\n  - {type: prismatic, limits: [0, 1]}")
+MOTION = Playback(
+    tracks=(
+        (PlayedPiece("cosine", 0.0, 2.0, (0.0, 4.0)),),
+        (PlayedPiece("curve", 0.0, 2.0, formulas=("t", 1.0, 0.0)),),
+    ),
+    segments=(PlayedSegment("a -> <b>", 0.0, ((3, 0.5),)),),
+    basis={},
+    duration=2.0,
+    sample=0.01,
+    ranges=((0.0, 4.0), (0.0, 2.0)),
+    functions=(),
+)
+ROWS = [{"label": f"<i>q</i><sub>{j}</sub>", "name": f"q{j}", "place": j} for j in range(2)]
+
+
+def test_the_script_gets_plain_data() -> None:
+    plain = json.loads(json.dumps(MOTION.configuration))
+    assert plain["tracks"] == [[["cosine", 0.0, 2.0, 0.0, 4.0]], [["curve", 0.0, 2.0, "t", 1.0, 0.0]]]
+    assert plain["segments"] == [["a -> <b>", 0.0, [[3, 0.5]], 0]]
+
+
+def test_polynomials_that_meet_are_told_by_their_values_at_the_times_of_a_grid() -> None:
+    """Both joints on one grid; where a velocity jumps a new entry begins, and odd lengths are told."""
+    times = (0.0, 0.1, 0.2, 0.3, 0.4)
+
+    def track(scale: float, longer: float = 0.0) -> tuple[PlayedPiece, ...]:
+        return tuple(
+            PlayedPiece("hermite", a, b - a + longer, (scale * a, scale, scale * b, scale)) for a, b in pairwise(times)
+        )
+
+    jump = PlayedPiece("hermite", 0.4, 0.6, (0.4, 5.0, 1.0, 0.0))
+    plain = replace(MOTION, tracks=((*track(1.0), jump), track(2.0), track(1.0, 0.01))).configuration
+    first = [0.0, 1.0, 0.1, 1.0, 0.2, 1.0, 0.3, 1.0, 0.4, 1.0]
+    assert plain["tracks"][0] == [["chain", 0, *first], ["hermite", 0.4, 0.6, 0.4, 5.0, 1.0, 0.0]]
+    assert plain["tracks"][1] == [["chain", 0, *(2 * x if i % 2 == 0 else 2.0 for i, x in enumerate(first))]]
+    assert plain["grids"][0] == (list(times), None)
+    assert plain["grids"][1][1] == [b - a + 0.01 for a, b in pairwise(times)]
+
+
+def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None:
+    made = player_texts(MOTION, ARM, ROWS, Text())
+    assert [(plot["order"], plot["revolute"]) for plot in made["plots"]] == [
+        (k, b) for k in range(3) for b in (True, False)
+    ]
+    with_torques = player_texts(replace(MOTION, functions=("inverse_dynamics",)), ARM, ROWS, Text())
+    assert [plot["title"] for plot in with_torques["plots"][6:]] == ["Torque [N m]", "Force [N]"]
+    assert with_torques["joints"][1]["units"] == ["m", "m/s", "m/s²", "N"]
+
+
+def test_a_plot_says_which_joint_is_beyond_its_limit_and_when() -> None:
+    exceeded = (Exceeded("speed", 1, 0.25, -3.0),)
+    made = player_texts(replace(MOTION, exceeded=exceeded), ARM, ROWS, Text())
+    assert [plot["exceeded"] for plot in made["plots"]] == [[], [], [], ["q2 beyond its limit at 0.25 s"], [], []]
+
+
+def test_of_a_simulation_torques_and_errors_stand_where_accelerations_do() -> None:
+    rows = ((0.0, 0.0), (1.0, 1.0))
+    run = PlayedRun((0.0, 2.0), rows, rows, rows, "pd", "smooth", reached=False)
+    bounds = {"torque": ((None, 2.0), (-1.0, 1.0)), "acceleration": ((-1.0, 1.0), (-1.0, 1.0))}
+    played = replace(
+        MOTION, functions=("inverse_dynamics",), run=run, bounds=bounds, exceeded=(Exceeded("torque", 0, 1.0, 3.0),)
+    )
+    assert played.quantities == ("position", "speed", "torque", "error")
+    plain = json.loads(json.dumps(played.configuration))
+    assert plain["run"][0] == [0.0, 2.0]
+    assert plain["bounds"] == [None, None, [[None, 2.0], [-1.0, 1.0]], None]
+    assert plain["exceeded"] == [[2, 0, 1.0, 3.0]]
+    made = player_texts(played, ARM, ROWS, Text())
+    assert [plot["title"] for plot in made["plots"]][-2:] == ["Error [rad]", "Error [m]"]
+    assert made["notes"].startswith("Simulated: control law pd, friction smooth. ")
+    assert "The simulation diverges after 2 s." in made["notes"]
+
+
+def test_words_of_the_player_are_translated_and_inert() -> None:
+    made = player_texts(MOTION, ARM, ROWS, Text("xx", {"Play": '<b>"Via"</b>'}, comma=True))
+    assert made["words"]["play"] == "&lt;b&gt;&quot;Via&quot;&lt;/b&gt;"
+    assert made["segments"] == ["a → &lt;b&gt;"]
+    assert (0.25, "0,25", False) in made["speeds"]
+
+
+def test_the_script_calls_functions_by_their_names_there() -> None:
+    assert function_names(replace(MOTION, functions=("inverse_dynamics",))) == ("inverseDynamics",)
+    assert function_names(None) == ()
+
+
+def test_sliders_hold_all_of_the_motion() -> None:
+    program = build_program(ARM, Effort.QUICK)
+    plain, played = (viewer(ARM, program, {}, Text(), playback=motion) for motion in (None, MOTION))
+    assert 'max="1"' in plain.html
+    assert 'max="2"' in played.html
+    assert 'class="player-play"' in played.html
+    assert "player" not in plain.html + plain.css
+
+
+VOID = {"meta", "link", "br", "img", "input", "hr"}
+
+
+class Reader(HTMLParser):
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: list[str] = []
+        self._open: list[str] = []
+        self.feed(html)
+        assert not self._open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self._open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.found if name == tag]
+
+
+@pytest.fixture(scope="module")
+def html() -> str:
+    return page(document(), Text())
+
+
+@pytest.fixture(scope="module")
+def reader(html: str) -> Reader:
+    return Reader(html)
+
+
+def test_no_address_of_another_file_is_in_the_page(html: str, reader: Reader) -> None:
+    assert not re.findall(r"https?://|//[a-z]+\.", re.sub(r"<script>.*?</script>", "", html, flags=re.DOTALL))
+    for _, attributes in reader.found:
+        for name in ("src", "href", "srcset", "action"):
+            assert (attributes.get(name) or "#").startswith(("#", "data:"))
+    assert all(address.startswith("data:") for address in re.findall(r"url\(([^)]*)\)", html))
+
+
+def test_the_page_states_its_language_and_refuses_every_request(html: str, reader: Reader) -> None:
+    assert reader.all("html") == [{"lang": "it"}]
+    policies = [meta["content"] for meta in reader.all("meta") if "http-equiv" in meta]
+    assert [policy for policy in policies if (policy or "").startswith("default-src 'none'")]
+
+
+def test_the_title_is_text_whatever_it_holds(html: str, reader: Reader) -> None:
+    assert len(reader.all("script")) == 2
+    assert "".join(reader.texts).count(TITLE.removesuffix("</title>")) == 2
+    assert "alert(" not in html[html.index("<script>") :]
+    assert "<b>nothing</b>" in "".join(reader.texts)
+    assert formula(r"a < b \& c", display=True) == r"<div class=math>a &lt; b \&amp; c</div>"
+
+
+def test_every_section_can_be_reached_and_tables_have_heads(reader: Reader) -> None:
+    assert {attributes["scope"] for attributes in reader.all("th")} == {"col", "row"}
+    anchors = {attributes["href"] for attributes in reader.all("a")}
+    assert {f"#{attributes['id']}" for attributes in reader.all("section")} <= anchors
+
+
+def test_every_formula_stands_in_the_page_as_its_latex(html: str) -> None:
+    sheet = document()
+    found = [block for section in sheet.sections for block in blocks_of(section)]
+    parts = ((*b.named, *lines([b]), *b.omitted) if isinstance(b, SheetFormula) else lines([b]) for b in found)
+    assert [unescape(latex) for latex in re.findall(r"<div class=math>([^<]*)</div>", html)] == [*chain(*parts)]
+
+
+def test_entries_can_be_copied_as_they_are(reader: Reader) -> None:
+    options = [(option["data-latex"], option["data-python"]) for option in reader.all("option")]
+    assert options == [(entry.latex, entry.python) for entry in ENTRIES]
+    for _, python in options:
+        ast.parse(python or "", mode="eval")
+
+
+def test_the_page_is_the_same_each_time(html: str) -> None:
+    assert page(document(), Text()) == html
+
+
+def test_texts_of_the_page_are_translated() -> None:
+    assert "Copia LaTeX" in page(document(), Text("it", {"Copy LaTeX": "Copia LaTeX"}))
+
+
+def test_a_script_cannot_end_its_element() -> None:
+    assert "</script" not in safe_script('var a = "</script><!--";')
+
+
+def test_the_figure_stands_in_the_page() -> None:
+    viewer = Viewer("<div id=arm></div>", "#arm{color:red}", 'var arm = "</script>";')
+    html = page(document(), Text(), viewer)
+    assert "<div id=arm></div>" in html
+    assert "#arm{color:red}" in html
+    assert html.count("</script>") == 3
+
+
+def test_fonts_of_the_formulas_are_inside_and_no_others_are_asked_for() -> None:
+    css = formula_style()
+    faces = re.findall(r"@font-face{[^}]*}", css)
+    assert len(faces) == 13
+    assert all("url(data:font/woff2;base64," in face for face in faces)
+    assert not re.search(r"url\((?!data:)", css)
 
 
 @pytest.mark.parametrize(
-    "robot", [Robot.from_text(HEAD), Robot.load("dh-general-laschi"), Robot.load("spherical-wrist")]
+    ("latex", "name"),
+    [
+        ("b_{12}", "b₁₂"),
+        (r"\dot{\vartheta}_{1}", "ϑ\u0307₁"),
+        (r"\mathbf{T}_{4}^{0}", "T₄⁰"),
+        (r"c_{ijk}", "cᵢⱼₖ"),
+        (r"{}^{0}A_{1}", "⁰A₁"),
+        (r"c_{1,23}", "c_1,23"),
+    ],
 )
-def test_what_moves_on_a_line_on_a_sphere_or_not_at_all_is_not_dragged(robot: Robot) -> None:
-    assert dragging(robot, numbers(robot)) is None
-
-
-def test_the_task_of_the_file_is_kept() -> None:
-    robot = replace(Robot.load("planar-3r"), inverse=InverseOptions(("x", "y", "phi")))
-    found = dragging(robot, numbers(robot))
-    assert found is not None
-    assert (found.task, found.normal) == (robot.inverse, (0.0, 0.0, 1.0))
+def test_names_of_entries_in_plain_letters(latex: str, name: str) -> None:
+    assert unicode_name(latex) == name

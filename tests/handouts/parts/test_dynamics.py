@@ -13,62 +13,34 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.handouts.assemble import section_of
+from derive.handouts.layout.quantity import SheetPolicy
 from derive.handouts.parts.bodies import bodies
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Document, Rows, Section, SheetFormula, Steps, blocks_of
+from derive.handouts.sheet.document import Rows, Section, SheetFormula, Steps, blocks_of
+from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.model.dynamic_entries import ModelEntries
-from derive.model.model import Model
 from derive.robot.description import Motor
-from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
-from derive.robot.options.handout import Derivation, HandoutOptions, InertiaLetter, NotationOptions
+from derive.robot.options.handout import PARTS, HandoutOptions, InertiaLetter
 from derive.robot.robot import Robot
+from derive.verification.oracle.frames import chain_frames
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
-from tests.handouts.reading import words
+from tests.handouts.reading import bare_context, document_of, words
 from tests.random_robots import catalogue, robot_text, sampled
 
 Array = npt.NDArray[np.float64]
 
-PARTS = (
-    "link-jacobians",
-    "energies",
-    "inertia",
-    "christoffel",
-    "coriolis",
-    "skew",
-    "gravity",
-    "motion",
-    "newton-euler",
-)
+DYNAMICS = PARTS[PARTS.index("link-jacobians") : PARTS.index("example")]
 WITH_LINKS = [name for name, robot in catalogue().items() if robot.has_dynamics]
 SHORT = [name for name in WITH_LINKS if catalogue()[name].n <= 7]
 SEEDS = range(10)
-Z = np.array([0.0, 0.0, 1.0])
 
 _FUNCTIONS = {"sin": math.sin, "cos": math.cos, "tan": math.tan, "sqrt": math.sqrt, "pi": math.pi, "sign": np.sign}
-
-
-def context_of(robot: Robot, steps: bool = True, letter: InertiaLetter = InertiaLetter.B) -> Context:
-    derivation = Derivation.STEPS if steps else Derivation.RESULT
-    options = HandoutOptions(derivation=derivation, notation=NotationOptions(inertia=letter))
-    return Context(ModelEntries(Model(robot)), options, Text(), "0")
-
-
-def sections_of(context: Context) -> list[Section]:
-    found = (section_of(context, part) for part in PARTS)
-    return [section for section in found if section is not None]
-
-
-def document_of(context: Context) -> Document:
-    sections = tuple(sections_of(context))
-    return Document(context.robot.name, "", context.robot.name, "en", "", "0", "footer", sections)
 
 
 def random_arm(seed: int) -> Robot:
@@ -76,8 +48,7 @@ def random_arm(seed: int) -> Robot:
 
 
 def part_of(context: Context, part: str, steps: bool = False) -> Section:
-    section = section_of(context if steps else replace(context, options=HandoutOptions()), part)
-    assert section is not None
+    (section,) = document_of(context if steps else replace(context, options=HandoutOptions()), [part]).sections
     return section
 
 
@@ -114,7 +85,7 @@ class Numbers:
 @cache
 def prepared(key: str | int) -> tuple[Context, Numbers]:
     robot = Robot.load(key) if isinstance(key, str) else random_arm(key)
-    return context_of(robot), Numbers(robot)
+    return bare_context(robot), Numbers(robot)
 
 
 EVERY = pytest.mark.parametrize("key", sampled([*SHORT, *SEEDS], [*SHORT[::2], *SEEDS[:5]]))
@@ -195,83 +166,29 @@ def test_the_matrix_that_is_printed_as_skew_symmetric_is(key: str | int) -> None
             assert numbers.value(python) == pytest.approx(-numbers.value(opposite), abs=1e-9)
 
 
-# -- the Newton-Euler recursion, run as it is printed
-
-
-class Recursion:
-    def __init__(self, context: Context, numbers: Numbers) -> None:
-        self.context, self.numbers = context, numbers
-        entries = entries_of(part_of(context, "newton-euler"))
-        self.values = {name: numbers.value(python) for name, python in entries.items()}
-        self.standard = numbers.oracle.arm.standard
-
-    def matrix(self, symbol: str) -> Array:
-        return np.array([[self.values[f"({symbol})_{{{r}{c}}}"] for c in (1, 2, 3)] for r in (1, 2, 3)])
-
-    def vector(self, symbol: str) -> Array:
-        return np.array([self.values[f"({symbol})_{{{r}}}"] for r in (1, 2, 3)])
-
-    def arm(self, i: int) -> Array:
-        return self.vector(f"\\mathbf{{p}}_{{{i}}}" + ("^{*}" if self.standard else ""))
-
-    def turn(self, i: int) -> Array:
-        return self.matrix(f"\\mathbf{{R}}_{{{i}}}^{{{i - 1}}}").T
-
-    def torques(self) -> Array:
-        a = np.array([float(evaluate(cell, self.numbers.values)) for cell in self.context.entries.base_acceleration])
-        motions = [(np.zeros(3), np.zeros(3), a)]
-        for i in range(1, self.context.robot.n + 1):
-            motions.append(self.outward(i, *motions[-1]))
-        return self.inward(motions[1:])
-
-    def outward(self, i: int, w: Array, wd: Array, a: Array) -> tuple[Array, Array, Array]:
-        """The joint moves along z of frame i-1 in the standard convention, of frame i in the modified one."""
-        joint, turn, p = self.context.robot.joints[i - 1], self.turn(i), self.arm(i)
-        rate, acceleration = (joint.sign * x[i - 1] * Z for x in (self.numbers.qd, self.numbers.qdd))
-        if not self.standard:
-            w, wd, a = turn @ w, turn @ wd, turn @ (a + rotational(w, wd, p))
-        if joint.is_revolute:
-            w, wd = w + rate, wd + acceleration + np.cross(w, rate)
-        else:
-            a = a + acceleration + 2 * np.cross(w, rate)
-        if self.standard:
-            w, wd, a = turn @ w, turn @ wd, turn @ a
-            a = a + rotational(w, wd, p)
-        return w, wd, a
-
-    def inward(self, motions: list[tuple[Array, Array, Array]]) -> Array:
-        n = self.context.robot.n
-        f = moment = np.zeros(3)
-        torques = np.zeros(n)
-        for i in range(n, 0, -1):
-            w, wd, a = motions[i - 1]
-            r, inertia_tensor = self.vector(f"\\mathbf{{r}}_{{c_{{{i}}}}}"), self.matrix(f"\\mathbf{{I}}_{{{i}}}")
-            force = self.values[f"m_{{{i}}}"] * (a + rotational(w, wd, r))
-            spin = inertia_tensor @ wd + np.cross(w, inertia_tensor @ w)
-            back = self.turn(i + 1).T if i < n else np.eye(3)
-            p = self.arm(i) if self.standard else self.arm(i + 1) if i < n else np.zeros(3)
-            moment = back @ moment + np.cross(p, back @ f) + np.cross(p + r if self.standard else r, force) + spin
-            f = back @ f + force
-            joint = self.context.robot.joints[i - 1]
-            axis = self.turn(i) @ Z if self.standard else Z
-            torques[i - 1] = joint.sign * (moment if joint.is_revolute else f) @ axis
-        return torques
-
-
-def rotational(w: Array, wd: Array, r: Array) -> Array:
-    """The acceleration of a point at r due to rotation."""
-    return np.cross(wd, r) + np.cross(w, np.cross(w, r))
+# -- the Newton-Euler recursion
 
 
 @EVERY
-def test_the_recursion_with_the_printed_constants_gives_the_torques(key: str | int) -> None:
-    """Links alone: rotors, armatures and friction are stated apart."""
+def test_the_constants_of_the_recursion_are_those_of_the_oracle(key: str | int) -> None:
+    """Of link i in its own axes; p leads from o_{i-1} to o_i, in frame i (standard) or frame i-1 (modified)."""
     context, numbers = prepared(key)
-    links = tuple(replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO) for link in context.robot.links)
-    free = {name: value for name, value in numbers.values.items() if name in robot_symbols(context.robot)}
-    alone = Oracle.of(replace(context.robot, links=links), free)
-    torques = alone.evaluate("inverse_dynamics", numbers.q, numbers.qd, numbers.qdd)
-    np.testing.assert_allclose(Recursion(context, numbers).torques(), torques, rtol=1e-9, atol=1e-8)
+    arm, frames = numbers.oracle.arm, chain_frames(numbers.oracle.arm, numbers.q)
+    expected: dict[str, float] = {}
+    for i in range(1, context.robot.n + 1):
+        row = np.linalg.inv(frames[i - 1]) @ frames[i]
+        turn, p = row[:3, :3], row[:3, 3]
+        for symbol, matrix in ((f"R}}_{{{i}}}^{{{i - 1}}}", turn), (f"I}}_{{{i}}}", arm.inertia[i - 1])):
+            expected |= named(lambda r, c, symbol=symbol: f"(\\mathbf{{{symbol})_{{{r}{c}}}", matrix)
+        star, p = ("^{*}", turn.T @ p) if arm.standard else ("", p)
+        for symbol, vector in ((f"p}}_{{{i}}}{star}", p), (f"r}}_{{c_{{{i}}}}}", arm.com[i - 1])):
+            expected |= {f"(\\mathbf{{{symbol})_{{{k}}}": float(x) for k, x in enumerate(vector, 1)}
+        expected[f"m_{{{i}}}"] = float(arm.mass[i - 1])
+    entries = entries_of(part_of(context, "newton-euler"))
+    assert entries.keys() == expected.keys()
+    assert_entries(numbers, entries, expected)
+    base = [float(evaluate(cell, numbers.values)) for cell in context.entries.base_acceleration]
+    assert base == pytest.approx(-arm.gravity_in_frame_0, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-perugia"])
@@ -291,13 +208,14 @@ def test_every_joint_has_its_own_equations_in_the_steps(name: str) -> None:
 @EVERY
 def test_every_entry_that_is_not_zero_is_printed_or_counted(key: str | int) -> None:
     context, _ = prepared(key)
-    n = context.robot.n
+    n, layout = context.robot.n, DynamicsLayout(context.entries, context.layouter, context.symbols)
     section = part_of(context, "inertia")
     names = {*entries_of(section)}
     left_out = omitted_of(section)
     for i in range(1, n + 1):
         for j in range(i, n + 1):
-            name = context.dynamics.inertia_entry(i, j).tex
+            name = layout.inertia_entry(i, j).tex  # that above the diagonal
+            assert name == layout.inertia_entry(j, i).tex
             if context.entries.B.terms(i, j):
                 assert name in names or name in left_out
     symbols = part_of(context, "christoffel")
@@ -308,8 +226,8 @@ def test_every_entry_that_is_not_zero_is_printed_or_counted(key: str | int) -> N
 
 @pytest.mark.parametrize("letter", list(InertiaLetter))
 def test_the_inertia_matrix_has_the_chosen_letter_everywhere(letter: InertiaLetter) -> None:
-    context = context_of(Robot.load("planar-2r-perugia"), letter=letter)
-    text = latex(document_of(context), Text())
+    context = bare_context(Robot.load("planar-2r-perugia"), inertia=letter)
+    text = latex(document_of(context, DYNAMICS), Text())
     small = letter.value.lower()
     assert f"\\mathbf{{{letter.value}}}(\\mathbf{{q}})" in text
     assert f"\\partial {small}_{{ij}}" in text
@@ -321,16 +239,14 @@ def test_the_inertia_matrix_has_the_chosen_letter_everywhere(letter: InertiaLett
 
 def test_robots_without_links_have_no_dynamics() -> None:
     arm = Robot.from_text("name: arm\ntitle: Arm\nconvention: standard\njoints: [{type: revolute}]\n")
-    assert sections_of(context_of(arm)) == []
+    assert document_of(bare_context(arm), DYNAMICS).sections == ()
 
 
 def test_many_joints_keep_the_sentence_that_nothing_is_derived() -> None:
     robot = Robot.from_text(robot_text(random.Random(3), 4))
-    context = context_of(robot)
-    few = replace(context, policy=replace(context.policy, closed_form_joints=3))
-    sections = sections_of(few)
-    assert [section.part for section in sections] == ["inertia"]
-    assert "not derived" in words(sections[0])
+    (section,) = document_of(bare_context(robot, policy=SheetPolicy(closed_form_joints=3)), DYNAMICS).sections
+    assert section.part == "inertia"
+    assert "not derived" in words(section)
 
 
 def test_rotors_are_mentioned_where_the_robot_has_them() -> None:
@@ -338,7 +254,7 @@ def test_rotors_are_mentioned_where_the_robot_has_them() -> None:
     without = replace(robot, links=tuple(replace(link, motor=None) for link in robot.links))
     assert any(link.motor not in (None, Motor()) for link in robot.links)
     for arm, expected in ((robot, True), (without, False)):
-        assert ("rotors" in words(part_of(context_of(arm), "newton-euler"))) is expected
+        assert ("rotors" in words(part_of(bare_context(arm), "newton-euler"))) is expected
 
 
 # -- it fits the page
@@ -347,5 +263,5 @@ def test_rotors_are_mentioned_where_the_robot_has_them() -> None:
 @pytest.mark.parametrize("key", sampled([*WITH_LINKS, *SEEDS], [*WITH_LINKS[::3], *SEEDS[:3]]))
 def test_the_pages_have_no_error_and_nothing_outside_the_margins(key: str | int, tmp_path: Path) -> None:
     robot = Robot.load(key) if isinstance(key, str) else random_arm(key)
-    context = context_of(robot) if robot.n > 7 else prepared(key)[0]
-    run_clean(latex(document_of(context), Text()), tmp_path)
+    context = bare_context(robot) if robot.n > 7 else prepared(key)[0]
+    run_clean(latex(document_of(context, DYNAMICS), Text()), tmp_path)

@@ -20,17 +20,14 @@ PLACE = re.compile(r"%\((\w+)\)s")
 MATHEMATICS = re.compile(r"\$[^$]*\$")
 CODE = re.compile(r"`[^`]*`")
 CATALOGUES = messages.catalogues()
-
-
-def name(path: Path) -> str:
-    return path.stem
+NAMES = [path.stem for path in CATALOGUES]
 
 
 def test_the_languages_of_the_package_are_english_italian_and_portuguese() -> None:
     assert {"en", "it", "pt"} <= set(languages())
 
 
-@pytest.mark.parametrize("path", CATALOGUES, ids=name)
+@pytest.mark.parametrize("path", CATALOGUES, ids=NAMES)
 def test_no_message_is_missing_or_unconfirmed(path: Path) -> None:
     confirmed = {
         str(message.id) for message in messages.read(path) if message.id and message.string and not message.fuzzy
@@ -42,7 +39,7 @@ def test_the_files_are_those_that_the_tool_writes() -> None:
     assert not [path.name for path, content in messages.wanted().items() if path.read_bytes() != content]
 
 
-@pytest.mark.parametrize("path", CATALOGUES, ids=name)
+@pytest.mark.parametrize("path", CATALOGUES, ids=NAMES)
 def test_translations_keep_places_formulas_code_and_ends(path: Path) -> None:
     """And have letters that every LaTeX sets."""
     for message in messages.read(path):
