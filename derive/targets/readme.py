@@ -125,8 +125,5 @@ def _formulas(formula: str, robot: Robot) -> tuple[str, str]:
 
 
 TARGET = Target(
-    name="readme",
-    summary="a page about the folder, its functions and their cost",
-    files=("README.md",),
-    render=render,
+    name="readme", summary="a page about the folder, its functions and their cost", files=("README.md",), render=render
 )

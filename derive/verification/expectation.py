@@ -65,8 +65,7 @@ class Expectation:
         order = np.argsort(distance, kind="stable")
         farthest = np.empty(count, dtype=int)
         farthest[order % count] = order
-        values: Array = got[farthest]
-        return values
+        return got[farthest]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,8 +134,7 @@ class BaseExpectation(Expectation):
         together = np.abs(self.matrix @ got - self.torques).max()
         weight = np.abs(self.matrix).max(axis=0)
         alone = np.abs(got - self.value) * weight / np.maximum(np.abs(self.value) * weight, self.small)
-        errors: Array = np.maximum(alone, together)
-        return errors
+        return np.asarray(np.maximum(alone, together))
 
 
 def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:

@@ -114,8 +114,7 @@ def _distance(rows: Array, q: Array, turns: Array) -> Array:
     """How far configurations are from one, modulo full turns."""
     difference = rows - q
     angles = np.abs((difference + np.pi) % (2.0 * np.pi) - np.pi)
-    distance: Array = np.where(turns, angles, np.abs(difference)).max(axis=1)
-    return distance
+    return np.asarray(np.where(turns, angles, np.abs(difference)).max(axis=1))
 
 
 def _reach(poses: Array) -> float:

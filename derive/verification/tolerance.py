@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.programs.functions import INTERFACES
-from derive.programs.program import Magnitude
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, Oracle
 from derive.verification.oracle.identification import Identification
@@ -34,14 +32,12 @@ def relative_errors(difference: Array, scale: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(difference) / scale
     exact = np.broadcast_to(difference == 0, ratio.shape)
-    errors: Array = np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
-    return errors
+    return np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
 
 
 def largest(argument: Array) -> Array:
     """The largest size of each joint's entry over a batch."""
-    sizes: Array = np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0)
-    return sizes
+    return np.asarray(np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,37 +56,36 @@ class Bounds:
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
         """Natural size of each entry of a generated function's value."""
         rates = [largest(argument) for argument in arguments[1:]]
-        size: Array
-        match INTERFACES[function].magnitude:
-            case Magnitude.POSE:
+        match function:
+            case "forward_kinematics" | "link_transforms":
                 size = np.ones((4, 4))
                 size[:3, 3] = self.extent
-            case Magnitude.JACOBIAN:
-                size = self.jacobian
-            case Magnitude.JACOBIAN_RATE:
-                size = self.jacobian * self.turning(rates[0])
-            case Magnitude.INERTIA:
-                size = self.inertia_matrix
-            case Magnitude.CORIOLIS:
-                size = self.coriolis_matrix(rates[0])
-            case Magnitude.VELOCITY_TORQUE:
-                size = self.coriolis_matrix(rates[0]) @ rates[0]
-            case Magnitude.GRAVITY:
-                size = self.gravity
-            case Magnitude.KINETIC_ENERGY:
-                size = 0.5 * (rates[0] @ self.inertia_matrix @ rates[0])
-            case Magnitude.POTENTIAL_ENERGY:
-                size = self.potential
-            case Magnitude.TORQUE:
-                size = self.torque(*rates)
-            case Magnitude.TORQUE_BY_POSITION:  # an angle changes no term by more than the term's size
+                return size
+            case "jacobian" | "jacobian_end" | "analytic_jacobian_rpy" | "analytic_jacobian_zyz":
+                return self.jacobian
+            case "jacobian_dot":
+                return self.jacobian * self.turning(rates[0])
+            case "inertia_matrix":
+                return self.inertia_matrix
+            case "coriolis_matrix":
+                return self.coriolis_matrix(rates[0])
+            case "coriolis_vector":
+                return self.coriolis_matrix(rates[0]) @ rates[0]
+            case "gravity_vector":
+                return self.gravity
+            case "kinetic_energy":
+                return 0.5 * (rates[0] @ self.inertia_matrix @ rates[0])
+            case "potential_energy":
+                return self.potential
+            case "inverse_dynamics":
+                return self.torque(*rates)
+            case "inverse_dynamics_dq":  # an angle changes no term by more than the term's size
                 rigid = self.torque(*rates) - self.friction[0] * rates[0] - self.friction[1]
-                size = np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY)))
-            case Magnitude.TORQUE_BY_VELOCITY:
-                size = 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
-            case Magnitude.OTHER:
+                return np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY)))
+            case "inverse_dynamics_dqd":
+                return 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
+            case _:  # it is verified in a way of its own
                 raise KeyError(function)
-        return size
 
     @property
     def jacobian(self) -> Array:
@@ -101,19 +96,16 @@ class Bounds:
     @property
     def inertia_matrix(self) -> Array:
         """Bound of B, (n, n): |B_ij| <= sqrt(B_ii B_jj), since B is positive semidefinite."""
-        size: Array = np.sqrt(np.outer(self.inertia, self.inertia))
-        return size
+        return np.asarray(np.sqrt(np.outer(self.inertia, self.inertia)))
 
     def coriolis_matrix(self, rate: Array) -> Array:
         """Bound of C."""
-        size: Array = self.inertia_matrix * self.turning(rate)
-        return size
+        return self.inertia_matrix * self.turning(rate)
 
     def torque(self, rate: Array, acceleration: Array) -> Array:
         """Bound of B qdd + C qd + g + friction."""
         moving: Array = self.inertia_matrix @ acceleration + self.coriolis_matrix(rate) @ rate
-        bound: Array = moving + self.gravity + self.friction[0] * rate + self.friction[1]
-        return bound
+        return np.asarray(moving + self.gravity + self.friction[0] * rate + self.friction[1])
 
     def turning(self, rate: Array) -> float:
         """Bound of angular velocities [rad/s]: the sum over all joints, displacements as turns of the whole arm."""
@@ -160,8 +152,7 @@ def bounds(oracle: Oracle, q: Array) -> Bounds:
 
 def _carried(values: Array) -> Array:
     """Sums over the links from i to the end, of absolute values."""
-    sums: Array = np.cumsum(np.abs(values)[::-1])[::-1]
-    return sums
+    return np.cumsum(np.abs(values)[::-1])[::-1]
 
 
 def regressor_size(limits: Bounds, known: Identification, function: str, motion: Sequence[Array]) -> Array:
@@ -191,5 +182,4 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
             columns.append(shared + np.where(np.arange(arm.n) == i, of_joint[part], 0.0))
         else:
             columns.append(of_link[_PARTS.get(part, "inertia")])
-    size: Array = np.maximum(np.stack(columns, axis=-1), TINY)
-    return size
+    return np.asarray(np.maximum(np.stack(columns, axis=-1), TINY))

@@ -282,8 +282,7 @@ class Evidence:
         return self._numbers[name]
 
     def _plain(self, value: Residue) -> Array:
-        plain: Array = np.broadcast_to(value.values, (1, self.poses))[0]
-        return plain
+        return np.asarray(np.broadcast_to(value.values, (1, self.poses))[0])
 
 
 def _product(a: Array, b: Array, p: int) -> Array:

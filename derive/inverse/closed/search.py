@@ -230,11 +230,9 @@ class Search:
         own = [table[k] for k in choice.equations]
         if choice.kind is NodeKind.TYPE_3:
             (a, b), p = own, self.evidence.prime
-            parallel: Array = a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p
-            return parallel
+            return np.asarray(a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p)
         leading = {NodeKind.TYPE_1: [1], NodeKind.QUADRATIC: [2], NodeKind.TYPE_2: [1, 2]}
-        fails: Array = np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1)
-        return fails
+        return np.asarray(np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1))
 
     def _singles(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
         """Equations A c + B s = C by themselves: best C = 0, an atan2 alone; then those that never degenerate."""

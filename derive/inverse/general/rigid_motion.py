@@ -146,12 +146,7 @@ FRAME = Carried(
 )
 
 POINT = Carried(
-    start=np.array([1, 0, 0, 0, 0]),
-    linear=point_action,
-    heights=(3, 4),
-    crosswise=(1,),
-    along=(1, 2),
-    shifted=(3,),
+    start=np.array([1, 0, 0, 0, 0]), linear=point_action, heights=(3, 4), crosswise=(1,), along=(1, 2), shifted=(3,)
 )
 
 

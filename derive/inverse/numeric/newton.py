@@ -163,10 +163,8 @@ def solve(
 ) -> NumericSolutions:
     """All configurations that reach a pose, found from many starts; the same starts for the same arm.
 
-    The search ends when solutions known have been met again so often that another one would have been seen.
-
-    Args:
-        near: (n,) what free joints take at singular poses; zero unless given.
+    The search ends when solutions known have been met again so often that another one would have been seen. Free joints
+    take at singular poses what they have in ``near``, else zero.
     """
     goal, given = np.asarray(pose, dtype=float), dict(given or {})
     if goal.shape != (4, 4) or not np.isfinite(goal).all():

@@ -203,8 +203,7 @@ def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
     square = float(normal @ normal)
     if square < SMALL:
         return p
-    found: Vector = p + (_cross(q - p, b) @ normal) / square * a
-    return found
+    return p + (_cross(q - p, b) @ normal) / square * a
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

@@ -42,13 +42,6 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
     return [nodes[k] for k in min(orders, key=lambda order: _live(work, order))]
 
 
-def live(graph: Graph, order: Sequence[int]) -> tuple[int, int]:
-    """How many values of the body an order keeps alive."""
-    number = {node: k for k, node in enumerate(order)}
-    operands = [[number[k] for k in graph.operands[node]] for node in order]
-    return _live(_work(graph, order, operands), range(len(order)))
-
-
 # Of each operation of the body the operands that are such operations too, each once; None for any other node.
 Work = Sequence[Sequence[int] | None]
 

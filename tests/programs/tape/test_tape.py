@@ -79,21 +79,18 @@ def test_numbers_put_in_later_give_the_same_as_symbols(program: RandomProgram, p
 
 @given(program=programs())
 @settings(max_examples=150, deadline=None)
-def test_a_tape_is_in_order_complete_and_without_waste(program: RandomProgram) -> None:
+def test_improving_costs_nothing_and_a_tape_is_in_order_complete_and_without_waste(
+    program: RandomProgram,
+) -> None:
     graph = Graph()
-    tape = cut(*improve(graph, program.trace(graph)))
+    results = program.trace(graph)
+    better = improve(graph, results)
+    assert program_cost(*better) <= program_cost(graph, results)
+    tape = cut(*better)
     assert all(k < i for i, node in enumerate(tape.nodes) for k in node.operands)
     assert all(tape.use_counts)
     keys = [(n.op, n.operands, n.source, n.value) for n in tape.nodes]
     assert len(set(keys)) == len(keys)
-
-
-@given(program=programs())
-@settings(max_examples=150, deadline=None)
-def test_improving_never_costs_operations(program: RandomProgram) -> None:
-    graph = Graph()
-    results = program.trace(graph)
-    assert program_cost(*improve(graph, results)) <= program_cost(graph, results)
 
 
 def test_zero_and_one_leave_no_trace() -> None:
@@ -374,21 +371,21 @@ def test_quarter_turns_exchange_sine_and_cosine(theta: str, cosine_is: str, nega
     assert cut(graph, [cosine.ref, sine.ref]).operations == Operations(sin=1, cos=1)
 
 
-def test_other_offsets_go_into_the_angle() -> None:
-    program = build_program(robot("q1 + beta + pi/2", parameters="{beta: 0.3}"))
-    assert program["forward_kinematics"].operations == Operations(add=1, sin=1, cos=1)
-
-
-def test_a_parameter_that_is_a_quarter_turn_is_one() -> None:
-    program = build_program(robot("q1 + beta", parameters="{beta: pi/2}"))
-    assert program["forward_kinematics"].operations == Operations(sin=1, cos=1)
-
-
-@pytest.mark.parametrize("alpha", ["pi/2", "-pi/2", "pi", "3*pi/2", "2*pi", "beta"])
-def test_twists_by_quarter_turns_cost_nothing(alpha: str) -> None:
-    extra = {"parameters": "{beta: -pi/2}"} if alpha == "beta" else {}
-    program = build_program(robot("q1", alpha, **extra))
-    assert program["forward_kinematics"].operations == Operations(sin=1, cos=1)
+@pytest.mark.parametrize(
+    ("theta", "alpha", "beta", "additions"),
+    [
+        ("q1 + beta + pi/2", "0", "0.3", 1),
+        ("q1 + beta", "0", "pi/2", 0),
+        ("q1", "beta", "-pi/2", 0),
+        *(("q1", alpha, "", 0) for alpha in ("pi/2", "-pi/2", "pi", "3*pi/2", "2*pi")),
+    ],
+)
+def test_quarter_turns_cost_nothing_and_other_offsets_go_into_the_angle(
+    theta: str, alpha: str, beta: str, additions: int
+) -> None:
+    extra = {"parameters": f"{{beta: {beta}}}"} if beta else {}
+    program = build_program(robot(theta, alpha, **extra))
+    assert program["forward_kinematics"].operations == Operations(add=additions, sin=1, cos=1)
 
 
 def test_special_angles_are_algebraic_numbers() -> None:
