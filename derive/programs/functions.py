@@ -105,25 +105,21 @@ ROWS = (
         ),
         kinematics.jacobian_rates,
     ),
-    _row(
-        ("J_A = analytic_jacobian_rpy(q)", (6, "n")),
-        (
-            "Analytic Jacobian for roll, pitch, yaw.",
-            "rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit "
-            "of qd; no finite numbers where cos(pitch) = 0",
-        ),
-        partial(kinematics.analytic_jacobians, "rpy"),
-        is_optional=True,
-    ),
-    _row(
-        ("J_A = analytic_jacobian_zyz(q)", (6, "n")),
-        (
-            "Analytic Jacobian for Euler angles ZYZ.",
-            "rows: velocity of the end effector's origin [m/s], then rates of phi, theta and psi [rad/s], per unit "
-            "of qd; no finite numbers where sin(theta) = 0",
-        ),
-        partial(kinematics.analytic_jacobians, "zyz"),
-        is_optional=True,
+    *(
+        _row(
+            (f"J_A = analytic_jacobian_{kind}(q)", (6, "n")),
+            (
+                f"Analytic Jacobian for {angles}.",
+                f"rows: velocity of the end effector's origin [m/s], then rates of {rates} [rad/s], per unit of qd; no "
+                f"finite numbers where {singular} = 0",
+            ),
+            partial(kinematics.analytic_jacobians, kind),
+            is_optional=True,
+        )
+        for kind, angles, rates, singular in (
+            ("rpy", "roll, pitch, yaw", "roll, pitch and yaw", "cos(pitch)"),
+            ("zyz", "Euler angles ZYZ", "phi, theta and psi", "sin(theta)"),
+        )
     ),
     _row(
         ("B = inertia_matrix(q)", ("n", "n")),

@@ -42,7 +42,7 @@ from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import Q, TapeDomain
 from derive.programs.tape.value import Value
-from derive.robot.expression import Expression, Pi
+from derive.robot.expression import Pi
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.options.solution_policy import POLICY
 
@@ -112,16 +112,9 @@ class TapeField:
 
     def __init__(self, domain: TapeDomain) -> None:
         self.domain = domain
+        self.number, self.constant = domain.number, domain.constant
         self._angles: dict[tuple[int, int], tuple[Value, Value, Value]] = {}
         self._as_found: dict[tuple[Ref, Ref], tuple[Value, Value]] = {}
-
-    def number(self, value: int | Fraction) -> Value:
-        """A rational number."""
-        return self.domain.number(value)
-
-    def constant(self, expression: Expression) -> Value:
-        """A parameter, or a constant of the arm."""
-        return self.domain.constant(expression)
 
     def divide(self, a: Value, b: Value) -> Value:
         """The quotient; where the divisor is zero, what floats make of it."""

@@ -16,7 +16,6 @@ from derive.verification.tolerance import (
     TINY,
     TOLERANCE,
     Bounds,
-    bounds,
     largest,
     regressor_size,
     relative_errors,
@@ -142,7 +141,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     oracle = sample_set.oracle
     if not arguments:
         return _base_parameters(oracle)
-    limits = bounds(oracle, arguments[0])
+    limits = Bounds(oracle, arguments[0])
     if function == "forward_dynamics":
         return _accelerations(oracle, arguments, limits)
     value = oracle.evaluate(function, *arguments)
@@ -189,7 +188,7 @@ def _base_parameters(oracle: Oracle) -> BaseExpectation:
     q, qd, qdd = fitting_states(oracle.identification)
     torques = oracle.evaluate("inverse_dynamics", q, qd, qdd)
     rates = largest(qd)
-    size = np.maximum(np.abs(torques).max(axis=0), FLOOR * bounds(oracle, q).torque(rates, rates))
+    size = np.maximum(np.abs(torques).max(axis=0), FLOOR * Bounds(oracle, q).torque(rates, rates))
     size = np.where(size > 0, size, 1.0)
     matrix = oracle.evaluate("base_regressor", q, qd, qdd) / size[:, None]
     flat = matrix.reshape(-1, matrix.shape[-1])

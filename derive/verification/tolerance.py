@@ -8,7 +8,6 @@ its natural size counts, the bound that masses, lengths and rates give for that 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -40,18 +39,34 @@ def largest(argument: Array) -> Array:
     return np.asarray(np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Bounds:
     """Bounds of an arm's quantities over a set of configurations."""
 
-    reach: float  # from frame 0 to anything on the arm [m]
-    extent: float  # reach plus base and tool [m]
-    base_defect: float  # largest entry of R'R - 1 of the base, as written in the file
-    revolute: Array  # (n,) whether joint i turns
-    inertia: Array  # (n,) bound of B_ii
-    gravity: Array  # (n,) bound of g_i
-    potential: Array  # () bound of U
-    friction: Array  # (2, n) viscous and Coulomb coefficients, absolute values
+    def __init__(self, oracle: Oracle, q: Array) -> None:
+        arm = oracle.arm
+        # The longest way from joint i to anything beyond it: all lengths, slides extended, and the farthest mass.
+        travel = np.where(arm.revolute, 0.0, largest(q))
+        lengths = np.abs(arm.a) + np.abs(arm.d) + travel
+        com = np.linalg.norm(arm.com, axis=-1)
+        reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
+        lever = np.maximum(reach, FAR * reach[0])
+        # What joint i carries, and its weight; its own rotor sits on the link before.
+        mass = _carried(arm.mass) + _carried(arm.rotor_mass) - arm.rotor_mass
+        whole, weight = np.abs(arm.mass).sum() + np.abs(arm.rotor_mass).sum(), np.linalg.norm(arm.gravity)
+        tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
+        # B_ii <= sum m r^2 + tensors; one r is at least the share of the whole reach whose rounding it carries.
+        turning = mass * reach * lever + _carried(tensors) + _carried(arm.rotor_inertia)
+        own = arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)
+        farthest = reach[0] + np.linalg.norm(arm.base[:3, 3])
+        self.reach = float(reach[0])  # from frame 0 to anything on the arm [m]
+        # Reach plus base and tool [m], and the largest entry of R'R - 1 of the base, as written in the file.
+        self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
+        self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
+        self.revolute = arm.revolute  # (n,) whether joint i turns
+        self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
+        self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
+        self.potential: Array = whole * weight * farthest  # () bound of U
+        self.friction = np.abs([arm.viscous, arm.coulomb])  # (2, n) viscous and Coulomb coefficients, absolute values
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
         """Natural size of each entry of a generated function's value."""
@@ -119,35 +134,6 @@ class Bounds:
         """
         steps = {"jacobian": 4.0, "jacobian_end": 8.0, "jacobian_dot": 8.0, **dict.fromkeys(ANGLES, 8.0)}
         return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
-
-
-def bounds(oracle: Oracle, q: Array) -> Bounds:
-    """The bounds of an arm at some configurations."""
-    arm = oracle.arm
-    # The longest way from joint i to anything beyond it: all lengths, slides extended, and the farthest centre of mass.
-    travel = np.where(arm.revolute, 0.0, largest(q))
-    lengths = np.abs(arm.a) + np.abs(arm.d) + travel
-    com = np.linalg.norm(arm.com, axis=-1)
-    reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
-    lever = np.maximum(reach, FAR * reach[0])
-    # What joint i carries, and its weight; its own rotor sits on the link before.
-    mass = _carried(arm.mass) + _carried(arm.rotor_mass) - arm.rotor_mass
-    force = mass * np.linalg.norm(arm.gravity)
-    tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
-    # B_ii <= sum m r^2 + tensors; one r is at least the share of the whole reach whose rounding it carries.
-    turning = mass * reach * lever + _carried(tensors) + _carried(arm.rotor_inertia)
-    return Bounds(
-        reach=float(reach[0]),
-        extent=float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum()),
-        base_defect=float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max()),
-        revolute=arm.revolute,
-        inertia=np.where(arm.revolute, turning, mass) + (arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)),
-        gravity=np.where(arm.revolute, force * lever, force),
-        potential=(np.abs(arm.mass).sum() + np.abs(arm.rotor_mass).sum())
-        * np.linalg.norm(arm.gravity)
-        * (reach[0] + np.linalg.norm(arm.base[:3, 3])),
-        friction=np.abs([arm.viscous, arm.coulomb]),
-    )
 
 
 def _carried(values: Array) -> Array:

@@ -22,7 +22,7 @@ from derive.verification.octave_model import find_octave, octave_package, runnin
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.samples import SampleSet, sample_sets
-from derive.verification.tolerance import TOLERANCE, bounds, regressor_size, relative_errors
+from derive.verification.tolerance import TOLERANCE, Bounds, regressor_size, relative_errors
 from derive.verification.trials import BLOCK_ROWS, trials
 from derive.verification.verify import verify
 from tests.targets.generated_models import needs_compiler, needs_octave, write_package
@@ -130,7 +130,7 @@ def test_values_keep_within_their_natural_size(name: str) -> None:
         arguments = tuple(samples.arguments[argument] for argument in FUNCTIONS[function].arguments)
         if function in NOT_BOUNDED:
             continue
-        limits = bounds(oracle, arguments[0])
+        limits = Bounds(oracle, arguments[0])
         if FUNCTIONS[function].identifies:
             assert oracle.identification is not None
             size = regressor_size(limits, oracle.identification, function, arguments[1:])
@@ -143,7 +143,7 @@ def test_values_keep_within_their_natural_size(name: str) -> None:
 
 def test_a_function_without_a_natural_size_is_no_silent_zero() -> None:
     samples = samples_of("scara-perugia")
-    limits = bounds(samples.oracle, samples.arguments["q"])
+    limits = Bounds(samples.oracle, samples.arguments["q"])
     with pytest.raises(KeyError, match="hovering"):
         limits.natural_size("hovering", (samples.arguments["q"],))
 

@@ -135,11 +135,7 @@ class PrimeField(_ArrayMasks):
 
     def __init__(self, residues: ResidueDomain, numbers: Mapping[str, Expression]) -> None:
         self.residues, self.numbers = residues, numbers
-        self.prime = residues.prime
-
-    def number(self, value: int | Fraction) -> Residue:
-        """A rational modulo the prime."""
-        return self.residues.number(value)
+        self.prime, self.number = residues.prime, residues.number  # a rational modulo the prime
 
     def constant(self, expression: Expression) -> Residue:
         """The residue of a parameter or constant."""
