@@ -41,6 +41,7 @@ from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import Q, TapeDomain
+from derive.programs.tape.tape import Layer
 from derive.programs.tape.value import Value
 from derive.robot.expression import Pi
 from derive.robot.options.inverse import FREEDOMS
@@ -126,7 +127,7 @@ class TapeField:
 
     def is_zero(self, a: Value, scale: Value) -> Mask:
         """Whether a coefficient is zero within rounding."""
-        if not a.depends_on_arguments:  # a length of the arm, and no matter of the pose
+        if a.graph.layer[node_of(a.ref)] is not Layer.BODY:  # a length of the arm, and no matter of the pose
             return ~Mask(self.number(0).less(abs(a)))
         return ~Mask((scale * Fraction(ZERO)).less(abs(a)))
 

@@ -172,11 +172,6 @@ class Evidence:
         full = np.broadcast_to(value.values, (1, self._samples)).reshape(self.poses, self._width)
         return Residue(self.prime, full[None, :, 0])
 
-    def complexity(self, equation: int) -> int:
-        """How much there is to an equation besides what it depends on: its entry, and how many joints M has."""
-        cut, entry = self.equations[equation]
-        return cut.last - cut.first + {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}[entry[0]] + 3 * ("." in entry)
-
     def _table(self, links: Links[Residue], cuts: Sequence[Cut], pose: Atoms[Residue]) -> Array:
         """The difference of both sides of every equation in every sample, with W as given at each of the poses."""
         pool = Pool(links, pose.mapped(lambda value: Residue(self.prime, np.repeat(value.values, self._width, axis=1))))

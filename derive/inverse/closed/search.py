@@ -178,7 +178,7 @@ class Search:
 
     @cached_property
     def lengths(self) -> Array:
-        """For each equation how much it is made of: what it depends on, its cut and its dimension."""
+        """For each equation how much it is made of: what it depends on, its entry, and how many joints M has."""
         evidence = self.evidence
         groups = evidence.domain.groups
         touched = np.zeros(len(evidence.equations), dtype=np.int64)
@@ -187,8 +187,9 @@ class Search:
             touched += np.maximum(links - 1, 0)
         for joint in self._slides:
             touched += self._depends[Change(-1, joint)]
-        own = np.array([evidence.complexity(k) for k in range(len(evidence.equations))], dtype=np.int64)
-        return 8 * touched + own
+        kinds = {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}
+        own = [cut.last - cut.first + kinds[entry[0]] + 3 * ("." in entry) for cut, entry in evidence.equations]
+        return 8 * touched + np.array(own, dtype=np.int64)
 
     def others(self, step: SearchStep, first: Choice, special: Evidence) -> Iterator[Choice]:
         """Choices for poses at which the first one fails, the one that helps at most of them first.

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from derive.programs.tape import cases
 from derive.programs.tape.graph import ONE, Graph, Ref, is_negative, negated, node_of
-from derive.programs.tape.tape import Layer, Op
+from derive.programs.tape.tape import Op
 
 
 class Value:
@@ -110,11 +110,6 @@ class Value:
     def minimum(self, other: Value | int | Fraction) -> Value:
         """The smaller of two values."""
         return Value(self.graph, cases.extreme(self.graph, Op.MINIMUM, self.ref, self._other(other)))
-
-    @property
-    def depends_on_arguments(self) -> bool:
-        """Whether it is computed anew in every evaluation."""
-        return self.graph.layer[self.ref >> 1] is Layer.BODY
 
     def __abs__(self) -> Value:
         return Value(self.graph, self.graph.absolute(self.ref))
