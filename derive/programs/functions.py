@@ -4,8 +4,6 @@ A further function is one more row here, with what traces it in `derive.programs
 The oracle of `derive.verification` has its own table, lest a mistake is made twice, and the yardstick of its errors.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial

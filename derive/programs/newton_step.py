@@ -11,8 +11,6 @@ move by w x r_j; two such motions have the product 2 w.v, and that with r_j - t_
 three rows of weight 2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import reduce

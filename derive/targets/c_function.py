@@ -4,8 +4,6 @@ A function has three parts: work on parameters alone, the angles, and everything
 the last two: they are taken of all angles at once, which is what lets a compiler vectorise them across configurations.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod

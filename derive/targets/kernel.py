@@ -3,8 +3,6 @@
 A value that is used once is written where it is used, unless it is long; any other gets a name in a line of its own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count

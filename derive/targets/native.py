@@ -1,7 +1,5 @@
 """``model_native.py``: the C functions of a robot as NumPy generalised ufuncs, compiled when the folder is built."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import prod
 from typing import Any

@@ -4,8 +4,6 @@ A configuration is a column and a batch has a column for each, as MATLAB's users
 Octave has no private functions in packages.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from math import inf, prod

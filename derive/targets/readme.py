@@ -1,7 +1,5 @@
 """The README page of a generated folder: what is in it and how to use it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 

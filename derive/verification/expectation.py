@@ -1,7 +1,5 @@
 """What a generated function has to return, and how far off a returned value is."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Python is imported by path, without leaving a trace in this process or in its fo
 called through ctypes (`derive.verification.c_model`) or ``casadi.external`` (``model_casadi.c``).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ solutions must differ; and a pose out of reach must have none. One pose and a ba
 without orientation must have the same solutions whatever that is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ is not compared with a large shoulder inertia. Where an entry vanishes only roun
 its natural size counts, the bound that masses, lengths and rates give for that entry.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`verify`: compare everything that was generated with the independent recursion, and fail where it differs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass

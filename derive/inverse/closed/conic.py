@@ -8,8 +8,6 @@ and two other roots coincide; so the lines are as exact as the coefficients are,
 Richter-Gebert, Perspectives on Projective Geometry, 2011, chapter 11, has how a conic is split into lines).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import reduce

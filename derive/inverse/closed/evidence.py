@@ -7,8 +7,6 @@ does not change with it does not determine it; else the value is a polynomial in
 coefficients are found by interpolation. All is done at once, for all equations, as arrays of residues.
 """
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The numbers over which a graph of solutions is run: floats, complex numbers, integers modulo a prime."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any

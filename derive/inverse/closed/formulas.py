@@ -4,8 +4,6 @@ The search works with numbers modulo a prime; here the equations it chose are ta
 one unknown and what is known, and made the formulas of nodes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction

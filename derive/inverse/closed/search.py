@@ -6,8 +6,6 @@ finds a slide. A step needs an equation in which nothing else is unknown. The be
 then the simplest steps; of equal ones the one that goes from the base to the tip, then the one of shorter equations.
 """
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ the arm reaches, the leaves that lead back to the pose are counted: all of them 
 of the graph has a value, which is so at one of many poses. Graphs with quartics are run over the complex numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace

@@ -5,8 +5,6 @@ to solutions before Newton's method has had any luck with them. The node of the 
 joint, so that where one leaves a doubt the next is asked.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterator, Sequence

@@ -13,8 +13,6 @@ a frame (x, y, z) at p leaves alone (`frame_action`),
 All of it runs over floats and over integers modulo a prime alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

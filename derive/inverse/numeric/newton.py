@@ -9,8 +9,6 @@ Sources: J. More, The Levenberg-Marquardt algorithm, 1978; A. Chao, Nonparametri
 1984 (when to stop); B. Siciliano et al., Robotics, section 3.7 (inverse kinematics algorithms).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ what is left of T when the other matrices are brought to its side. Both are the 
 between cut and frame do no more than turn by right angles; else the equation is said by axes.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 from enum import StrEnum

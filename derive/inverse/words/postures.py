@@ -11,8 +11,6 @@ a singularity (cuspidal arms, Wenger, 2007) have no such words.
 - wrist: flipped where the angle from the axis before to the axis behind its middle joint is negative.
 """
 
-from __future__ import annotations
-
 import random
 from collections import Counter
 from collections.abc import Sequence

@@ -4,8 +4,6 @@ For small arms, or where most inertial parameters vanish, the expanded polynomia
 common parts are found. For others it grows out of bounds, so only short ones are offered.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property

@@ -1,7 +1,5 @@
 """One robot's graph, and what all functions that are traced on it start from."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property

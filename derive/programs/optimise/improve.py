@@ -3,8 +3,6 @@
 The hoisted part of a program is improved like a body, with the parameters for arguments.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from derive.programs.optimise.convert import graph_of, network_of

@@ -8,8 +8,6 @@ with v, or a length a thousand times larger. So a difference is allowed only bet
 what v depends on and that are not much larger than v at some random points.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """From a traced graph to a tape: numbers put in and folded, unneeded nodes left out, the rest put in order."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 

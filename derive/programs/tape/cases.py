@@ -4,8 +4,6 @@ A case is 1 or 0, so *and* is a product or a minimum, *or* a maximum, and *not* 
 as sums and products are: choices between opposites are opposite, and known cases leave no trace.
 """
 
-from __future__ import annotations
-
 from derive.algebra import constants
 from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, negated, node_of, ref_to, signed
 from derive.programs.tape.tape import Layer, Op

@@ -4,8 +4,6 @@ Candidates: depth first from the outputs, with either operand first; and each of
 a further live value moved forward. The order with the lowest peak is taken, the lowest sum of live values among equals.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from heapq import heappop, heappush
 

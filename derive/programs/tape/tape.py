@@ -6,8 +6,6 @@ done once per call) and the body (depends on the arguments). A change of sign is
 beside the operand, and only outputs, square roots and the choice among cases ever need one.
 """
 
-from __future__ import annotations
-
 import operator
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence

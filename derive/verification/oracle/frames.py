@@ -7,8 +7,6 @@ Every function takes configurations ``(..., n)``, real or complex: complex ones 
 so nothing here conjugates. Inside, everything is in frame 0; the base transform is applied last.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -5,8 +5,6 @@ the wrench of one unit of them on the Jacobian of that origin. Base parameters a
 columns to the torques finds: no formula of theirs is used.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

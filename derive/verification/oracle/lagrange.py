@@ -4,8 +4,6 @@ Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and Control
 configurations ``(..., n)``.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from derive.verification.oracle.frames import (

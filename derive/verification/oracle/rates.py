@@ -4,8 +4,6 @@ The angles' rates come from those of the rotation's entries, d atan2(y, x) = (x 
 closed forms of roll, pitch, yaw and Euler ZYZ (Siciliano, Sciavicco, Villani, Oriolo, Robotics, section 2.4).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 
