@@ -6,8 +6,6 @@ graph says, and by complex conjugation an even number less. With ``every`` a few
 solutions, and so are singular, boundary and unreachable ones.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

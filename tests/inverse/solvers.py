@@ -1,7 +1,5 @@
 """Solvers on trial, all under one interface: poses and given joints in, branches out."""
 
-from __future__ import annotations
-
 import tempfile
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Every arm's solutions against the truth: all of them, none twice, none wrong, none of poses out of reach."""
 
-from __future__ import annotations
-
 import itertools
 import random
 from functools import cache, partial

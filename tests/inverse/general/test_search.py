@@ -1,7 +1,5 @@
 """General arms: closure, elimination and candidates, the search of all solutions, and their number."""
 
-from __future__ import annotations
-
 import math
 import os
 import subprocess
