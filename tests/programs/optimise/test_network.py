@@ -183,29 +183,19 @@ def test_a_sum_in_two_products_is_shared_until_nothing_saves() -> None:
     settled = network.cost
     Extractor(network).run()
     assert network.cost == settled
-
-
-def test_what_occurs_once_is_left_alone() -> None:
-    graph, (a, b, *_), _ = names()
-    network = network_of(graph, [(a * b).ref])
+    network = network_of(graph, [(a * b).ref])  # what occurs once is left alone
     before = network.cost
     Extractor(network).run()
     assert network.cost == before
 
 
-def test_the_modulus_is_prime() -> None:
-    """By Fermat, for enough bases to leave no doubt about 2^61 - 1."""
+def test_residues_are_fixed_scattered_and_follow_the_operations_modulo_a_prime() -> None:
+    """2^61 - 1 is prime by Fermat, for enough bases to leave no doubt."""
     assert all(pow(base, PRIME - 1, PRIME) == 1 for base in (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37))
-
-
-def test_residues_are_fixed_and_scattered() -> None:
     found = [scatter("parameter", k) for k in range(1000)]
     assert found == [scatter("parameter", k) for k in range(1000)]
     assert len(set(found)) == 1000
     assert all(0 <= residue < PRIME for residue in found)
-
-
-def test_residues_follow_the_operations() -> None:
     a, b = scatter("a"), scatter("b")
     assert residue_of(Op.ADD, [a, b]) == (a + b) % PRIME
     assert residue_of(Op.MULTIPLY, [a, b]) == a * b % PRIME
