@@ -242,11 +242,6 @@ def right_model(robot: Robot = PLANAR) -> NumpyModel:
     return NumpyModel(numpy_model(robot, program))
 
 
-def planar_samples() -> tuple[SampleSet, ...]:
-    """Configurations, the first of which is singular."""
-    return sample_sets(PLANAR, 12, np.random.default_rng(2))
-
-
 @dataclass(frozen=True)
 class Faulty:
     change: Change
@@ -307,5 +302,6 @@ OF_ONE_JOINT = np.array([[[0, 0], [1, 0]]])  # of the second branch
     ],
 )
 def test_every_fault_is_found(change: Change, message: str) -> None:
+    samples = sample_sets(PLANAR, 12, np.random.default_rng(2))  # the first configuration is singular
     with pytest.raises(VerificationError, match=message):
-        list(inverse_errors(PLANAR, Faulty(change, right_model()), planar_samples(), "report it"))
+        list(inverse_errors(PLANAR, Faulty(change, right_model()), samples, "report it"))

@@ -418,9 +418,6 @@ def test_division_in_cells_is_one_operation() -> None:
     program = build_program(robot("q1", a="x/y + y**-2"))
     hoisted = program["forward_kinematics"].hoisted_operations
     assert hoisted == Operations(mul=1, add=1, div=2)
-    sources = [node.source for node in _nodes(program) if node.layer is Layer.BODY and node.source]
+    nodes = [node for function in program for node in function.tape.nodes]
+    sources = [node.source for node in nodes if node.layer is Layer.BODY and node.source]
     assert {source.kind for source in sources} == {"q", "qd"}
-
-
-def _nodes(program: object) -> list[object]:
-    return [node for function in program for node in function.tape.nodes]  # type: ignore[attr-defined]
